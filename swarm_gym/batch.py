@@ -1,0 +1,121 @@
+"""A batch of swarms as a decision process: actions in, observations, rewards and information out.
+
+Both environments are thin shells around this class, so that one swarm alone and one of many go through the
+same arithmetic.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from swarm_gym.action import make_action
+from swarm_gym.errors import StepOrderError
+from swarm_gym.observation import make_observation
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.reward import Transition, make_reward
+from swarm_gym.settings import Settings
+from swarm_gym.simulation import Simulation
+
+Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+
+class SwarmBatch:
+    """B swarms behind the action, observation and reward that the settings name.
+
+    Attributes:
+        simulation: the swarms themselves.
+        action_space: of one swarm.
+        observation_space: of one swarm.
+    """
+
+    def __init__(
+        self,
+        optimizer: str,
+        options: Mapping[str, Any],
+        num_swarms: int,
+        num_threads: int | None = None,
+    ):
+        optimizer_class = get_optimizer(optimizer)
+        self.settings = Settings.from_options(optimizer_class, options)
+        self._action = make_action(self.settings)
+        self._observation = make_observation(self.settings.observation)
+        self._reward = make_reward(self.settings.reward)
+        self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
+        self.action_space: Box = self._action.space
+        self.observation_space: Box = self._observation.space(self.simulation)
+
+    def reset(
+        self,
+        chosen: Flags,
+        generators: list[np.random.Generator],
+        options: Mapping[str, Any] | None,
+    ) -> None:
+        """Begin episodes in the chosen swarms, seeded from their generators, one per swarm."""
+        seeds = [episode_seed(generators[row]) for row in np.flatnonzero(chosen)]
+        self.simulation.reset(chosen, seeds, options)
+
+    def step(self, chosen: Flags, actions: object) -> tuple[Floats, Flags]:
+        """Advance the chosen swarms; returns rewards and whether their episodes ended, each (B,).
+
+        Raises:
+            ActionError: for an action that is not in the action space.
+            StepOrderError: if a chosen swarm has no episode under way.
+        """
+        simulation = self.simulation
+        idle = chosen & ~simulation.running
+        if idle.any():
+            started = simulation.swarms.size[idle] > 0
+            reason = "the episode has ended" if started.all() else "there was no reset yet"
+            raise StepOrderError(
+                f"step of swarm {int(np.argmax(idle))}: {reason}; call reset() first"
+            )
+        sizes, repair_degrees = self._action.decode(actions, chosen)
+        evaluations = simulation.swarms.evaluations.copy()
+        gap_before = simulation.gap()
+        simulation.step(chosen, sizes, repair_degrees)
+        ended = chosen & ~simulation.running
+        spent = simulation.swarms.evaluations - evaluations
+        reward = self._reward(
+            Transition(
+                simulation.initial_gap,
+                gap_before,
+                simulation.gap(),
+                self.settings.price * spent / self.settings.reference_evaluations,
+                ended,
+            )
+        )
+        return np.where(chosen, reward, 0.0), ended
+
+    def observe(self) -> NDArray:
+        """Observations of all swarms, (B, k), a new array."""
+        space = self.observation_space
+        return np.clip(self._observation.observe(self.simulation), space.low, space.high)
+
+    def info(self) -> dict[str, NDArray]:
+        """Information on all swarms, arrays with a leading axis of length B, new at each call.
+
+        `optimality_gap` is NaN where the optimum is unknown or the episode goes on.
+        """
+        simulation, swarms = self.simulation, self.simulation.swarms
+        rows = np.arange(simulation.num_swarms)
+        names = np.array([problem.scenario.name for problem in simulation.problems], dtype=object)
+        return {
+            "best_fitness": swarms.best_fitness.copy(),
+            "best_collision": swarms.best_collision.copy(),
+            "best_path": simulation.best_paths(),
+            "evaluations": swarms.evaluations.copy(),
+            "population_size": swarms.size.copy(),
+            "feasible_share": swarms.summary[:, 3].copy(),
+            "repair_degree": simulation.history[rows, simulation.iteration, 2],
+            "scenario": names[swarms.problem],
+            "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
+        }
+
+
+def episode_seed(generator: np.random.Generator) -> np.random.SeedSequence:
+    """The seed of the next episode of a swarm; advances the generator."""
+    return np.random.SeedSequence(generator.integers(0, 2**32, size=8).tolist())

@@ -1,0 +1,66 @@
+"""One decorator for every compiled kernel, with a cache that cannot be stale.
+
+Numba's cache looks at the file of the cached function only: an edit in a *called* function of another
+file goes unnoticed, and code compiled without bounds checks is reused when they are asked for. Here the
+cache folder is named by a digest of all sources of the package and of the bounds-check flag, so neither
+can happen.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import platformdirs
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+@cache
+def cache_folder() -> Path:
+    """Folder for compiled kernels of exactly these sources.
+
+    It lies in `SWARM_GYM_CACHE` where that is set, else in the user's cache folder.
+    """
+    digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
+    package = Path(__file__).parent
+    for source in sorted(package.rglob("*.py")):
+        digest.update(str(source.relative_to(package)).encode())
+        digest.update(source.read_bytes())
+    base = os.environ.get("SWARM_GYM_CACHE") or platformdirs.user_cache_dir("swarm_gym")
+    return Path(base) / "kernels" / digest.hexdigest()[:16]
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function of plain arrays, numbers and NamedTuples of these, when it is first called.
+
+    The interpreter lock is released while it runs. Floating-point sums keep the order they are
+    written in (no `fastmath`), so a kernel gives the same bits wherever it is called from.
+    """
+    return _compile(function)
+
+
+def inlined_kernel(function: Function) -> Function:
+    """Like `kernel`, and copied into its callers: for what runs once per move or oftener.
+
+    A call that is not inlined passes every array of a NamedTuple on the stack, which costs more than
+    a small kernel does.
+    """
+    return _compile(function, forceinline=True)
+
+
+def parallel_kernel(function: Function) -> Function:
+    """Like `kernel`, with the iterations of `numba.prange` spread over threads."""
+    return _compile(function, parallel=True)
+
+
+def _compile(function: Function, **options: bool) -> Function:
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_folder())
+    try:
+        return numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    finally:
+        numba.config.CACHE_DIR = previous

@@ -1,0 +1,131 @@
+"""Observations: what a controller sees of a swarm.
+
+A layout is a list of features. The paper's four numbers come in map units and iterations, unscaled, so that
+its schedule can be computed from them exactly. The layouts for networks are scaled by fixed numbers: there
+are no running statistics to save or to lose.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.simulation import Simulation
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One number per swarm, with finite bounds."""
+
+    name: str
+    values: Callable[[Simulation], Floats]  # to shape (B,)
+    high: Callable[[Simulation], float]
+    low: float = 0.0
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A named list of features."""
+
+    name: str
+    features: tuple[Feature, ...]
+    dtype: type[np.floating]
+
+    def space(self, simulation: Simulation) -> Box:
+        """The space of one swarm's observation, shape (number of features,)."""
+        low = np.array([feature.low for feature in self.features], dtype=self.dtype)
+        high = np.array([feature.high(simulation) for feature in self.features], dtype=self.dtype)
+        return Box(low, high, dtype=self.dtype)
+
+    def observe(self, simulation: Simulation) -> NDArray:
+        """Observations (B, number of features), a new array, up to rounding inside the bounds."""
+        columns = [feature.values(simulation) for feature in self.features]
+        return np.stack(columns, axis=1).astype(self.dtype)
+
+    def __reduce__(self) -> tuple[Callable[[str], "Observation"], tuple[str]]:
+        # Pickled by name: features are functions.
+        return make_observation, (self.name,)
+
+
+def _collision_bound(simulation: Simulation) -> float:
+    return max(problem.collision_bound for problem in simulation.problems)
+
+
+def _summary(column: int) -> Callable[[Simulation], Floats]:
+    return lambda simulation: simulation.swarms.summary[:, column]
+
+
+def _log_scaled(column: int) -> Callable[[Simulation], Floats]:
+    return lambda simulation: np.log1p(simulation.swarms.summary[:, column]) / 8.0
+
+
+def _log_bound(simulation: Simulation) -> float:
+    return float(np.log1p(_collision_bound(simulation))) / 8.0
+
+
+def _one(_: Simulation) -> float:
+    return 1.0
+
+
+PAPER = (
+    Feature("population collision E(P)", _summary(0), _collision_bound),
+    Feature("mean collision", _summary(1), _collision_bound),
+    Feature("standard deviation of the collision", _summary(2), _collision_bound),
+    Feature("iteration", lambda s: s.iteration.astype(np.float64), lambda s: s.settings.iterations),
+)
+SCALED = (
+    Feature("log(1 + E(P)) / 8", _log_scaled(0), _log_bound),
+    Feature("log(1 + mean collision) / 8", _log_scaled(1), _log_bound),
+    Feature("log(1 + standard deviation of the collision) / 8", _log_scaled(2), _log_bound),
+    Feature("share of the iterations done", lambda s: s.iteration / s.settings.iterations, _one),
+)
+EXTENDED = (
+    *SCALED,
+    Feature(
+        "log population size, relative to that of the largest",
+        lambda s: np.log1p(s.swarms.size) / np.log1p(s.settings.max_population_size),
+        _one,
+    ),
+    Feature("feasible share", _summary(3), _one),
+    Feature(
+        "log(best fitness / lower bound)",
+        lambda s: np.log(s.swarms.best_fitness / s.lower_bounds[s.swarms.problem]),
+        lambda _: 4.0,
+    ),
+    Feature(
+        "log(E(P) / first E(P)) / 8",
+        lambda s: np.log((1.0 + s.swarms.summary[:, 0]) / (1.0 + s.history[:, 0, 0])) / 8.0,
+        _one,
+        low=-1.0,
+    ),
+    Feature(
+        "evaluations / reference evaluations, as x / (1 + x)",
+        lambda s: s.swarms.evaluations / (s.swarms.evaluations + s.settings.reference_evaluations),
+        _one,
+    ),
+)
+
+OBSERVATIONS: dict[str, Observation] = {
+    layout.name: layout
+    for layout in (
+        Observation("paper", PAPER, np.float64),
+        Observation("scaled", SCALED, np.float32),
+        Observation("extended", EXTENDED, np.float32),
+    )
+}
+
+
+def make_observation(name: str) -> Observation:
+    """The observation layout of that name.
+
+    Raises:
+        UnknownNameError: if there is none.
+    """
+    if name not in OBSERVATIONS:
+        raise UnknownNameError("observation layout", name, OBSERVATIONS)
+    return OBSERVATIONS[name]

@@ -1,0 +1,32 @@
+"""How a problem is solved: one file per optimizer.
+
+To add one: write a class after `firefly.Firefly` and enter it in `OPTIMIZERS`; it is then the environment
+`swarm_gym/<Class>-v0`, and under the contract tests.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from swarm_gym.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from swarm_gym.optimizers.optimizer import Optimizer
+
+__all__ = ["OPTIMIZERS", "get_optimizer"]
+
+# Name to module and class, imported when first asked for: importing Numba takes a while.
+OPTIMIZERS: dict[str, tuple[str, str]] = {
+    "firefly": ("swarm_gym.optimizers.firefly", "Firefly"),
+}
+
+
+def get_optimizer(name: str) -> "type[Optimizer]":
+    """The optimizer class of that name.
+
+    Raises:
+        UnknownNameError: if there is none.
+    """
+    if name not in OPTIMIZERS:
+        raise UnknownNameError("optimizer", name, OPTIMIZERS)
+    module, cls = OPTIMIZERS[name]
+    return getattr(import_module(module), cls)

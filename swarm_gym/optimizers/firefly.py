@@ -1,0 +1,207 @@
+"""Firefly algorithm with sequential pair moves.
+
+Sources: X.-S. Yang, "Firefly algorithms for multimodal optimization", SAGA 2009; in the form of the SPSFA
+paper, Algorithm 1 and eq. 13-15. Every firefly looks at every other in turn and moves at once towards each
+that is brighter *now*; it is repaired and evaluated after each move. One iteration of m fireflies makes up to
+m (m - 1) moves, about half of that in practice.
+"""
+
+import math
+from typing import ClassVar
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import inlined_kernel, kernel, parallel_kernel
+from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.population import (
+    Swarms,
+    Workspace,
+    add_members,
+    clear,
+    evaluate_path,
+    make_workspace,
+    resize,
+    summarise,
+)
+from swarm_gym.problem.repair import repair
+from swarm_gym.problem.waypoints import WaypointTable, select
+from swarm_gym.random_stream import fill_uniform
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+@inlined_kernel
+def squared_distance(path: Floats, position: Floats) -> float:
+    """Squared distance of a path with its ends, shape (n + 2,), from a position, shape (n,)."""
+    n = position.shape[0]
+    sum0, sum1, sum2, sum3 = 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 4
+    for k in range(0, whole, 4):
+        sum0 += (position[k] - path[k + 1]) * (position[k] - path[k + 1])
+        sum1 += (position[k + 1] - path[k + 2]) * (position[k + 1] - path[k + 2])
+        sum2 += (position[k + 2] - path[k + 3]) * (position[k + 2] - path[k + 3])
+        sum3 += (position[k + 3] - path[k + 4]) * (position[k + 3] - path[k + 4])
+    for k in range(whole, n):
+        sum0 += (position[k] - path[k + 1]) * (position[k] - path[k + 1])
+    return (sum0 + sum1) + (sum2 + sum3)
+
+
+@inlined_kernel
+def move_towards(
+    table: WaypointTable,
+    work: Workspace,
+    brighter: Floats,
+    alpha: float,
+    beta0: float,
+    gamma: float,
+) -> None:
+    """Move `work.path` towards a brighter position, shape (n,), with the noise in `work.noise`."""
+    path = work.path
+    attraction = beta0 * math.exp(-gamma * squared_distance(path, brighter))  # eq. 13, 14
+    for k in range(brighter.shape[0]):
+        moved = (
+            path[k + 1]
+            + attraction * (brighter[k] - path[k + 1])
+            + alpha * (work.noise[k] - 0.5)  # eq. 15
+        )
+        path[k + 1] = min(max(moved, table.lower[k]), table.upper[k])
+
+
+@kernel
+def iterate(
+    swarms: Swarms,
+    b: int,
+    table: WaypointTable,
+    work: Workspace,
+    repair_degree: float,
+    knobs: Floats,
+) -> None:
+    """One iteration of swarm `b` (Algorithm 1); ends early where the evaluation budget is spent."""
+    alpha, beta0, gamma = knobs[0], knobs[1], knobs[2]
+    positions, fitness, collision = swarms.positions[b], swarms.fitness[b], swarms.collision[b]
+    size, n = swarms.size[b], positions.shape[1]
+    for i in range(size):
+        for k in range(n):
+            work.path[k + 1] = positions[i, k]
+        for j in range(size):
+            if fitness[j] < fitness[i]:
+                if swarms.evaluations[b] >= swarms.budget[b]:
+                    break
+                fill_uniform(swarms.stream[b], work.noise)
+                move_towards(table, work, positions[j], alpha, beta0, gamma)
+                if repair_degree > 0.0:
+                    repair(table, work.path, repair_degree)
+                fitness[i], collision[i] = evaluate_path(swarms, b, table, work)
+        for k in range(n):
+            positions[i, k] = work.path[k + 1]
+
+
+@kernel
+def initialise_swarm(
+    swarms: Swarms, b: int, tables: WaypointTable, size: int, mean_weight: float
+) -> None:
+    """Draw and evaluate the first population of swarm `b`."""
+    table = select(tables, swarms.problem[b])
+    work = make_workspace(swarms.positions.shape[2])
+    clear(swarms, b)
+    add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
+    summarise(swarms, b, mean_weight)
+
+
+@kernel
+def step_swarm(
+    swarms: Swarms,
+    b: int,
+    tables: WaypointTable,
+    size: int,
+    repair_degree: float,
+    knobs: Floats,
+    mean_weight: float,
+) -> None:
+    """Resize swarm `b`, advance it by one iteration and summarise it."""
+    table = select(tables, swarms.problem[b])
+    work = make_workspace(swarms.positions.shape[2])
+    resize(swarms, b, table, work, size)
+    iterate(swarms, b, table, work, repair_degree, knobs)
+    summarise(swarms, b, mean_weight)
+
+
+@kernel
+def step_serial(
+    swarms: Swarms,
+    tables: WaypointTable,
+    chosen: Flags,
+    sizes: Integers,
+    repair_degrees: Floats,
+    knobs: Floats,
+    mean_weight: float,
+) -> None:
+    """`step_swarm` for the chosen swarms, one after the other."""
+    for b in range(sizes.shape[0]):
+        if chosen[b]:
+            step_swarm(swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
+
+
+@parallel_kernel
+def step_parallel(
+    swarms: Swarms,
+    tables: WaypointTable,
+    chosen: Flags,
+    sizes: Integers,
+    repair_degrees: Floats,
+    knobs: Floats,
+    mean_weight: float,
+) -> None:
+    """`step_swarm` for the chosen swarms, spread over threads."""
+    for b in numba.prange(sizes.shape[0]):
+        if chosen[b]:
+            step_swarm(swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
+
+
+@kernel
+def initialise_swarms(
+    swarms: Swarms, tables: WaypointTable, chosen: Flags, sizes: Integers, mean_weight: float
+) -> None:
+    """`initialise_swarm` for the chosen swarms."""
+    for b in range(sizes.shape[0]):
+        if chosen[b]:
+            initialise_swarm(swarms, b, tables, sizes[b], mean_weight)
+
+
+class Firefly(Optimizer):
+    """The firefly algorithm of the SPSFA paper, with the parameters printed there."""
+
+    name = "firefly"
+    knobs: ClassVar[dict[str, Knob]] = {
+        "noise": Knob(2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units"),
+        "attractiveness": Knob(0.1, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0"),
+        "absorption": Knob(5e-6, 0.0, 1e3, "gamma", "decay of the attraction, per squared map unit"),
+    }
+
+    @staticmethod
+    def initialise(  # noqa: D102
+        swarms: Swarms,
+        tables: WaypointTable,
+        chosen: Flags,
+        sizes: Integers,
+        mean_weight: float,
+    ) -> None:
+        initialise_swarms(swarms, tables, chosen, sizes, mean_weight)
+
+    @staticmethod
+    def step(  # noqa: D102
+        swarms: Swarms,
+        tables: WaypointTable,
+        chosen: Flags,
+        sizes: Integers,
+        repair_degrees: Floats,
+        knobs: Floats,
+        mean_weight: float,
+        parallel: bool,
+    ) -> None:
+        run = step_parallel if parallel else step_serial
+        run(swarms, tables, chosen, sizes, repair_degrees, knobs, mean_weight)

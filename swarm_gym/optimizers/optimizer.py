@@ -1,0 +1,87 @@
+"""What an optimizer offers to the simulation that drives it."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import SettingError
+from swarm_gym.population import Swarms
+from swarm_gym.problem.waypoints import WaypointTable
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A numeric parameter of an optimizer: its default and the closed range of values it may take."""
+
+    default: float
+    low: float
+    high: float
+    symbol: str
+    meaning: str
+
+
+class Optimizer(ABC):
+    """Names and parameters around the two compiled calls of an optimizer.
+
+    All arrays have a leading swarm axis of length B. Both calls change `swarms` in place, and leave
+    E(P), mean and standard deviation of the collision and the feasible share in `swarms.summary`.
+    """
+
+    name: ClassVar[str]
+    knobs: ClassVar[dict[str, Knob]]
+
+    @staticmethod
+    @abstractmethod
+    def initialise(
+        swarms: Swarms,
+        tables: WaypointTable,
+        chosen: NDArray[np.bool_],
+        sizes: NDArray[np.int64],
+        mean_weight: float,
+    ) -> None:
+        """Draw and evaluate first populations of the given sizes for the chosen swarms."""
+
+    @staticmethod
+    @abstractmethod
+    def step(
+        swarms: Swarms,
+        tables: WaypointTable,
+        chosen: NDArray[np.bool_],
+        sizes: NDArray[np.int64],
+        repair_degrees: NDArray[np.float64],
+        knobs: NDArray[np.float64],
+        mean_weight: float,
+        parallel: bool,
+    ) -> None:
+        """Resize the chosen swarms and advance them by one iteration.
+
+        Args:
+            swarms: the state.
+            tables: stacked problems.
+            chosen: (B,) which swarms take part.
+            sizes: (B,) population sizes of this iteration.
+            repair_degrees: (B,) phi in [0, 1]; 0 is no repair.
+            knobs: (B, number of knobs) parameters in the order of `knobs`.
+            mean_weight: k of eq. 7.
+            parallel: spread the swarms over threads.
+        """
+
+    @classmethod
+    def knob_values(cls, chosen: dict[str, float]) -> NDArray[np.float64]:
+        """Parameters in order, the chosen ones in place of their defaults.
+
+        Raises:
+            SettingError: if a value is out of its range.
+        """
+        values = []
+        for name, knob in cls.knobs.items():
+            value = chosen.get(name, knob.default)
+            if not knob.low <= value <= knob.high:
+                raise SettingError(
+                    f"{name} of {cls.name!r} must lie in [{knob.low:g}, {knob.high:g}], got {value!r}"
+                )
+            values.append(float(value))
+        return np.array(values)

@@ -1,0 +1,236 @@
+"""Populations as arrays: evaluation and bookkeeping, E(P), growing and shrinking.
+
+Source: SPSFA paper, section III, eq. 7 (population collision evaluation) and eq. 12 (growth); shrinking is
+described there in words.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import inlined_kernel, kernel
+from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE, evaluate
+from swarm_gym.problem.waypoints import WaypointTable, select
+from swarm_gym.random_stream import WORDS, fill_uniform
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Swarms(NamedTuple):
+    """State of B swarms of up to C members with n waypoints each; changed in place by the kernels."""
+
+    problem: Integers  # (B,) index into the stacked problem tables
+    stream: NDArray[np.uint64]  # (B, 4) random streams
+    size: Integers  # (B,) living members: the first `size` rows
+    positions: Floats  # (B, C, n)
+    fitness: Floats  # (B, C)
+    collision: Floats  # (B, C)
+    best_position: Floats  # (B, n) best so far; never lost by a resize
+    best_fitness: Floats  # (B,)
+    best_collision: Floats  # (B,)
+    evaluations: Integers  # (B,) calls of the cost function in this episode
+    budget: Integers  # (B,) evaluations allowed in this episode
+    summary: Floats  # (B, 4) E(P), mean collision, std collision, feasible share
+
+    @classmethod
+    def allocate(cls, num_swarms: int, capacity: int, num_waypoints: int) -> "Swarms":
+        """Empty swarms."""
+        members = (num_swarms, capacity)
+        return cls(
+            problem=np.zeros(num_swarms, dtype=np.int64),
+            stream=np.zeros((num_swarms, WORDS), dtype=np.uint64),
+            size=np.zeros(num_swarms, dtype=np.int64),
+            positions=np.zeros((*members, num_waypoints)),
+            fitness=np.zeros(members),
+            collision=np.zeros(members),
+            best_position=np.zeros((num_swarms, num_waypoints)),
+            best_fitness=np.full(num_swarms, np.inf),
+            best_collision=np.full(num_swarms, np.inf),
+            evaluations=np.zeros(num_swarms, dtype=np.int64),
+            budget=np.zeros(num_swarms, dtype=np.int64),
+            summary=np.zeros((num_swarms, 4)),
+        )
+
+
+class Workspace(NamedTuple):
+    """Scratch arrays of one swarm's step, so that nothing is allocated per move."""
+
+    path: Floats  # (n + 2,) a member with start and target at its ends
+    lengths: Floats  # (n + 1,)
+    noise: Floats  # (n,)
+
+
+@kernel
+def make_workspace(num_waypoints: int) -> Workspace:
+    """Scratch arrays for n waypoints; the ends of the path are start and target."""
+    return Workspace(
+        np.zeros(num_waypoints + 2), np.empty(num_waypoints + 1), np.empty(num_waypoints)
+    )
+
+
+@inlined_kernel
+def evaluate_path(
+    swarms: Swarms, b: int, table: WaypointTable, work: Workspace
+) -> tuple[float, float]:
+    """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
+    fitness, collision = evaluate(table, work.path, work.lengths)
+    swarms.evaluations[b] += 1
+    if fitness < swarms.best_fitness[b]:
+        swarms.best_fitness[b] = fitness
+        swarms.best_collision[b] = collision
+        best = swarms.best_position[b]
+        for k in range(best.shape[0]):
+            best[k] = work.path[k + 1]
+    return fitness, collision
+
+
+@kernel
+def add_members(
+    swarms: Swarms,
+    b: int,
+    table: WaypointTable,
+    work: Workspace,
+    count: int,
+    lower: Floats,
+    upper: Floats,
+) -> None:
+    """Append up to `count` members uniform in [lower, upper], shape (n,), while the budget lasts."""
+    n = lower.shape[0]
+    for _ in range(min(count, swarms.budget[b] - swarms.evaluations[b])):
+        member = swarms.size[b]
+        fill_uniform(swarms.stream[b], work.noise)
+        position = swarms.positions[b, member]
+        for k in range(n):
+            position[k] = lower[k] + (upper[k] - lower[k]) * work.noise[k]  # eq. 12
+            work.path[k + 1] = position[k]
+        fitness, collision = evaluate_path(swarms, b, table, work)
+        swarms.fitness[b, member] = fitness
+        swarms.collision[b, member] = collision
+        swarms.size[b] += 1
+
+
+@kernel
+def clear(swarms: Swarms, b: int) -> None:
+    """Swarm `b` without members, evaluations or a best path."""
+    swarms.size[b] = 0
+    swarms.evaluations[b] = 0
+    swarms.best_fitness[b] = math.inf
+    swarms.best_collision[b] = math.inf
+
+
+@kernel
+def resize(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_size: int) -> None:
+    """Grow or shrink swarm `b` to `new_size` members."""
+    if new_size > swarms.size[b]:
+        grow(swarms, b, table, work, new_size)
+    elif new_size < swarms.size[b]:
+        shrink(swarms, b, new_size)
+
+
+@kernel
+def grow(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_size: int) -> None:
+    """Add members uniform in the box that the population spans (eq. 12).
+
+    Where the population has no extent in a component, the bounds of the workspace stand in.
+    """
+    size, n = swarms.size[b], swarms.positions.shape[2]
+    lower, upper = np.empty(n), np.empty(n)
+    for k in range(n):
+        lower[k], upper[k] = math.inf, -math.inf
+    for i in range(size):
+        for k in range(n):
+            lower[k] = min(lower[k], swarms.positions[b, i, k])
+            upper[k] = max(upper[k], swarms.positions[b, i, k])
+    for k in range(n):
+        if lower[k] >= upper[k]:
+            lower[k], upper[k] = table.lower[k], table.upper[k]
+    add_members(swarms, b, table, work, new_size - size, lower, upper)
+
+
+@kernel
+def shrink(swarms: Swarms, b: int, new_size: int) -> None:
+    """Delete infeasible members, worst collision first, then feasible ones, worst fitness first.
+
+    Ties in collision go to the worse fitness, full ties to the later member; the order inside the
+    infeasible members is a reading (docs/readings.md). The survivors keep their order.
+    """
+    size = swarms.size[b]
+    fitness, collision = swarms.fitness[b], swarms.collision[b]
+    doomed = np.zeros(size, dtype=np.bool_)
+    for _ in range(size - new_size):
+        worst = -1
+        for i in range(size):
+            if not doomed[i] and (
+                worst < 0
+                or not _outlives(fitness[i], collision[i], fitness[worst], collision[worst])
+            ):
+                worst = i
+        doomed[worst] = True
+    kept = 0
+    for i in range(size):
+        if not doomed[i]:
+            fitness[kept], collision[kept] = fitness[i], collision[i]
+            for k in range(swarms.positions.shape[2]):
+                swarms.positions[b, kept, k] = swarms.positions[b, i, k]
+            kept += 1
+    swarms.size[b] = new_size
+
+
+@kernel
+def _outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
+    feasible = collision <= FEASIBILITY_TOLERANCE
+    other_feasible = other_collision <= FEASIBILITY_TOLERANCE
+    if feasible != other_feasible:
+        return feasible
+    if feasible or collision == other_collision:
+        return fitness < other_fitness
+    return collision < other_collision
+
+
+@kernel
+def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
+    """Population collision evaluation E(P) = k mean + (1 - k) std (eq. 7) into `swarms.summary`.
+
+    The standard deviation has the denominator size - 1, and is 0 for one member.
+    """
+    size = swarms.size[b]
+    total, feasible = 0.0, 0
+    for i in range(size):
+        total += swarms.collision[b, i]
+        if swarms.collision[b, i] <= FEASIBILITY_TOLERANCE:
+            feasible += 1
+    mean = total / size
+    squares = 0.0
+    for i in range(size):
+        squares += (swarms.collision[b, i] - mean) ** 2
+    deviation = math.sqrt(squares / (size - 1)) if size > 1 else 0.0
+    summary = swarms.summary[b]
+    summary[0] = mean_weight * mean + (1.0 - mean_weight) * deviation
+    summary[1] = mean
+    summary[2] = deviation
+    summary[3] = feasible / size
+
+
+@kernel
+def adopt_population(
+    swarms: Swarms,
+    tables: WaypointTable,
+    chosen: NDArray[np.bool_],
+    sizes: Integers,
+    mean_weight: float,
+) -> None:
+    """Begin episodes of the chosen swarms with the first `sizes` positions as they stand."""
+    work = make_workspace(swarms.positions.shape[2])
+    for b in range(sizes.shape[0]):
+        if chosen[b]:
+            table = select(tables, swarms.problem[b])
+            clear(swarms, b)
+            swarms.size[b] = sizes[b]
+            for i in range(sizes[b]):
+                for k in range(swarms.positions.shape[2]):
+                    work.path[k + 1] = swarms.positions[b, i, k]
+                swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
+            summarise(swarms, b, mean_weight)

@@ -1,0 +1,80 @@
+"""A problem: a scenario, its encoding and its cost."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.errors import SettingError
+from swarm_gym.problem import waypoints
+from swarm_gym.problem.cost import evaluate
+from swarm_gym.problem.repair import repair
+from swarm_gym.problem.waypoints import Frame, WaypointTable
+from swarm_gym.scenarios import Scenario
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Find the waypoint offsets, shape (num_waypoints,), of least fitness on a scenario.
+
+    Attributes:
+        scenario: the map and the task.
+        num_waypoints: n, the dimension of a decision vector.
+        length_weight: mu in (0, 1], the weight of the length in the fitness; 1 - mu is that of the collision.
+    """
+
+    scenario: Scenario
+    num_waypoints: int = 31
+    length_weight: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not self.num_waypoints >= 1:
+            raise SettingError(f"num_waypoints must be at least 1, got {self.num_waypoints!r}")
+        if not 0.0 < self.length_weight <= 1.0:
+            raise SettingError(f"length_weight must lie in (0, 1], got {self.length_weight!r}")
+
+    @cached_property
+    def table(self) -> WaypointTable:
+        """The problem as the kernels read it."""
+        return waypoints.tabulate(self.scenario, self.num_waypoints, self.length_weight)
+
+    @property
+    def lower_bound(self) -> float:
+        """A fitness that no path can be below: mu times the straight line."""
+        return self.length_weight * self.scenario.straight_line
+
+    @property
+    def collision_bound(self) -> float:
+        """A degree of collision that no path inside the workspace can exceed."""
+        table = self.table
+        # The smaller of two shifts is at most half their sum, which the heights bound.
+        reach = table.upper.max() - table.lower.min()
+        return float((reach + table.pair_top - table.pair_bottom).sum() / 2.0)
+
+    def evaluate(self, offsets: ArrayLike) -> tuple[float, float]:
+        """Fitness and degree of collision of one decision vector."""
+        path = self._path(offsets)
+        return evaluate(self.table, path, np.empty(self.num_waypoints + 1))
+
+    def repaired(self, offsets: ArrayLike, repair_degree: float) -> Floats:
+        """A decision vector after one repair pass of degree phi."""
+        path = self._path(offsets)
+        repair(self.table, path, repair_degree)
+        return path[1:-1]
+
+    def points(self, offsets: ArrayLike) -> Floats:
+        """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
+        offsets = np.asarray(offsets, dtype=np.float64)
+        y = np.zeros((*offsets.shape[:-1], self.num_waypoints + 2))
+        y[..., 1:-1] = offsets
+        x = np.broadcast_to(self.table.spacing * np.arange(self.num_waypoints + 2), y.shape)
+        return Frame.of(self.scenario).to_map(x, y)
+
+    def _path(self, offsets: ArrayLike) -> Floats:
+        offsets = np.asarray(offsets, dtype=np.float64)
+        if offsets.shape != (self.num_waypoints,):
+            raise ValueError(f"expected {self.num_waypoints} offsets, got shape {offsets.shape}")
+        return np.concatenate([[0.0], offsets, [0.0]])

@@ -1,0 +1,21 @@
+"""Names of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`."""
+
+import gymnasium
+
+from swarm_gym.optimizers import OPTIMIZERS
+
+
+def environment_id(optimizer: str) -> str:
+    """The id of an optimizer's environment."""
+    return f"swarm_gym/{OPTIMIZERS[optimizer][1]}-v0"
+
+
+def register_environments() -> None:
+    """Register an environment for every optimizer, single and vector."""
+    for optimizer in OPTIMIZERS:
+        gymnasium.register(
+            environment_id(optimizer),
+            entry_point="swarm_gym.env:SwarmEnv",
+            vector_entry_point="swarm_gym.vector_env:SwarmVectorEnv",
+            kwargs={"optimizer": optimizer},
+        )

@@ -1,0 +1,53 @@
+"""Rewards: what a controller is paid for one iteration.
+
+The gap is the best fitness so far above a lower bound that is always known: mu times the straight line from
+start to target.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import UnknownNameError
+
+Floats = NDArray[np.float64]
+
+
+class Transition(NamedTuple):
+    """One iteration of B swarms; every array has shape (B,)."""
+
+    initial_gap: Floats
+    gap_before: Floats
+    gap_after: Floats
+    cost: Floats  # price of the evaluations spent
+    ended: NDArray[np.bool_]
+
+
+Reward = Callable[[Transition], Floats]
+
+
+def progress(transition: Transition) -> Floats:
+    """log(gap before / gap after) - cost: progress on a logarithmic scale minus the price paid."""
+    return np.log(transition.gap_before / transition.gap_after) - transition.cost
+
+
+def final(transition: Transition) -> Floats:
+    """The same sum paid at the end: log(initial gap / final gap) then, minus the cost at every step."""
+    gain = np.log(transition.initial_gap / transition.gap_after)
+    return np.where(transition.ended, gain, 0.0) - transition.cost
+
+
+REWARDS: dict[str, Reward] = {"progress": progress, "final": final}
+
+
+def make_reward(name: str) -> Reward:
+    """The reward function of that name.
+
+    Raises:
+        UnknownNameError: if there is none.
+    """
+    if name not in REWARDS:
+        raise UnknownNameError("reward", name, REWARDS)
+    return REWARDS[name]

@@ -1,0 +1,165 @@
+"""A scenario: a workspace with obstacles, a start and a target; checked when it is made."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+from swarm_gym.errors import ScenarioError
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A disc-shaped obstacle: centre and radius in map units."""
+
+    x: float
+    y: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        _require_finite(self, (self.x, self.y, self.radius))
+        if self.radius <= 0:
+            raise ScenarioError(f"{self}: the radius must be positive, got {self.radius!r}")
+
+    def contains(self, point: Point) -> bool:
+        """Whether a point lies in the open disc."""
+        return math.hypot(point[0] - self.x, point[1] - self.y) < self.radius
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A convex obstacle: its vertices in order, clockwise or not, in map units."""
+
+    vertices: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        vertices = tuple((float(x), float(y)) for x, y in self.vertices)
+        _require_finite(self, (value for vertex in vertices for value in vertex))
+        if len(vertices) < 3:
+            raise ScenarioError(f"{self}: a polygon needs at least 3 vertices, got {len(vertices)}")
+        if len(set(vertices)) < len(vertices):
+            raise ScenarioError(f"{self}: a vertex is given twice")
+        if _signed_area(vertices) < 0:
+            vertices = vertices[::-1]
+        # Stored counter-clockwise, so that every edge has the inside on its left.
+        object.__setattr__(self, "vertices", vertices)
+        self._require_convex()
+
+    @classmethod
+    def rectangle(cls, x_min: float, y_min: float, x_max: float, y_max: float) -> "Polygon":
+        """An axis-parallel rectangle from its extremes."""
+        if not (x_min < x_max and y_min < y_max):
+            raise ScenarioError(
+                f"rectangle ({x_min}, {y_min}, {x_max}, {y_max}): "
+                "needs x_min < x_max and y_min < y_max"
+            )
+        return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
+
+    def edges(self) -> list[tuple[Point, Point]]:
+        """The edges, counter-clockwise."""
+        return list(pairwise((*self.vertices, self.vertices[0])))
+
+    def contains(self, point: Point) -> bool:
+        """Whether a point lies in the open polygon."""
+        return all(_cross(a, b, point) > 0 for a, b in self.edges())
+
+    def _require_convex(self) -> None:
+        corners = self.vertices
+        turn = 0.0
+        for before, here, after in zip(
+            corners, corners[1:] + corners[:1], corners[2:] + corners[:2], strict=True
+        ):
+            if _cross(before, here, after) <= 0:
+                raise ScenarioError(
+                    f"{self}: not strictly convex at vertex {here} "
+                    "(a concave, straight or crossing corner)"
+                )
+            heading_in = math.atan2(here[1] - before[1], here[0] - before[0])
+            heading_out = math.atan2(after[1] - here[1], after[0] - here[0])
+            turn += (heading_out - heading_in) % math.tau
+        # Left turns only, but more than once around: a star.
+        if round(turn / math.tau) != 1:
+            raise ScenarioError(f"{self}: the outline crosses itself")
+
+
+Obstacle = Circle | Polygon
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A path-planning task on an analytic map, in map units.
+
+    Attributes:
+        name: what results are filed under.
+        start: (x, y) where the robot is.
+        target: (x, y) where it has to go.
+        obstacles: circles and convex polygons; they may overlap.
+        workspace: (x_min, y_min, x_max, y_max); start and target lie in it.
+        initial_range: (low, high) of the first waypoints, as offsets to the left of the line from start
+            to target; None takes the extent of the obstacles.
+
+    Raises:
+        ScenarioError: if the task is malformed; the message names the part and its value.
+    """
+
+    name: str
+    start: Point
+    target: Point
+    obstacles: tuple[Obstacle, ...]
+    workspace: tuple[float, float, float, float] = (0.0, 0.0, 1000.0, 600.0)
+    initial_range: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        where = f"scenario {self.name!r}"
+        _require_finite(where, (*self.start, *self.target, *self.workspace))
+        x_min, y_min, x_max, y_max = self.workspace
+        if not (x_min < x_max and y_min < y_max):
+            raise ScenarioError(f"{where}: the workspace {self.workspace} is empty")
+        if self.start == self.target:
+            raise ScenarioError(f"{where}: start and target are the same point {self.start}")
+        for role, point in (("start", self.start), ("target", self.target)):
+            if not (x_min <= point[0] <= x_max and y_min <= point[1] <= y_max):
+                raise ScenarioError(
+                    f"{where}: {role} {point} lies outside the workspace {self.workspace}"
+                )
+            for number, obstacle in enumerate(self.obstacles):
+                if not isinstance(obstacle, Circle | Polygon):
+                    raise ScenarioError(
+                        f"{where}: obstacle {number} is {obstacle!r}, expected a Circle or a Polygon"
+                    )
+                if obstacle.contains(point):
+                    raise ScenarioError(
+                        f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}"
+                    )
+        if self.initial_range is not None:
+            _require_finite(f"{where}: initial_range", self.initial_range)
+            if not self.initial_range[0] < self.initial_range[1]:
+                raise ScenarioError(
+                    f"{where}: initial_range needs low < high, got {self.initial_range}"
+                )
+
+    @property
+    def straight_line(self) -> float:
+        """Distance from start to target: no path is shorter."""
+        return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])
+
+
+def _require_finite(where: object, values: object) -> None:
+    for value in values:  # type: ignore[attr-defined]
+        try:
+            finite = math.isfinite(value)
+        except TypeError as error:
+            raise ScenarioError(f"{where}: {value!r} is not a number") from error
+        if not finite:
+            raise ScenarioError(f"{where}: every coordinate must be finite, got {value!r}")
+
+
+def _cross(a: Point, b: Point, c: Point) -> float:
+    """Twice the signed area of the triangle a, b, c: positive for a left turn."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _signed_area(vertices: tuple[Point, ...]) -> float:
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*vertices, vertices[0]))) / 2

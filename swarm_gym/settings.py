@@ -1,0 +1,117 @@
+"""The options of an environment: one documented dataclass for single and vector environments."""
+
+import math
+import numbers
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.scenarios import Scenario, make_scenario
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What an environment is about. Lengths are in map units.
+
+    Attributes:
+        scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed.
+        num_waypoints: n, the number of waypoints of a path.
+        length_weight: mu in (0, 1], the weight of the length in the fitness.
+        iterations: g_max, the length of an episode.
+        initial_population_size: PS(0).
+        min_population_size: smallest size that an action can ask for.
+        max_population_size: largest one; memory grows with it.
+        mean_weight: k in [0, 1] of E(P) = k mean + (1 - k) std.
+        action: layout of actions, a name in `swarm_gym.action.ACTIONS`.
+        observation: layout of observations, a name in `swarm_gym.observation.OBSERVATIONS`.
+        reward: a name in `swarm_gym.reward.REWARDS`.
+        price: what `reference_evaluations` evaluations cost, in units of the reward.
+        reference_evaluations: see `price`.
+        max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
+        knobs: parameters of the optimizer by name, where they differ from its defaults.
+    """
+
+    scenario: str | Scenario | tuple[str | Scenario, ...] = "case1"
+    num_waypoints: int = 31
+    length_weight: float = 0.3
+    iterations: int = 100
+    initial_population_size: int = 80
+    min_population_size: int = 2
+    max_population_size: int = 200
+    mean_weight: float = 0.1
+    action: str = "natural"
+    observation: str = "paper"
+    reward: str = "progress"
+    price: float = 0.5
+    reference_evaluations: int = 100_000
+    max_evaluations: int | None = None
+    knobs: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._require_integer("num_waypoints", 1)
+        self._require_integer("iterations", 1)
+        self._require_integer("min_population_size", 1)
+        self._require_integer("max_population_size", self.min_population_size)
+        self.check_population_size("initial_population_size", self.initial_population_size)
+        self._require_integer("reference_evaluations", 1)
+        self._require_number("length_weight", math.nextafter(0.0, 1.0), 1.0)
+        self._require_number("mean_weight", 0.0, 1.0)
+        self._require_number("price", 0.0, 1e9)
+        if self.max_evaluations is not None:
+            self._require_integer("max_evaluations", self.initial_population_size)
+
+    @classmethod
+    def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, Any]) -> "Settings":
+        """Settings from keyword options; parameters of the optimizer are options like the others.
+
+        Raises:
+            UnknownNameError: for an option that does not exist; the message lists those that do.
+            SettingError: for a value that an option cannot have.
+        """
+        own = {f.name for f in fields(cls)} - {"knobs"}
+        for name in options:
+            if name not in own and name not in optimizer.knobs:
+                raise UnknownNameError("option", name, own | set(optimizer.knobs))
+        values = {name: value for name, value in options.items() if name in own}
+        scenario = values.get("scenario", cls.scenario)
+        if not isinstance(scenario, str | Scenario):
+            values["scenario"] = tuple(scenario)
+        knobs = {name: value for name, value in options.items() if name in optimizer.knobs}
+        optimizer.knob_values(knobs)
+        return cls(**values, knobs=knobs)
+
+    def scenarios(self) -> list[Scenario]:
+        """The scenarios that episodes draw from.
+
+        Raises:
+            SettingError: if there is none.
+        """
+        one = isinstance(self.scenario, str | Scenario)
+        given: Iterable[Any] = (self.scenario,) if one else self.scenario  # type: ignore[assignment]
+        scenarios = [make_scenario(scenario) for scenario in given]
+        if not scenarios:
+            raise SettingError("scenario: the list of scenarios is empty")
+        return scenarios
+
+    def check_population_size(self, name: str, value: object) -> None:
+        """Refuse what is not a population size inside the limits."""
+        _require_integer(name, value, self.min_population_size, self.max_population_size)
+
+    def _require_integer(self, name: str, low: int) -> None:
+        _require_integer(name, getattr(self, name), low, 10**9)
+
+    def _require_number(self, name: str, low: float, high: float) -> None:
+        value = getattr(self, name)
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise SettingError(f"{name} must be a number, got {value!r}")
+        if not low <= value <= high:
+            raise SettingError(f"{name} must lie in [{low:g}, {high:g}], got {value!r}")
+
+
+def _require_integer(name: str, value: object, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise SettingError(f"{name} must be an integer, got {value!r}")
+    if not low <= value <= high:
+        raise SettingError(f"{name} must lie in [{low}, {high}], got {value!r}")

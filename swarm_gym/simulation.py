@@ -1,0 +1,201 @@
+"""Swarms in time: episodes of an optimizer, many at once, on one or several problems."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.population import Swarms, adopt_population
+from swarm_gym.problem import Problem
+from swarm_gym.problem.waypoints import stack
+from swarm_gym.random_stream import seed_stream
+from swarm_gym.reference import known_optimum
+from swarm_gym.settings import Settings
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+NO_BUDGET = np.iinfo(np.int64).max
+RESET_OPTIONS = ("scenario", "initial_population", "initial_population_size")
+HISTORY = ("population_collision", "population_size", "repair_degree", "best_fitness")
+
+
+class Simulation:
+    """B swarms of one optimizer, advanced one iteration at a time.
+
+    A swarm's trajectory depends on its seed and decisions alone: not on B, the other swarms or the number
+    of threads. All public arrays have B as their first axis and are changed in place.
+
+    Attributes:
+        problems: the distinct problems that episodes draw from.
+        swarms: the state that the kernels work on.
+        iteration: (B,) iterations done in this episode.
+        running: (B,) whether an episode is under way.
+        history: (B, iterations + 1, 4) what `HISTORY` names, by iteration.
+        initial_gap: (B,) best fitness of the first population above the lower bound.
+    """
+
+    def __init__(
+        self,
+        optimizer: type[Optimizer],
+        settings: Settings,
+        num_swarms: int,
+        num_threads: int | None = None,
+    ):
+        self.optimizer = optimizer
+        self.settings = settings
+        self.num_threads = num_threads
+        self.parallel = num_swarms > 1 and num_threads != 1
+        self.problems = [
+            Problem(scenario, settings.num_waypoints, settings.length_weight)
+            for scenario in settings.scenarios()
+        ]
+        self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
+        self.optima = np.array([known_optimum(problem) for problem in self.problems])
+        self.tables = stack([problem.table for problem in self.problems])
+        self.swarms = Swarms.allocate(
+            num_swarms, settings.max_population_size, settings.num_waypoints
+        )
+        self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
+        self.iteration = np.zeros(num_swarms, dtype=np.int64)
+        self.running = np.zeros(num_swarms, dtype=np.bool_)
+        self.history = np.zeros((num_swarms, settings.iterations + 1, len(HISTORY)))
+        self.initial_gap = np.ones(num_swarms)
+
+    @property
+    def num_swarms(self) -> int:
+        """B."""
+        return len(self.iteration)
+
+    def reset(
+        self,
+        chosen: Flags,
+        seeds: list[np.random.SeedSequence],
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Begin new episodes in the chosen swarms.
+
+        Args:
+            chosen: (B,) which swarms.
+            seeds: one per chosen swarm; it fixes the scenario and the trajectory.
+            options: `scenario` (one of this environment's, by name), `initial_population_size`, or
+                `initial_population` (waypoint offsets, shape (members, n), in map units).
+
+        Raises:
+            UnknownNameError: for an option or scenario that is not there.
+            SettingError: for a value that an option cannot have.
+        """
+        size, population, scenario = self._read_options(options or {})
+        swarms, rows = self.swarms, np.flatnonzero(chosen)
+        budget = self.settings.max_evaluations
+        for row, seed in zip(rows, seeds, strict=True):
+            scenario_seed, stream_seed = seed.spawn(2)
+            draw = np.random.default_rng(scenario_seed).integers(len(self.problems))
+            swarms.problem[row] = draw if scenario is None else scenario
+            swarms.stream[row] = seed_stream(stream_seed)
+        swarms.budget[rows] = NO_BUDGET if budget is None else budget
+        sizes = np.full(self.num_swarms, size, dtype=np.int64)
+        if population is None:
+            self.optimizer.initialise(
+                swarms, self.tables, chosen, sizes, self.settings.mean_weight
+            )
+        else:
+            swarms.positions[rows, :size] = population
+            adopt_population(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
+        self.iteration[rows] = 0
+        self.running[rows] = True
+        self.history[rows] = np.nan
+        self._record(rows, np.zeros(self.num_swarms))
+        self.initial_gap[rows] = self.gap()[rows]
+
+    def step(self, chosen: Flags, sizes: Integers, repair_degrees: Floats) -> None:
+        """Advance the chosen swarms by one iteration with these population sizes and phi, each (B,)."""
+        arguments = (self.swarms, self.tables, chosen, sizes, repair_degrees, self.knobs)
+        if self.num_threads is None or not self.parallel:
+            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
+        else:
+            previous = numba.get_num_threads()
+            numba.set_num_threads(self.num_threads)
+            try:
+                self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
+            finally:
+                numba.set_num_threads(previous)
+        rows = np.flatnonzero(chosen)
+        self.iteration[rows] += 1
+        self._record(rows, repair_degrees)
+        ended = (self.iteration >= self.settings.iterations) | (
+            self.swarms.evaluations >= self.swarms.budget
+        )
+        self.running[rows] = ~ended[rows]
+
+    def gap(self) -> Floats:
+        """(B,) best fitness so far above the lower bound; kept positive, so that it has a logarithm."""
+        bound = self.lower_bounds[self.swarms.problem]
+        return np.maximum(self.swarms.best_fitness - bound, 1e-9 * bound)
+
+    def optimality_gap(self) -> Floats:
+        """(B,) best fitness so far above the known optimum, relative to it; NaN where it is unknown."""
+        optimum = self.optima[self.swarms.problem]
+        return (self.swarms.best_fitness - optimum) / optimum
+
+    def best_paths(self) -> Floats:
+        """(B, n + 2, 2) best paths so far in map coordinates."""
+        paths = np.empty((self.num_swarms, self.settings.num_waypoints + 2, 2))
+        for number, problem in enumerate(self.problems):
+            rows = self.swarms.problem == number
+            paths[rows] = problem.points(self.swarms.best_position[rows])
+        return paths
+
+    def problem_of(self, row: int) -> Problem:
+        """The problem that a swarm works on."""
+        return self.problems[self.swarms.problem[row]]
+
+    def _record(self, rows: Integers, repair_degrees: Floats) -> None:
+        swarms = self.swarms
+        self.history[rows, self.iteration[rows]] = np.stack(
+            [swarms.summary[:, 0], swarms.size, repair_degrees, swarms.best_fitness], axis=1
+        )[rows]
+
+    def _read_options(self, options: Mapping[str, Any]) -> tuple[int, Floats | None, int | None]:
+        for name in options:
+            if name not in RESET_OPTIONS:
+                raise UnknownNameError("reset option", name, RESET_OPTIONS)
+        scenario = None
+        if "scenario" in options:
+            names = [problem.scenario.name for problem in self.problems]
+            if options["scenario"] not in names:
+                raise UnknownNameError("scenario of this environment", options["scenario"], names)
+            scenario = names.index(options["scenario"])
+        size = options.get("initial_population_size", self.settings.initial_population_size)
+        population = None
+        if "initial_population" in options:
+            if "initial_population_size" in options:
+                raise SettingError(
+                    "initial_population and initial_population_size exclude each other"
+                )
+            population = self._read_population(options["initial_population"])
+            size = len(population)
+        self.settings.check_population_size("initial_population_size", size)
+        budget = self.settings.max_evaluations
+        if budget is not None and size > budget:
+            raise SettingError(
+                f"initial_population_size {size} exceeds the evaluation budget {budget}"
+            )
+        return int(size), population, scenario
+
+    def _read_population(self, population: object) -> Floats:
+        n = self.settings.num_waypoints
+        array = np.asarray(population, dtype=np.float64)
+        if array.ndim != 2 or array.shape[1] != n:
+            raise SettingError(
+                f"initial_population must have shape (members, {n}), got {array.shape}"
+            )
+        lower, upper = self.tables.lower.max(axis=0), self.tables.upper.min(axis=0)
+        if not ((array >= lower) & (array <= upper)).all():
+            raise SettingError("initial_population must be finite and inside the workspace")
+        return array

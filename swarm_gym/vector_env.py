@@ -1,0 +1,167 @@
+"""Many swarms as one Gymnasium vector environment, advanced in one compiled call."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from swarm_gym.batch import SwarmBatch
+from swarm_gym.errors import SettingError, UnknownNameError
+
+Flags = NDArray[np.bool_]
+
+
+class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
+    """`num_envs` swarms; sub-environment i equals a `SwarmEnv` reset with seed + i, bit for bit.
+
+    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`, and the conventions (infos with
+    `_key` masks, `final_obs` and `final_info`, `options["reset_mask"]`) those of
+    `gymnasium.vector.SyncVectorEnv`.
+
+    Args:
+        num_envs: number of swarms.
+        optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
+        autoreset_mode: what happens to a swarm whose episode ended; a `gymnasium.vector.AutoresetMode` or its value.
+        num_threads: threads to spread the swarms over; None takes all that Numba has.
+        render_mode: must be None; render a `SwarmEnv` with the same seed.
+        max_episode_steps: must be None; the option `iterations` ends an episode.
+        options: see `swarm_gym.settings.Settings`, and the parameters of the optimizer.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        optimizer: str = "firefly",
+        *,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        num_threads: int | None = None,
+        render_mode: str | None = None,
+        max_episode_steps: int | None = None,
+        **options: Any,
+    ):
+        for name, value in (("num_envs", num_envs), ("num_threads", num_threads)):
+            is_count = isinstance(value, int) and not isinstance(value, bool) and value >= 1
+            if not is_count and (name == "num_envs" or value is not None):
+                raise SettingError(f"{name} must be a positive integer, got {value!r}")
+        if render_mode is not None:
+            raise SettingError(
+                f"render_mode {render_mode!r}: a vector of swarms is not rendered; "
+                "render a single environment with the same seed"
+            )
+        if max_episode_steps is not None:
+            raise SettingError(
+                f"max_episode_steps {max_episode_steps!r}: use the option `iterations` instead"
+            )
+        try:
+            self._autoreset_mode = AutoresetMode(autoreset_mode)
+        except ValueError as error:
+            modes = [mode.value for mode in AutoresetMode]
+            raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
+        self.num_envs = num_envs
+        self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
+        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads)
+        self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
+        self._ended = np.zeros(num_envs, dtype=np.bool_)
+        self.single_action_space = self._batch.action_space
+        self.single_observation_space = self._batch.observation_space
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+
+    @property
+    def settings(self) -> Any:
+        """The `Settings` of this environment."""
+        return self._batch.settings
+
+    @property
+    def simulation(self) -> Any:
+        """The `Simulation` inside: populations, histories, problems."""
+        return self._batch.simulation
+
+    def reset(
+        self,
+        *,
+        seed: int | list[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[NDArray, dict[str, Any]]:
+        """Begin episodes, in all swarms or in those of the boolean array `options["reset_mask"]`.
+
+        Args:
+            seed: of the first swarm, the others count up from it; or a list with one seed per swarm.
+            options: as for `SwarmEnv.reset`, for all swarms, and `reset_mask`.
+        """
+        options = dict(options or {})
+        chosen = self._read_mask(options.pop("reset_mask", None))
+        for row, one in enumerate(self._read_seeds(seed)):
+            if one is not None and chosen[row]:
+                self._generators[row] = seeding.np_random(one)[0]
+        self._batch.reset(chosen, self._generators, options)
+        self._ended[chosen] = False
+        return self._batch.observe(), self._infos(chosen)
+
+    def step(self, actions: NDArray) -> tuple[NDArray, NDArray, Flags, Flags, dict[str, Any]]:
+        """Advance every swarm by one iteration; swarms whose episode ended follow the autoreset mode.
+
+        Raises:
+            ActionError: if an action is not in the action space.
+            StepOrderError: before the first `reset`, or after the end of an episode without autoreset.
+        """
+        next_step = self._autoreset_mode == AutoresetMode.NEXT_STEP
+        restarting = self._ended.copy() if next_step else np.zeros(self.num_envs, dtype=np.bool_)
+        rewards, terminated = self._batch.step(~restarting, actions)
+        infos: dict[str, Any] = {}
+        if self._autoreset_mode == AutoresetMode.SAME_STEP and terminated.any():
+            restarting = terminated
+            final = self._batch.observe()
+            final_obs = np.full(self.num_envs, None, dtype=object)
+            for row in np.flatnonzero(terminated):
+                final_obs[row] = final[row].copy()
+            infos = {
+                "final_obs": final_obs,
+                "_final_obs": terminated.copy(),
+                "final_info": self._infos(terminated),
+                "_final_info": terminated.copy(),
+            }
+        if restarting.any():
+            self._batch.reset(restarting, self._generators, None)
+        self._ended = terminated.copy()
+        everyone = np.ones(self.num_envs, dtype=np.bool_)
+        truncated = np.zeros(self.num_envs, dtype=np.bool_)
+        infos = {**self._infos(everyone), **infos}
+        return self._batch.observe(), rewards, terminated, truncated, infos
+
+    def _infos(self, rows: Flags) -> dict[str, Any]:
+        """Infos of these swarms; the entries of the others are zero or None, and masked."""
+        infos: dict[str, Any] = {}
+        for name, values in self._batch.info().items():
+            there = rows & ~np.isnan(values) if name == "optimality_gap" else rows
+            if there.any():
+                blank = np.zeros_like(values) if values.dtype != object else np.full_like(values, None)
+                blank[there] = values[there]
+                infos[name] = blank
+                infos[f"_{name}"] = there.copy()
+        return infos
+
+    def _read_mask(self, mask: object) -> Flags:
+        if mask is None:
+            return np.ones(self.num_envs, dtype=np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise SettingError(f"reset_mask must be a boolean NumPy array, got {mask!r}")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise SettingError(
+                f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}"
+            )
+        return mask
+
+    def _read_seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + row for row in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise SettingError(
+                f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}"
+            )
+        return list(seed)
