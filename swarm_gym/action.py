@@ -50,9 +50,7 @@ class Action(ABC):
         except ValueError as error:
             raise ActionError(f"an action must be numbers, got {actions!r}") from error
         if given.dtype.kind not in "fiu":
-            raise ActionError(
-                f"an action must be numbers, got {given.dtype} ({_shorten(actions)})"
-            )
+            raise ActionError(f"an action must be numbers, got {given.dtype} ({_shorten(actions)})")
         if given.shape != (len(chosen), *space.shape):
             raise ActionError(
                 f"an action must have shape {space.shape}, one per swarm, {len(chosen)} in all; "
@@ -79,9 +77,7 @@ class Natural(Action):
 
     @property
     def space(self) -> Box:  # noqa: D102
-        return Box(
-            np.array([self.smallest, 0.0]), np.array([self.largest, 1.0]), dtype=np.float64
-        )
+        return Box(np.array([self.smallest, 0.0]), np.array([self.largest, 1.0]), dtype=np.float64)
 
     def encode(self, sizes: Floats, repair_degrees: Floats) -> NDArray:  # noqa: D102
         return np.stack([sizes, repair_degrees], axis=1)

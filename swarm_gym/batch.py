@@ -70,9 +70,7 @@ class SwarmBatch:
         if idle.any():
             started = simulation.swarms.size[idle] > 0
             reason = "the episode has ended" if started.all() else "there was no reset yet"
-            raise StepOrderError(
-                f"step of swarm {int(np.argmax(idle))}: {reason}; call reset() first"
-            )
+            raise StepOrderError(f"step of swarm {int(np.argmax(idle))}: {reason}; call reset() first")
         sizes, repair_degrees = self._action.decode(actions, chosen)
         evaluations = simulation.swarms.evaluations.copy()
         gap_before = simulation.gap()

@@ -89,7 +89,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         self._show()
         return self._batch.observe()[0], float(reward[0]), bool(ended[0]), False, self._info()
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """The current frame, (height, width, 3), in mode "rgb_array"; else nothing."""
         if self.render_mode != "rgb_array":
             return None

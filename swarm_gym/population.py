@@ -66,15 +66,11 @@ class Workspace(NamedTuple):
 @kernel
 def make_workspace(num_waypoints: int) -> Workspace:
     """Scratch arrays for n waypoints; the ends of the path are start and target."""
-    return Workspace(
-        np.zeros(num_waypoints + 2), np.empty(num_waypoints + 1), np.empty(num_waypoints)
-    )
+    return Workspace(np.zeros(num_waypoints + 2), np.empty(num_waypoints + 1), np.empty(num_waypoints))
 
 
 @inlined_kernel
-def evaluate_path(
-    swarms: Swarms, b: int, table: WaypointTable, work: Workspace
-) -> tuple[float, float]:
+def evaluate_path(swarms: Swarms, b: int, table: WaypointTable, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
     fitness, collision = evaluate(table, work.path, work.lengths)
     swarms.evaluations[b] += 1
@@ -164,8 +160,7 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
         worst = -1
         for i in range(size):
             if not doomed[i] and (
-                worst < 0
-                or not _outlives(fitness[i], collision[i], fitness[worst], collision[worst])
+                worst < 0 or not _outlives(fitness[i], collision[i], fitness[worst], collision[worst])
             ):
                 worst = i
         doomed[worst] = True

@@ -1,11 +1,10 @@
 """The options of an environment: one documented dataclass for single and vector environments."""
 
-import math
-import numbers
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.scenarios import Scenario, make_scenario
@@ -50,17 +49,15 @@ class Settings:
     knobs: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._require_integer("num_waypoints", 1)
-        self._require_integer("iterations", 1)
-        self._require_integer("min_population_size", 1)
-        self._require_integer("max_population_size", self.min_population_size)
+        require_integer("iterations", self.iterations, 1)
+        require_integer("min_population_size", self.min_population_size, 1)
+        require_integer("max_population_size", self.max_population_size, self.min_population_size)
         self.check_population_size("initial_population_size", self.initial_population_size)
-        self._require_integer("reference_evaluations", 1)
-        self._require_number("length_weight", math.nextafter(0.0, 1.0), 1.0)
-        self._require_number("mean_weight", 0.0, 1.0)
-        self._require_number("price", 0.0, 1e9)
+        require_integer("reference_evaluations", self.reference_evaluations, 1)
+        require_number("mean_weight", self.mean_weight, 0.0, 1.0)
+        require_number("price", self.price, 0.0, 1e9)
         if self.max_evaluations is not None:
-            self._require_integer("max_evaluations", self.initial_population_size)
+            require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
 
     @classmethod
     def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, Any]) -> "Settings":
@@ -76,7 +73,7 @@ class Settings:
                 raise UnknownNameError("option", name, own | set(optimizer.knobs))
         values = {name: value for name, value in options.items() if name in own}
         scenario = values.get("scenario", cls.scenario)
-        if not isinstance(scenario, str | Scenario):
+        if isinstance(scenario, Iterable) and not isinstance(scenario, str):
             values["scenario"] = tuple(scenario)
         knobs = {name: value for name, value in options.items() if name in optimizer.knobs}
         optimizer.knob_values(knobs)
@@ -88,8 +85,7 @@ class Settings:
         Raises:
             SettingError: if there is none.
         """
-        one = isinstance(self.scenario, str | Scenario)
-        given: Iterable[Any] = (self.scenario,) if one else self.scenario  # type: ignore[assignment]
+        given = self.scenario if isinstance(self.scenario, tuple) else (self.scenario,)
         scenarios = [make_scenario(scenario) for scenario in given]
         if not scenarios:
             raise SettingError("scenario: the list of scenarios is empty")
@@ -97,21 +93,4 @@ class Settings:
 
     def check_population_size(self, name: str, value: object) -> None:
         """Refuse what is not a population size inside the limits."""
-        _require_integer(name, value, self.min_population_size, self.max_population_size)
-
-    def _require_integer(self, name: str, low: int) -> None:
-        _require_integer(name, getattr(self, name), low, 10**9)
-
-    def _require_number(self, name: str, low: float, high: float) -> None:
-        value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise SettingError(f"{name} must be a number, got {value!r}")
-        if not low <= value <= high:
-            raise SettingError(f"{name} must lie in [{low:g}, {high:g}], got {value!r}")
-
-
-def _require_integer(name: str, value: object, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise SettingError(f"{name} must be an integer, got {value!r}")
-    if not low <= value <= high:
-        raise SettingError(f"{name} must lie in [{low}, {high}], got {value!r}")
+        require_integer(name, value, self.min_population_size, self.max_population_size)

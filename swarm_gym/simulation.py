@@ -7,6 +7,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.checks import require_integer
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms, adopt_population
@@ -22,7 +23,13 @@ Flags = NDArray[np.bool_]
 
 NO_BUDGET = np.iinfo(np.int64).max
 RESET_OPTIONS = ("scenario", "initial_population", "initial_population_size")
-HISTORY = ("population_collision", "population_size", "repair_degree", "best_fitness")
+HISTORY = (
+    "population_collision",
+    "population_size",
+    "repair_degree",
+    "best_fitness",
+    "evaluations",
+)
 
 
 class Simulation:
@@ -36,7 +43,7 @@ class Simulation:
         swarms: the state that the kernels work on.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
-        history: (B, iterations + 1, 4) what `HISTORY` names, by iteration.
+        history: (B, iterations + 1, 5) what `HISTORY` names, by iteration.
         initial_gap: (B,) best fitness of the first population above the lower bound.
     """
 
@@ -47,6 +54,9 @@ class Simulation:
         num_swarms: int,
         num_threads: int | None = None,
     ):
+        require_integer("num_envs", num_swarms, 1)
+        if num_threads is not None:
+            require_integer("num_threads", num_threads, 1, numba.config.NUMBA_NUM_THREADS)
         self.optimizer = optimizer
         self.settings = settings
         self.num_threads = num_threads
@@ -58,9 +68,7 @@ class Simulation:
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
         self.tables = stack([problem.table for problem in self.problems])
-        self.swarms = Swarms.allocate(
-            num_swarms, settings.max_population_size, settings.num_waypoints
-        )
+        self.swarms = Swarms.allocate(num_swarms, settings.max_population_size, settings.num_waypoints)
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
         self.iteration = np.zeros(num_swarms, dtype=np.int64)
         self.running = np.zeros(num_swarms, dtype=np.bool_)
@@ -101,9 +109,7 @@ class Simulation:
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         sizes = np.full(self.num_swarms, size, dtype=np.int64)
         if population is None:
-            self.optimizer.initialise(
-                swarms, self.tables, chosen, sizes, self.settings.mean_weight
-            )
+            self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         else:
             swarms.positions[rows, :size] = population
             adopt_population(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
@@ -128,9 +134,7 @@ class Simulation:
         rows = np.flatnonzero(chosen)
         self.iteration[rows] += 1
         self._record(rows, repair_degrees)
-        ended = (self.iteration >= self.settings.iterations) | (
-            self.swarms.evaluations >= self.swarms.budget
-        )
+        ended = (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
         self.running[rows] = ~ended[rows]
 
     def gap(self) -> Floats:
@@ -158,7 +162,14 @@ class Simulation:
     def _record(self, rows: Integers, repair_degrees: Floats) -> None:
         swarms = self.swarms
         self.history[rows, self.iteration[rows]] = np.stack(
-            [swarms.summary[:, 0], swarms.size, repair_degrees, swarms.best_fitness], axis=1
+            [
+                swarms.summary[:, 0],
+                swarms.size,
+                repair_degrees,
+                swarms.best_fitness,
+                swarms.evaluations,
+            ],
+            axis=1,
         )[rows]
 
     def _read_options(self, options: Mapping[str, Any]) -> tuple[int, Floats | None, int | None]:
@@ -175,26 +186,20 @@ class Simulation:
         population = None
         if "initial_population" in options:
             if "initial_population_size" in options:
-                raise SettingError(
-                    "initial_population and initial_population_size exclude each other"
-                )
+                raise SettingError("initial_population and initial_population_size exclude each other")
             population = self._read_population(options["initial_population"])
             size = len(population)
         self.settings.check_population_size("initial_population_size", size)
         budget = self.settings.max_evaluations
         if budget is not None and size > budget:
-            raise SettingError(
-                f"initial_population_size {size} exceeds the evaluation budget {budget}"
-            )
+            raise SettingError(f"initial_population_size {size} exceeds the evaluation budget {budget}")
         return int(size), population, scenario
 
     def _read_population(self, population: object) -> Floats:
         n = self.settings.num_waypoints
         array = np.asarray(population, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != n:
-            raise SettingError(
-                f"initial_population must have shape (members, {n}), got {array.shape}"
-            )
+            raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
         lower, upper = self.tables.lower.max(axis=0), self.tables.upper.min(axis=0)
         if not ((array >= lower) & (array <= upper)).all():
             raise SettingError("initial_population must be finite and inside the workspace")

@@ -17,14 +17,14 @@ Flags = NDArray[np.bool_]
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     """`num_envs` swarms; sub-environment i equals a `SwarmEnv` reset with seed + i, bit for bit.
 
-    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`, and the conventions (infos with
-    `_key` masks, `final_obs` and `final_info`, `options["reset_mask"]`) those of
+    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`, and the conventions (infos
+    with `_key` masks, `final_obs` and `final_info`, `options["reset_mask"]`) those of
     `gymnasium.vector.SyncVectorEnv`.
 
     Args:
         num_envs: number of swarms.
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
-        autoreset_mode: what happens to a swarm whose episode ended; a `gymnasium.vector.AutoresetMode` or its value.
+        autoreset_mode: what happens to a swarm whose episode ended; an `AutoresetMode` or its value.
         num_threads: threads to spread the swarms over; None takes all that Numba has.
         render_mode: must be None; render a `SwarmEnv` with the same seed.
         max_episode_steps: must be None; the option `iterations` ends an episode.
@@ -42,10 +42,6 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         max_episode_steps: int | None = None,
         **options: Any,
     ):
-        for name, value in (("num_envs", num_envs), ("num_threads", num_threads)):
-            is_count = isinstance(value, int) and not isinstance(value, bool) and value >= 1
-            if not is_count and (name == "num_envs" or value is not None):
-                raise SettingError(f"{name} must be a positive integer, got {value!r}")
         if render_mode is not None:
             raise SettingError(
                 f"render_mode {render_mode!r}: a vector of swarms is not rendered; "
@@ -60,9 +56,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         except ValueError as error:
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
+        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads)
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
-        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads)
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, dtype=np.bool_)
         self.single_action_space = self._batch.action_space
@@ -150,9 +146,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
             raise SettingError(f"reset_mask must be a boolean NumPy array, got {mask!r}")
         if mask.shape != (self.num_envs,) or not mask.any():
-            raise SettingError(
-                f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}"
-            )
+            raise SettingError(f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}")
         return mask
 
     def _read_seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
@@ -161,7 +155,5 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
         if len(seed) != self.num_envs:
-            raise SettingError(
-                f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}"
-            )
+            raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
         return list(seed)

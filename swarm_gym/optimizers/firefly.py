@@ -64,9 +64,7 @@ def move_towards(
     attraction = beta0 * math.exp(-gamma * squared_distance(path, brighter))  # eq. 13, 14
     for k in range(brighter.shape[0]):
         moved = (
-            path[k + 1]
-            + attraction * (brighter[k] - path[k + 1])
-            + alpha * (work.noise[k] - 0.5)  # eq. 15
+            path[k + 1] + attraction * (brighter[k] - path[k + 1]) + alpha * (work.noise[k] - 0.5)  # eq. 15
         )
         path[k + 1] = min(max(moved, table.lower[k]), table.upper[k])
 
@@ -101,9 +99,7 @@ def iterate(
 
 
 @kernel
-def initialise_swarm(
-    swarms: Swarms, b: int, tables: WaypointTable, size: int, mean_weight: float
-) -> None:
+def initialise_swarm(swarms: Swarms, b: int, tables: WaypointTable, size: int, mean_weight: float) -> None:
     """Draw and evaluate the first population of swarm `b`."""
     table = select(tables, swarms.problem[b])
     work = make_workspace(swarms.positions.shape[2])

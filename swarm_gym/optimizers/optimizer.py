@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import SettingError
+from swarm_gym.checks import require_number
 from swarm_gym.population import Swarms
 from swarm_gym.problem.waypoints import WaypointTable
 
@@ -74,14 +74,11 @@ class Optimizer(ABC):
         """Parameters in order, the chosen ones in place of their defaults.
 
         Raises:
-            SettingError: if a value is out of its range.
+            SettingError: if a value is not a number in its range.
         """
         values = []
         for name, knob in cls.knobs.items():
             value = chosen.get(name, knob.default)
-            if not knob.low <= value <= knob.high:
-                raise SettingError(
-                    f"{name} of {cls.name!r} must lie in [{knob.low:g}, {knob.high:g}], got {value!r}"
-                )
+            require_number(name, value, knob.low, knob.high)
             values.append(float(value))
         return np.array(values)

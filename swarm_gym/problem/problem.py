@@ -1,12 +1,13 @@
 """A problem: a scenario, its encoding and its cost."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarm_gym.errors import SettingError
+from swarm_gym.checks import require_integer, require_number
 from swarm_gym.problem import waypoints
 from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.repair import repair
@@ -31,10 +32,8 @@ class Problem:
     length_weight: float = 0.3
 
     def __post_init__(self) -> None:
-        if not self.num_waypoints >= 1:
-            raise SettingError(f"num_waypoints must be at least 1, got {self.num_waypoints!r}")
-        if not 0.0 < self.length_weight <= 1.0:
-            raise SettingError(f"length_weight must lie in (0, 1], got {self.length_weight!r}")
+        require_integer("num_waypoints", self.num_waypoints, 1)
+        require_number("length_weight", self.length_weight, math.nextafter(0.0, 1.0), 1.0)
 
     @cached_property
     def table(self) -> WaypointTable:

@@ -27,10 +27,7 @@ def repair(table: WaypointTable, path: NDArray[np.float64], repair_degree: float
     for j in range(last):
         for pair in range(table.first_pair[j], table.first_pair[j + 1]):
             left, right = path[j], path[j + 1]
-            if not (
-                min(left, right) < table.pair_top[pair]
-                and max(left, right) > table.pair_bottom[pair]
-            ):
+            if not (min(left, right) < table.pair_top[pair] and max(left, right) > table.pair_bottom[pair]):
                 continue
             slope = (right - left) / spacing
             cosine = spacing / math.sqrt(spacing * spacing + (right - left) * (right - left))

@@ -9,7 +9,7 @@ beforehand: those pairs are tabulated here once, for the kernels of `collision`,
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +63,8 @@ class WaypointTable(NamedTuple):
     has an empty list. In a stacked table every field has a leading problem axis.
     """
 
-    spacing: float  # x' distance between waypoints
-    length_weight: float  # mu
+    spacing: Any  # x' distance between waypoints: a number, in a stacked table an array
+    length_weight: Any  # mu, likewise
     lower: Floats  # (n,) bounds of the offsets: the workspace
     upper: Floats  # (n,)
     initial_lower: Floats  # (n,) where the first population is drawn
@@ -98,14 +98,14 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
 
 def stack(tables: list[WaypointTable]) -> WaypointTable:
     """Tables of equal n as one table with a leading axis; shorter pair lists are padded with zeros."""
-    return WaypointTable(*(_pad_and_stack(column) for column in zip(*tables, strict=True)))
+    return WaypointTable._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
 
 
 def tabulate(scenario: Scenario, num_waypoints: int, length_weight: float) -> WaypointTable:
     """The table of a scenario for a number of waypoints and a weight mu of the length."""
     frame = Frame.of(scenario)
     spacing = scenario.straight_line / (num_waypoints + 1)
-    lower, upper = _bounds(scenario, frame, spacing * np.arange(1, num_waypoints + 1))
+    lower, upper = _bounds(scenario, frame, spacing * np.arange(1.0, num_waypoints + 1))
     initial_lower, initial_upper = _initial_range(scenario, frame, lower, upper)
 
     first_pair, extents, circles, first_corner, corners = [0], [], [], [0], []
@@ -150,9 +150,7 @@ def _bounds(scenario: Scenario, frame: Frame, x: Floats) -> tuple[Floats, Floats
     return np.minimum(lower, 0.0), np.maximum(upper, 0.0)
 
 
-def _initial_range(
-    scenario: Scenario, frame: Frame, lower: Floats, upper: Floats
-) -> tuple[Floats, Floats]:
+def _initial_range(scenario: Scenario, frame: Frame, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     if scenario.initial_range is not None:
         low, high = scenario.initial_range
     elif scenario.obstacles:
@@ -224,6 +222,7 @@ def _pad_and_stack(values: tuple) -> NDArray:
     arrays = [np.asarray(value) for value in values]
     shape = np.max([array.shape for array in arrays], axis=0).astype(int)
     out = np.zeros((len(arrays), *shape), dtype=arrays[0].dtype)
-    for number, array in enumerate(arrays):
-        out[(number, *(slice(length) for length in array.shape))] = array
+    for row, array in enumerate(arrays):
+        index: tuple[Any, ...] = (row, *map(slice, array.shape))
+        out[index] = array
     return out

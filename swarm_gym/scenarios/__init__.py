@@ -26,6 +26,6 @@ def make_scenario(scenario: str | Scenario) -> Scenario:
     """
     if isinstance(scenario, Scenario):
         return scenario
-    if scenario not in SCENARIOS:
+    if not isinstance(scenario, str) or scenario not in SCENARIOS:
         raise UnknownNameError("scenario", scenario, SCENARIOS)
     return SCENARIOS[scenario]()

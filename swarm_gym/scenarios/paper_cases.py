@@ -7,7 +7,7 @@ The initial range is not printed. y in [120, 480] is the reading under which the
 out; see docs/readings.md.
 """
 
-from swarm_gym.scenarios.scenario import Circle, Polygon, Scenario
+from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
 
 START = (20.0, 300.0)
 TARGET = (980.0, 300.0)
@@ -55,5 +55,8 @@ def case3() -> Scenario:
 def _case(
     name: str, circles: list[tuple[int, int, int]], rectangles: list[tuple[int, int, int, int]]
 ) -> Scenario:
-    obstacles = [*(Circle(*c) for c in circles), *(Polygon.rectangle(*r) for r in rectangles)]
-    return Scenario(name, START, TARGET, tuple(obstacles), WORKSPACE, INITIAL_RANGE)
+    obstacles: tuple[Obstacle, ...] = (
+        *(Circle(*c) for c in circles),
+        *(Polygon.rectangle(*r) for r in rectangles),
+    )
+    return Scenario(name, START, TARGET, obstacles, WORKSPACE, INITIAL_RANGE)

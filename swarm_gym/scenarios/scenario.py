@@ -51,8 +51,7 @@ class Polygon:
         """An axis-parallel rectangle from its extremes."""
         if not (x_min < x_max and y_min < y_max):
             raise ScenarioError(
-                f"rectangle ({x_min}, {y_min}, {x_max}, {y_max}): "
-                "needs x_min < x_max and y_min < y_max"
+                f"rectangle ({x_min}, {y_min}, {x_max}, {y_max}): needs x_min < x_max and y_min < y_max"
             )
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
@@ -72,8 +71,7 @@ class Polygon:
         ):
             if _cross(before, here, after) <= 0:
                 raise ScenarioError(
-                    f"{self}: not strictly convex at vertex {here} "
-                    "(a concave, straight or crossing corner)"
+                    f"{self}: not strictly convex at vertex {here} (a concave, straight or crossing corner)"
                 )
             heading_in = math.atan2(here[1] - before[1], here[0] - before[0])
             heading_out = math.atan2(after[1] - here[1], after[0] - here[0])
@@ -121,24 +119,18 @@ class Scenario:
             raise ScenarioError(f"{where}: start and target are the same point {self.start}")
         for role, point in (("start", self.start), ("target", self.target)):
             if not (x_min <= point[0] <= x_max and y_min <= point[1] <= y_max):
-                raise ScenarioError(
-                    f"{where}: {role} {point} lies outside the workspace {self.workspace}"
-                )
+                raise ScenarioError(f"{where}: {role} {point} lies outside the workspace {self.workspace}")
             for number, obstacle in enumerate(self.obstacles):
                 if not isinstance(obstacle, Circle | Polygon):
                     raise ScenarioError(
                         f"{where}: obstacle {number} is {obstacle!r}, expected a Circle or a Polygon"
                     )
                 if obstacle.contains(point):
-                    raise ScenarioError(
-                        f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}"
-                    )
+                    raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
         if self.initial_range is not None:
             _require_finite(f"{where}: initial_range", self.initial_range)
             if not self.initial_range[0] < self.initial_range[1]:
-                raise ScenarioError(
-                    f"{where}: initial_range needs low < high, got {self.initial_range}"
-                )
+                raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")
 
     @property
     def straight_line(self) -> float:

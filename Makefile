@@ -1,0 +1,68 @@
+# Every target makes the virtual environment it needs first; once that is made, no network is used.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+SEEDS ?= 20
+
+.DEFAULT_GOAL := help
+.PHONY: help install study test test-slow test-lowest check format benchmark docs-results clean
+
+help: ## show this list
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-14s %s\n", $$1, $$2}'
+
+install: $(INSTALLED) ## make the virtual environment
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@echo "== installing into $(VENV) (once; a few minutes)"
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	    --constraint constraints.txt --editable '.[render,study,dev]'
+	@touch $@
+
+study: $(INSTALLED) ## run the paper's study and write its tables and figures to results/paper
+	@echo "== the paper's study, $(SEEDS) seeds: controllers x cases x seeds, then tables and figures"
+	$(BIN)/python -m experiments.evaluate --suite paper --seeds $(SEEDS)
+
+test: $(INSTALLED) ## run the tests
+	@echo "== compiling the kernels"
+	$(BIN)/python -m swarm_gym.warm_up
+	@echo "== running the tests"
+	$(BIN)/python -m pytest -n auto
+
+test-slow: $(INSTALLED) ## run the tests that take minutes
+	$(BIN)/python -m swarm_gym.warm_up
+	@echo "== running the slow tests"
+	$(BIN)/python -m pytest -n auto -m slow
+
+test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
+	@echo "== installing the lowest versions into .venv-lowest"
+	$(PYTHON) -m venv .venv-lowest
+	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
+	    --constraint constraints-lowest.txt --editable '.[render,study,dev]'
+	.venv-lowest/bin/python -m swarm_gym.warm_up
+	.venv-lowest/bin/python -m pytest -n auto
+
+check: $(INSTALLED) ## lint, formatting, types, layers
+	@echo "== ruff, mypy, import-linter"
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(INSTALLED) ## format the sources
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+benchmark: $(INSTALLED) ## measure speed, write results/benchmark.json and a table
+	@echo "== benchmark (keep the machine quiet)"
+	$(BIN)/python -m experiments.benchmark
+
+docs-results: $(INSTALLED) ## regenerate docs/results: the study with 100 seeds
+	$(BIN)/python -m experiments.evaluate --suite paper --seeds 100 --output results/docs
+	$(BIN)/python -m experiments.publish results/docs/paper docs/results
+
+clean: ## delete environments, caches and results (not trained policies)
+	rm -rf $(VENV) .venv-lowest build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	    .import_linter_cache *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,64 @@
+"""Controllers of population size and repair degree, made by name.
+
+To add one: write a class with the methods of `agents.controller.Controller` in a file of its own, and enter
+it in `CONTROLLERS`.
+"""
+
+from collections.abc import Callable
+
+from agents.controller import Controller, SizeLimits
+from agents.fixed import Fixed, Random
+from agents.ppo import PPOController
+from agents.schedules import SelfAdaptiveSchedule
+from swarm_gym.errors import UnknownNameError
+
+__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
+
+
+def _fixed(argument: str, limits: SizeLimits) -> Controller:
+    if not argument.isdigit():
+        raise ValueError(f"controller 'fixed:{argument}': expected a population size, as fixed:60")
+    return Fixed(int(argument), limits)
+
+
+def _ppo(argument: str, limits: SizeLimits) -> Controller:
+    return PPOController(argument, limits)
+
+
+def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
+    def checked(argument: str, limits: SizeLimits) -> Controller:
+        if argument:
+            raise ValueError(f"this controller takes no argument, got {argument!r}")
+        return make(limits)
+
+    return checked
+
+
+# Family name to a function of what stands after the colon and the size limits.
+CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
+    "fixed": _fixed,
+    "spsfa": _no_argument(lambda limits: SelfAdaptiveSchedule(limits=limits)),
+    "spsfa-tip": _no_argument(
+        lambda limits: SelfAdaptiveSchedule(treats_infeasible_paths=True, limits=limits)
+    ),
+    "random": _no_argument(Random),
+    "ppo": _ppo,
+}
+
+
+def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
+    """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
+
+    Args:
+        name: the family, and after a colon its argument.
+        limits: the population sizes that the environment allows.
+
+    Raises:
+        UnknownNameError: for an unknown family; the message lists the valid ones.
+        ValueError: for an argument that the family cannot take.
+        PolicyFileError: for a policy that is missing, damaged or made for something else.
+    """
+    family, _, argument = str(name).partition(":")
+    if family not in CONTROLLERS:
+        raise UnknownNameError("controller", name, CONTROLLERS)
+    return CONTROLLERS[family](argument, limits)

@@ -1,0 +1,100 @@
+"""Trained policies on disk: weights as safetensors, with a JSON manifest in the file's header.
+
+Reading one runs no code. The manifest says what the policy expects and where it comes from.
+"""
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+
+FORMAT = "swarm_gym policy 1"
+POLICIES = Path(__file__).parent / "policies"
+SUFFIX = ".safetensors"
+
+Weights = dict[str, NDArray[np.float32]]
+
+REQUIRED = (
+    "action",
+    "features",
+    "hidden_layers",
+    "initial_population_size",
+    "max_population_size",
+    "min_population_size",
+    "observation",
+    "weights_sha256",
+)
+
+
+class PolicyFileError(ValueError):
+    """A policy file is missing, damaged, or not for this version; the message names the file."""
+
+
+def shipped_policies() -> list[str]:
+    """Names of the policies that come with the project."""
+    return sorted(path.stem for path in POLICIES.glob(f"*{SUFFIX}"))
+
+
+def resolve(name: str) -> Path:
+    """The file of a shipped policy by name, or the path that was given.
+
+    Raises:
+        PolicyFileError: if neither exists.
+    """
+    for path in (POLICIES / f"{name}{SUFFIX}", Path(name)):
+        if path.is_file():
+            return path
+    raise PolicyFileError(
+        f"policy {name!r}: neither a shipped policy ({', '.join(shipped_policies()) or 'none'}) nor a file"
+    )
+
+
+def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
+    """Write weights and manifest in one file, at once or not at all."""
+    manifest = {**manifest, "format": FORMAT, "weights_sha256": _digest(weights)}
+    header = {"manifest": json.dumps(manifest, sort_keys=True)}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(".partial")
+    partial.write_bytes(save(weights, metadata=header))
+    os.replace(partial, path)
+
+
+def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:
+    """Weights and manifest of a policy file.
+
+    Raises:
+        PolicyFileError: if the file is damaged, incomplete or of another format.
+    """
+    try:
+        with safe_open(path, framework="numpy") as file:
+            header = file.metadata() or {}
+            weights = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        manifest = json.loads(header.get("manifest", "{}"))
+    except (OSError, SafetensorError, json.JSONDecodeError) as error:
+        raise PolicyFileError(f"{path}: not a readable policy file ({error})") from error
+    if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
+        raise PolicyFileError(f"{path}: expected format {FORMAT!r}, got {_get_format(manifest)!r}")
+    missing = [key for key in REQUIRED if key not in manifest]
+    if missing:
+        raise PolicyFileError(f"{path}: the manifest lacks {', '.join(missing)}")
+    if manifest["weights_sha256"] != _digest(weights):
+        raise PolicyFileError(f"{path}: the weights do not match their digest in the manifest")
+    return weights, manifest
+
+
+def _get_format(manifest: object) -> object:
+    return manifest.get("format") if isinstance(manifest, dict) else manifest
+
+
+def _digest(weights: Weights) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(weights):
+        digest.update(f"{name} {weights[name].dtype} {weights[name].shape}".encode())
+        digest.update(np.ascontiguousarray(weights[name]).tobytes())
+    return digest.hexdigest()

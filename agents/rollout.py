@@ -1,0 +1,65 @@
+"""Whole episodes of a controller on many seeds at once."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from agents.controller import Controller
+from swarm_gym.registration import environment_id
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """What happened in B episodes of T iterations.
+
+    Attributes:
+        final_fitness: (B,) best fitness of each episode.
+        evaluations: (B,) calls of the cost function.
+        returns: (B,) sum of the rewards.
+        sizes: (B, T) population size of each iteration.
+        repair_degrees: (B, T) phi of each iteration.
+    """
+
+    final_fitness: Floats
+    evaluations: Floats
+    returns: Floats
+    sizes: Floats
+    repair_degrees: Floats
+
+
+def run_episodes(
+    controller: Controller, scenario: str, seeds: range, optimizer: str = "firefly", **options: Any
+) -> Episodes:
+    """Run one episode per seed, all side by side, on one scenario.
+
+    Args:
+        controller: decides; sees its own observation layout.
+        scenario: name of the scenario.
+        seeds: consecutive seeds, one per episode.
+        optimizer: name of the optimizer.
+        options: further options of the environment.
+    """
+    env = gymnasium.make_vec(
+        environment_id(optimizer),
+        num_envs=len(seeds),
+        scenario=scenario,
+        observation=controller.observation,
+        initial_population_size=controller.initial_population_size,
+        autoreset_mode=AutoresetMode.DISABLED,
+        **options,
+    )
+    controller.reset(len(seeds), seeds.start)
+    observations, _ = env.reset(seed=seeds.start)
+    returns = np.zeros(len(seeds))
+    ended = np.zeros(len(seeds), dtype=np.bool_)
+    while not ended.all():
+        observations, rewards, ended, _, info = env.step(controller.act(observations))
+        returns += rewards
+    history = env.unwrapped.simulation.history[:, 1:]  # type: ignore[attr-defined]
+    return Episodes(info["best_fitness"], info["evaluations"], returns, history[..., 1], history[..., 2])

@@ -1,0 +1,83 @@
+"""A Gymnasium vector environment as a stable-baselines3 `VecEnv`; the library has no adapter of its own."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env import VecEnv
+
+
+class SB3VecEnv(VecEnv):
+    """Wraps a vector environment with SAME_STEP autoreset, which is what stable-baselines3 expects."""
+
+    def __init__(self, env: VectorEnv):
+        if env.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
+            raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
+        self.env = env
+        self.render_mode = None
+        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+        self._actions = np.empty(0)
+        self._returns = np.zeros(env.num_envs)
+        self._lengths = np.zeros(env.num_envs, dtype=np.int64)
+
+    def reset(self) -> NDArray:
+        """Begin new episodes everywhere, with the seed given to `seed`, if any."""
+        observations, _ = self.env.reset(seed=self._seeds[0])
+        self._reset_seeds()
+        self._returns[:] = 0.0
+        self._lengths[:] = 0
+        return observations
+
+    def step_async(self, actions: NDArray) -> None:
+        """Keep the actions for `step_wait`."""
+        self._actions = actions
+
+    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
+        """Advance all swarms; infos of ended episodes hold `episode` and `terminal_observation`."""
+        observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
+        self._returns += rewards
+        self._lengths += 1
+        dones = terminated | truncated
+        by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for row in np.flatnonzero(dones):
+            by_env[row] = {
+                "terminal_observation": infos["final_obs"][row],
+                "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
+                "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
+                "best_fitness": float(infos["final_info"]["best_fitness"][row]),
+                "evaluations": int(infos["final_info"]["evaluations"][row]),
+            }
+        self._returns[dones] = 0.0
+        self._lengths[dones] = 0
+        return observations, rewards, dones, by_env
+
+    def close(self) -> None:
+        """Close the vector environment."""
+        self.env.close()
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute of the whole vector, once per requested swarm."""
+        return [getattr(self.env.unwrapped, attr_name)] * len(self._rows(indices))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:  # noqa: ARG002
+        """Attributes belong to all swarms at once and are not set one by one."""
+        raise AttributeError(f"cannot set {attr_name!r} of single swarms in a native vector")
+
+    def env_method(
+        self,
+        method_name: str,
+        *method_args: Any,  # noqa: ARG002
+        indices: Any = None,  # noqa: ARG002
+        **method_kwargs: Any,  # noqa: ARG002
+    ) -> list[Any]:
+        """Swarms of a native vector have no methods of their own."""
+        raise AttributeError(f"cannot call {method_name!r} of single swarms in a native vector")
+
+    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ARG002
+        """No swarm is wrapped by itself."""
+        return [False] * len(self._rows(indices))
+
+    def _rows(self, indices: int | Sequence[int] | None) -> list[int]:
+        return list(self._get_indices(indices))

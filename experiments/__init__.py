@@ -1,0 +1,1 @@
+"""Suites of runs, their results, and the tables and figures made from them."""

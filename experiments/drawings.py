@@ -1,0 +1,286 @@
+"""The kinds of figures of the SPSFA paper, each drawn from stored runs.
+
+Courses over a run are drawn as a centre over the seeds, with their interquartile range as a band.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import takewhile
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter
+from numpy.typing import NDArray
+
+from experiments import map_plot
+from experiments.figure_style import BAND, BAND_EDGE, GREY, Style, legend_below, new_figure
+from experiments.labels import label
+from experiments.results import Floats, Run, RunKey, Snapshot
+from swarm_gym.errors import ScenarioError
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import Scenario, make_scenario
+
+COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
+# Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
+FITNESS_MARGIN = 0.01
+# Iterations up to which an axis is linear, where the first few matter most.
+LINEAR_ITERATIONS = 10
+ITERATION_TICKS = (0, 5, 10, 20, 50, 100, 200, 500, 1000)
+EVALUATIONS_RESOLUTION = 200
+SNAPSHOT_COLUMNS = 3
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scenario and what was run on it.
+
+    Attributes:
+        scenario: the map and the task.
+        optimum: its least fitness; NaN if unknown.
+        runs: by controller, in the suite's order; at least one run each.
+        styles: by controller.
+    """
+
+    scenario: Scenario
+    optimum: float
+    runs: Mapping[str, list[Run]]
+    styles: Mapping[str, Style]
+
+    @property
+    def title(self) -> str:
+        """The scenario and how many runs there are of a controller."""
+        counts = sorted({len(group) for group in self.runs.values()})
+        span = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        return f"{self.scenario.name}, {span} runs each"
+
+
+def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
+    """Figure 3: the populations of a run on their map, one panel per iteration, one block per run."""
+    rows = [math.ceil(len(kept) / SNAPSHOT_COLUMNS) for kept in snapshots.values()]
+    figure = new_figure(10.0, 2.1 * sum(rows) + 0.7 * len(rows))
+    blocks = figure.subfigures(len(rows), height_ratios=rows, squeeze=False)[:, 0]
+    for (key, kept), block, num_rows in zip(snapshots.items(), blocks, rows, strict=True):
+        controller, scenario, seed = key
+        grid = block.subplots(num_rows, SNAPSHOT_COLUMNS, sharex=True, sharey=True, squeeze=False)
+        for axes, snapshot in zip(grid.flat, kept, strict=False):
+            map_plot.draw_map(axes, make_scenario(scenario))
+            map_plot.draw_population(axes, snapshot)
+        for axes in grid.flat[len(kept) :]:
+            axes.set_axis_off()
+        block.suptitle(f"Populations of {label(controller)} on {scenario}, seed {seed}")
+        block.legend(handles=map_plot.population_legend(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_collision(cases: list[Case]) -> Figure:
+    """Figure 4: population collision E(P) by iteration, mean of the runs, beside its first value."""
+    figure = new_figure(3.4 * len(cases) + 0.4, 3.4)
+    for axes, case in zip(figure.subplots(1, len(cases), squeeze=False)[0], cases, strict=True):
+        for controller in COLLISION_CONTROLLERS:
+            if controller in case.runs:
+                courses = columns(case.runs[controller], "population_collision")
+                _draw_iterations(axes, case, controller, courses, np.mean)
+                colour = case.styles[controller].colour
+                axes.axhline(courses[:, 0].mean(), color=colour, linestyle=":", linewidth=1.0)
+        axes.set_xscale("symlog", linthresh=LINEAR_ITERATIONS)
+        last = axes.get_xlim()[1]
+        axes.set_xticks([k for k in ITERATION_TICKS if k <= last], minor=False)
+        axes.set_xticks([], minor=True)
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
+        axes.set(title=case.title, ylim=(0.0, None))
+        axes.set_xlabel(f"iteration (logarithmic from {LINEAR_ITERATIONS} on)")
+    figure.axes[0].set_ylabel("population collision $E(P)$")
+    figure.suptitle(r"Mean $E(P)$ and interquartile band; dotted: the first population's, $E_\mathrm{init}$")
+    legend_below(figure)
+    return figure
+
+
+def draw_convergence(case: Case) -> Figure:
+    """Figures 8, 12, 16: best fitness, median of the runs, by iteration and by evaluations spent."""
+    figure = new_figure(10.0, 4.4)
+    by_iteration, by_evaluations = figure.subplots(1, 2, sharey=True)
+    first = math.inf
+    for controller, runs in case.runs.items():
+        courses, spent = columns(runs, "best_fitness"), columns(runs, "evaluations")
+        _draw_iterations(by_iteration, case, controller, courses, np.median)
+        grid = np.geomspace(spent[:, 0].max(), spent[:, -1].max(), EVALUATIONS_RESOLUTION)
+        reached = best_by_evaluations(courses, spent, grid)
+        _draw_course(by_evaluations, case, controller, grid, reached, np.median)
+        first = min(first, float(np.median(spent[:, 1])))
+    for axes in (by_iteration, by_evaluations):
+        _draw_optimum(axes, case)
+    _scale_fitness(by_iteration, case, "best fitness so far")
+    by_evaluations.set(xscale="log", xlabel="fitness evaluations spent")
+    by_evaluations.set_xlim(left=first / 2.0)  # nothing happens before the first iteration
+    figure.suptitle(f"Convergence on {case.title}: median and interquartile band")
+    legend_below(figure)
+    return figure
+
+
+def draw_population_size(case: Case) -> Figure:
+    """Figures 9, 13, 17: mean population size by iteration, and phi of those that repair."""
+    repair_degrees = {
+        controller: degrees
+        for controller, runs in case.runs.items()
+        if (degrees := columns(runs, "repair_degree")).any()
+    }
+    num_panels = 2 if repair_degrees else 1
+    figure = new_figure(7.2, 5.6 if repair_degrees else 3.8)
+    ratios = [2, 1][:num_panels]
+    panels = figure.subplots(num_panels, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    for controller, runs in case.runs.items():
+        _draw_iterations(panels[0], case, controller, columns(runs, "population_size"), np.mean)
+    panels[0].set(ylabel="population size", ylim=(0.0, None))
+    for controller, degrees in repair_degrees.items():
+        _draw_iterations(panels[1], case, controller, degrees, np.mean)
+    if repair_degrees:
+        panels[1].set(ylabel="repair degree φ", ylim=(0.0, None))
+    panels[0].label_outer()
+    figure.suptitle(f"Population size on {case.title}: mean and interquartile band")
+    legend_below(figure)
+    return figure
+
+
+def draw_best_paths(case: Case) -> Figure:
+    """Figures 10, 14, 18: path of each controller's best run, and the shortest path."""
+    x_min, y_min, x_max, y_max = case.scenario.workspace
+    height = 8.4 * (y_max - y_min) / (x_max - x_min)
+    figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
+    axes = figure.subplots()
+    map_plot.draw_map(axes, case.scenario)
+    try:
+        length, points = shortest_path(case.scenario)
+        map_plot.draw_shortest_path(axes, points, f"exact shortest path, length {length:.1f}")
+    except ScenarioError:  # the obstacles separate start and target
+        pass
+    for order, (controller, runs) in enumerate(case.runs.items()):
+        best = min(runs, key=lambda run: run.final_fitness)
+        text = f"{label(controller)}: {best.final_fitness:.2f} ({best.final_collision:.2f})"
+        map_plot.draw_best_path(axes, best, case.styles[controller], text, order)
+    axes.set(xlabel="x", ylabel="y")
+    figure.suptitle(f"Best path on {case.title}: fitness (degree of collision)")
+    legend_below(figure)
+    return figure
+
+
+def draw_box_plots(case: Case) -> Figure:
+    """Figures 11, 15, 19: final fitness and evaluations of every run, by controller."""
+    figure = new_figure(10.0, 4.2)
+    fitness, evaluations = figure.subplots(1, 2)
+    groups = case.runs.values()
+    _draw_boxes(fitness, case, [np.array([run.final_fitness for run in g]) for g in groups])
+    _draw_boxes(evaluations, case, [np.array([run.evaluations for run in g]) for g in groups])
+    _draw_optimum(fitness, case)
+    _scale_fitness(fitness, case, "final fitness")
+    evaluations.set(ylim=(0.0, None), ylabel="fitness evaluations")
+    evaluations.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
+    figure.suptitle(f"Final fitness and cost on {case.title}: quartiles, and every run")
+    legend_below(figure)
+    return figure
+
+
+CASE_DRAWINGS: dict[str, Callable[[Case], Figure]] = {
+    "convergence": draw_convergence,
+    "population-size": draw_population_size,
+    "best-paths": draw_best_paths,
+    "box-plots": draw_box_plots,
+}
+
+
+def columns(runs: list[Run], name: str) -> Floats:
+    """(runs, iterations + 1) one column of the traces, by its name in `HISTORY`."""
+    return np.array([run.course(name) for run in runs])
+
+
+def best_by_evaluations(fitness: Floats, evaluations: Floats, grid: Floats) -> Floats:
+    """Best fitness that each run had reached when it had spent so many evaluations.
+
+    Args:
+        fitness: (runs, iterations + 1) best so far.
+        evaluations: (runs, iterations + 1) spent so far, increasing.
+        grid: (m,) numbers of evaluations, none below the first of any run.
+
+    Returns:
+        Shape (runs, m). A run that has ended keeps its last value.
+    """
+    last = [np.searchsorted(spent, grid, side="right") - 1 for spent in evaluations]
+    return np.array([best[index] for best, index in zip(fitness, last, strict=True)])
+
+
+def _draw_iterations(
+    axes: Axes, case: Case, controller: str, courses: Floats, centre: Callable[..., Floats]
+) -> None:
+    """Draw courses (runs, iterations + 1) of a controller over all iterations."""
+    iterations = np.arange(courses.shape[1])
+    _draw_course(axes, case, controller, iterations, courses, centre)
+    axes.set_xlim(0, iterations[-1])
+    axes.set_xlabel("iteration")
+
+
+def _draw_course(
+    axes: Axes,
+    case: Case,
+    controller: str,
+    x: NDArray,
+    courses: Floats,
+    centre: Callable[..., Floats],
+) -> None:
+    style = case.styles[controller]
+    low, high = np.quantile(courses, [0.25, 0.75], axis=0)
+    axes.fill_between(
+        x, low, high, linewidth=0.6,
+        facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE),
+    )  # fmt: skip
+    # Every tenth of the axis, beginning at different places, so that equal lines show.
+    order = list(case.styles).index(controller)
+    axes.plot(
+        x, centre(courses, axis=0), label=label(controller),
+        markevery=(0.1 * order / len(case.styles), 0.1), **style.options(),
+    )  # fmt: skip
+
+
+def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
+    boxes = axes.boxplot(
+        samples, tick_labels=[label(controller) for controller in case.runs], widths=0.55,
+        showfliers=False, patch_artist=True, medianprops={"color": "black", "linewidth": 1.6},
+    )  # fmt: skip
+    for place, (controller, values) in enumerate(zip(case.runs, samples, strict=True), start=1):
+        style = case.styles[controller]
+        boxes["boxes"][place - 1].set(facecolor=style.colour, alpha=0.35)
+        x = place + np.linspace(-0.2, 0.2, len(values))
+        axes.plot(x, values, style.marker, color=style.colour, markersize=3, alpha=0.8, zorder=3)
+    for text in axes.get_xticklabels():
+        text.set(rotation=30, rotation_mode="anchor", horizontalalignment="right")
+    axes.grid(axis="x", visible=False)
+
+
+def _draw_optimum(axes: Axes, case: Case) -> None:
+    if not math.isnan(case.optimum):
+        text = f"known optimum, {case.optimum:.2f}"
+        axes.axhline(case.optimum, color=GREY, linestyle=(0, (8, 4)), linewidth=1.0, label=text)
+
+
+def _scale_fitness(axes: Axes, case: Case, name: str) -> None:
+    """Make the vertical axis, whose data are drawn, logarithmic above a little below the least."""
+    low, high = axes.dataLim.intervaly
+    least = np.nanmin([low, case.optimum])
+    margin = FITNESS_MARGIN * least
+    floor = least - margin
+
+    def stretch(values: Floats) -> Floats:
+        return np.log(np.maximum(values - floor, 1e-9 * margin))
+
+    axes.set_yscale("function", functions=(stretch, lambda logs: floor + np.exp(logs)))
+    axes.set_ylim(floor + 0.7 * margin, high + 0.1 * (high - floor))
+    doubled = takewhile(lambda gap: gap < high - floor, (margin * 2**k for k in range(64)))
+    axes.set_yticks(sorted({_rounded(floor + gap, gap / 2.0) for gap in doubled}))
+    axes.set_ylabel(f"{name} (logarithmic above {floor:.0f})")
+
+
+def _rounded(value: float, tolerance: float) -> float:
+    """The value rounded to a multiple of 1, 2 or 5 times a power of ten, at most the tolerance."""
+    power = 10.0 ** math.floor(math.log10(tolerance))
+    step = max(factor * power for factor in (1, 2, 5) if factor * power <= tolerance)
+    return round(value / step) * step

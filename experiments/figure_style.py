@@ -1,0 +1,121 @@
+"""How figures look: one colour, line and marker per controller, and settings of Matplotlib."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import matplotlib.style
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+# The hues are Okabe and Ito's, which colour-blind readers can tell apart too.
+BLACK, GREY = "#222222", "#8c8c8c"
+BLUE, SKY, GREEN, ORANGE, RED, PINK = (
+    "#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7",
+)  # fmt: skip
+LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
+
+BAND, BAND_EDGE = 0.1, 0.35  # opacities
+# Of legends: a character is about so wide, and a handle with its gaps takes as much as so many.
+CHARACTER, HANDLE_CHARACTERS = 0.075, 10  # inches, characters
+FORMATS = ("svg", "png")
+SETTINGS: dict[str, Any] = {
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.labelsize": 9,
+    "axes.linewidth": 0.7,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": 9.5,
+    "figure.titlesize": 10.5,
+    "font.size": 9,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "legend.handlelength": 3.2,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 4,
+    "savefig.dpi": 150,
+    "svg.hashsalt": "swarm_gym",
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+}
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a controller is drawn; no two share a colour and a marker."""
+
+    colour: str
+    line: Any
+    marker: str
+
+    def options(self) -> dict[str, Any]:
+        """Keyword arguments of `Axes.plot`."""
+        return {"color": self.colour, "linestyle": self.line, "marker": self.marker}
+
+
+KNOWN_STYLES = {
+    "fixed:60": Style(SKY, LINES[1], "o"),
+    "fixed:80": Style(BLUE, LINES[2], "s"),
+    "fixed:100": Style(BLACK, LINES[3], "^"),
+    "spsfa": Style(ORANGE, LINES[4], "D"),
+    "spsfa-tip": Style(RED, LINES[0], "v"),
+    "random": Style(GREY, LINES[1], "x"),
+}
+SPARE_STYLES = [
+    Style(colour, line, marker)
+    for line, marker in zip(LINES, ("P", "*", "X", "<", "h"), strict=True)
+    for colour in (GREEN, PINK, BLUE, ORANGE)
+]
+
+
+def styles(controllers: Iterable[str]) -> dict[str, Style]:
+    """A style for each controller: its own, or the next spare one in the order given."""
+    found: dict[str, Style] = {}
+    spare = 0
+    for controller in controllers:
+        if controller in KNOWN_STYLES:
+            found[controller] = KNOWN_STYLES[controller]
+        else:
+            found[controller] = SPARE_STYLES[spare % len(SPARE_STYLES)]
+            spare += 1
+    return found
+
+
+@contextmanager
+def settings() -> Iterator[None]:
+    """Matplotlib's defaults and our settings within the block, whatever the user's own are."""
+    with matplotlib.style.context(["default", SETTINGS]):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, in inches, that no window and no global state knows of."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def render(figure: Figure, form: str) -> bytes:
+    """The file of a figure, "svg" or "png"; within `settings`, the same figure gives the same bytes."""
+    file = BytesIO()
+    metadata = {"Date": None} if form == "svg" else {"Software": None}
+    figure.savefig(file, format=form, metadata=metadata)
+    return file.getvalue()
+
+
+def legend_below(figure: Figure) -> None:
+    """Put one legend for all panels below them, every label once, in as many columns as there is room for."""
+    handles: dict[str, Artist] = {}
+    for axes in figure.axes:
+        for handle, text in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(text, handle)
+    if handles:
+        width = CHARACTER * (max(map(len, handles)) + HANDLE_CHARACTERS)
+        columns = max(1, min(len(handles), int(figure.get_figwidth() / width)))
+        figure.legend(handles.values(), handles, loc="outside lower center", ncols=columns)

@@ -1,0 +1,84 @@
+"""Maps in figures: obstacles, start and target, populations, best paths."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle as CirclePatch
+from matplotlib.patches import Patch
+from matplotlib.patches import Polygon as PolygonPatch
+
+from experiments.figure_style import BLUE, RED, Style
+from experiments.results import Floats, Run, Snapshot
+from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.scenarios import Circle, Obstacle, Scenario
+
+OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
+INK = "#222222"
+# By where both are, the feasible members show as a halo of the colliding ones.
+FEASIBLE: dict[str, Any] = {"color": BLUE, "linestyle": "-", "linewidth": 1.6, "alpha": 0.6}
+COLLIDING: dict[str, Any] = {"color": RED, "linestyle": (0, (6, 3)), "linewidth": 0.5, "alpha": 0.6}
+# One marker per so many waypoints; the paths of several controllers begin at different ones.
+MARKER_EVERY = 7
+
+
+def draw_map(axes: Axes, scenario: Scenario) -> None:
+    """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates."""
+    x_min, y_min, x_max, y_max = scenario.workspace
+    axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max), aspect="equal")
+    axes.grid(False)
+    axes.spines[:].set_visible(True)
+    patches = [_patch(obstacle) for obstacle in scenario.obstacles]
+    # The outlines above the paths, so that a crowd does not hide the obstacles.
+    for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
+        shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
+        axes.add_collection(shapes)
+    for letter, marker, point in (("S", "o", scenario.start), ("T", "*", scenario.target)):
+        size = 6 if marker == "o" else 10
+        axes.plot(
+            *point, marker, color=INK, markersize=size, markeredgecolor="white",
+            markeredgewidth=0.7, clip_on=False, zorder=6,
+        )  # fmt: skip
+        axes.annotate(
+            letter, point, (0, 7), textcoords="offset points", ha="center", va="bottom",
+            fontsize=8.5, fontweight="bold", color=INK, zorder=6,
+            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+        )  # fmt: skip
+
+
+def draw_population(axes: Axes, snapshot: Snapshot) -> None:
+    """Draw feasible members solid, above them the colliding ones dashed; the title says how many."""
+    feasible = snapshot.collisions <= FEASIBILITY_TOLERANCE
+    for members, style, zorder in ((feasible, FEASIBLE, 2), (~feasible, COLLIDING, 3)):
+        paths = list(snapshot.paths[members])
+        axes.add_collection(LineCollection(paths, zorder=zorder, **style))
+    axes.set_title(f"iteration {snapshot.iteration}: {len(feasible)} members, {feasible.sum()} feasible")
+
+
+def population_legend() -> list[Line2D]:
+    """Handles for what `draw_population` draws."""
+    return [
+        Line2D([], [], label="feasible", **FEASIBLE),
+        Line2D([], [], label="colliding", **COLLIDING),
+    ]
+
+
+def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -> None:
+    """Draw the best path of a run; `order` is the number of the controller."""
+    axes.plot(
+        *run.best_path.T, label=label, markevery=(2 + order % MARKER_EVERY, MARKER_EVERY),
+        linewidth=1.3, zorder=4, **style.options(),
+    )  # fmt: skip
+
+
+def draw_shortest_path(axes: Axes, points: Floats, label: str) -> None:
+    """Draw a path (k, 2) as a broad pale line below the others."""
+    axes.plot(*points.T, color="#f0e442", linewidth=5, label=label, zorder=2)
+
+
+def _patch(obstacle: Obstacle) -> Patch:
+    if isinstance(obstacle, Circle):
+        return CirclePatch((obstacle.x, obstacle.y), obstacle.radius)
+    return PolygonPatch(np.array(obstacle.vertices), closed=True)

@@ -1,0 +1,201 @@
+"""The results database: one SQLite file per suite, one transaction per finished run.
+
+A run is (controller, scenario, seed). The file remembers what its runs were made with: settings of the
+environments, geometry of the scenarios, weights of the policies. Runs made with anything else are refused.
+"""
+
+import json
+import sqlite3
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.simulation import HISTORY
+
+Floats = NDArray[np.float64]
+RunKey = tuple[str, str, int]  # controller, scenario, seed
+
+SCHEMA = """
+CREATE TABLE IF NOT EXISTS configuration (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS runs (
+    controller TEXT NOT NULL,
+    scenario TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    final_fitness REAL NOT NULL,
+    final_collision REAL NOT NULL,
+    evaluations INTEGER NOT NULL,
+    seconds REAL NOT NULL,
+    best_path BLOB NOT NULL,
+    trace BLOB NOT NULL,
+    provenance TEXT NOT NULL,
+    PRIMARY KEY (controller, scenario, seed)
+) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS snapshots (
+    controller TEXT NOT NULL,
+    scenario TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    iteration INTEGER NOT NULL,
+    paths BLOB NOT NULL,
+    collisions BLOB NOT NULL,
+    PRIMARY KEY (controller, scenario, seed, iteration)
+) WITHOUT ROWID;
+"""
+
+
+class ResultsError(RuntimeError):
+    """A results database cannot be used; the message names the file and the reason."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A population at one iteration: paths (members, n + 2, 2) in map coordinates, collisions (members,)."""
+
+    iteration: int
+    paths: Floats
+    collisions: Floats
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finished run.
+
+    Attributes:
+        controller: its name.
+        scenario: its name.
+        seed: of the environment and the controller.
+        final_fitness: best fitness of the run.
+        final_collision: degree of collision of that path; 0 is feasible.
+        evaluations: calls of the cost function.
+        seconds: processor time of the run, compilation excluded.
+        best_path: (n + 2, 2) in map coordinates.
+        trace: (iterations + 1, columns of `swarm_gym.simulation.HISTORY`).
+        provenance: versions and commit that made it.
+        snapshots: populations that were kept.
+    """
+
+    controller: str
+    scenario: str
+    seed: int
+    final_fitness: float
+    final_collision: float
+    evaluations: int
+    seconds: float
+    best_path: Floats
+    trace: Floats
+    provenance: Mapping[str, str]
+    snapshots: tuple[Snapshot, ...] = field(default=())
+
+    def course(self, name: str) -> Floats:
+        """(iterations + 1,) one column of the trace, by its name in `HISTORY`."""
+        return self.trace[:, HISTORY.index(name)]
+
+
+class Results:
+    """A results database, opened for one configuration.
+
+    Args:
+        path: the file; made if missing.
+        configuration: what runs are made with, by key; new keys are added, changed ones refused.
+
+    Raises:
+        ResultsError: if the file is no database, or holds runs of another configuration.
+    """
+
+    def __init__(self, path: Path, configuration: Mapping[str, Any] | None = None):
+        self.path = path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._connection = sqlite3.connect(path)
+        try:
+            self._connection.execute("PRAGMA journal_mode = WAL")
+            self._connection.executescript(SCHEMA)
+            self._adopt(configuration or {})
+        except sqlite3.DatabaseError as error:
+            self._connection.close()
+            raise ResultsError(f"{path}: not a usable results database ({error})") from error
+        except ResultsError:
+            self._connection.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def finished(self) -> set[RunKey]:
+        """Keys of the stored runs."""
+        return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
+
+    def add(self, run: Run) -> None:
+        """Store a run and its snapshots in one transaction; a run that is there stays as it is."""
+        key = (run.controller, run.scenario, run.seed)
+        with self._connection as connection:
+            connection.execute(
+                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                (
+                    *key,
+                    run.final_fitness,
+                    run.final_collision,
+                    run.evaluations,
+                    run.seconds,
+                    run.best_path.tobytes(),
+                    run.trace.tobytes(),
+                    json.dumps(dict(run.provenance), sort_keys=True),
+                ),
+            )
+            connection.executemany(
+                "INSERT OR IGNORE INTO snapshots VALUES (?, ?, ?, ?, ?, ?)",
+                [(*key, s.iteration, s.paths.tobytes(), s.collisions.tobytes()) for s in run.snapshots],
+            )
+
+    def runs(self, controller: str, scenario: str, num_seeds: int) -> list[Run]:
+        """Runs of one controller on one scenario with seeds below `num_seeds`, by seed, without snapshots."""
+        query = "SELECT * FROM runs WHERE controller = ? AND scenario = ? AND seed < ? ORDER BY seed"
+        with closing(self._connection.execute(query, (controller, scenario, num_seeds))) as rows:
+            return [_run(row) for row in rows]
+
+    def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
+        """Stored populations of a run, by iteration."""
+        query = (
+            "SELECT iteration, paths, collisions FROM snapshots "
+            "WHERE controller = ? AND scenario = ? AND seed = ? ORDER BY iteration"
+        )
+        found = []
+        for iteration, paths, collisions in self._connection.execute(query, (controller, scenario, seed)):
+            members = np.frombuffer(collisions)
+            found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
+        return found
+
+    def _adopt(self, configuration: Mapping[str, Any]) -> None:
+        stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
+        new = {key: json.dumps(value, sort_keys=True) for key, value in configuration.items()}
+        for key, value in new.items():
+            if stored.get(key, value) != value:
+                raise ResultsError(
+                    f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is "
+                    f"{value}; use another --database, or delete the file"
+                )
+        with self._connection as connection:
+            connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
+
+
+def _run(row: tuple) -> Run:
+    *numbers, best_path, trace, provenance = row
+    path = np.frombuffer(best_path).reshape(-1, 2)
+    course = np.frombuffer(trace).reshape(-1, len(HISTORY))
+    controller, scenario, seed, fitness, collision, evaluations, seconds = numbers
+    return Run(
+        controller,
+        scenario,
+        seed,
+        fitness,
+        collision,
+        evaluations,
+        seconds,
+        path,
+        course,
+        json.loads(provenance),
+    )

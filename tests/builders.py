@@ -1,0 +1,126 @@
+"""Scenarios and swarms that several tests build."""
+
+import math
+
+import naive
+import numpy as np
+import shapely
+
+from swarm_gym.population import Swarms, adopt_population
+from swarm_gym.problem import Problem
+from swarm_gym.problem.waypoints import stack
+from swarm_gym.random_stream import seed_stream
+from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
+
+CASES = ("case1", "case2", "case3")
+MEAN_WEIGHT = 0.1
+UNLIMITED = 10**9
+
+
+def random_polygon(rng, centre, size):
+    """The convex hull of a few random points."""
+    points = rng.uniform(-size, size, (rng.integers(3, 9), 2)) + centre
+    return Polygon(tuple(shapely.MultiPoint(points).convex_hull.exterior.coords[:-1]))
+
+
+def random_circle(rng, centre, size):
+    return Circle(*centre, rng.uniform(0.1, 1.0) * size)
+
+
+def random_scenario(rng, num_obstacles=12):
+    """Circles and convex polygons around a start-target line at any angle; they overlap."""
+    start, target = rng.uniform(100.0, 900.0, 2), rng.uniform(100.0, 900.0, 2)
+    obstacles = []
+    while len(obstacles) < num_obstacles:
+        make = random_circle if rng.random() < 0.5 else random_polygon
+        centre = start + rng.random() * (target - start) + rng.normal(0.0, 60.0, 2)
+        obstacle = make(rng, centre, rng.uniform(10.0, 80.0))
+        if not obstacle.contains(start) and not obstacle.contains(target):
+            obstacles.append(obstacle)
+    return Scenario(
+        "random",
+        tuple(start.tolist()),
+        tuple(target.tolist()),
+        tuple(obstacles),
+        (0.0, 0.0, 1000.0, 1000.0),
+        (-90.0, 90.0),
+    )
+
+
+def turned(scenario, angle, shift=(0.0, 0.0)):
+    """The scenario turned about the origin and shifted, in a workspace that bounds nothing."""
+
+    def turn(point):
+        x, y = point
+        cosine, sine = math.cos(angle), math.sin(angle)
+        return x * cosine - y * sine + shift[0], x * sine + y * cosine + shift[1]
+
+    obstacles = [
+        Circle(*turn((obstacle.x, obstacle.y)), obstacle.radius)
+        if isinstance(obstacle, Circle)
+        else Polygon(tuple(turn(vertex) for vertex in obstacle.vertices))
+        for obstacle in scenario.obstacles
+    ]
+    return Scenario(
+        "turned",
+        turn(scenario.start),
+        turn(scenario.target),
+        tuple(obstacles),
+        (-1e4, -1e4, 1e4, 1e4),
+        scenario.initial_range,
+    )
+
+
+def random_path(rng, problem):
+    """Offsets anywhere in the workspace, or rather near the line: both kinds of path occur."""
+    scale = rng.choice([0.1, 0.5, 1.0])
+    return scale * rng.uniform(problem.table.lower, problem.table.upper)
+
+
+def random_population(rng, problem, size):
+    return rng.uniform(
+        problem.table.initial_lower, problem.table.initial_upper, (size, problem.num_waypoints)
+    )
+
+
+def make_swarms(problems, populations, seeds, capacity=32, budgets=None):
+    """Swarms, one per problem, that begin with given positions; and their stacked tables."""
+    num = len(problems)
+    swarms = Swarms.allocate(num, capacity, problems[0].num_waypoints)
+    tables = stack([problem.table for problem in problems])
+    swarms.problem[:] = np.arange(num)
+    swarms.budget[:] = UNLIMITED if budgets is None else budgets
+    for b, (population, seed) in enumerate(zip(populations, seeds, strict=True)):
+        swarms.stream[b] = seed_stream(np.random.SeedSequence(seed))
+        swarms.positions[b, : len(population)] = population
+    sizes = np.array([len(population) for population in populations])
+    adopt_population(swarms, tables, np.full(num, True), sizes, MEAN_WEIGHT)
+    return swarms, tables
+
+
+def make_twins(problem, population, seed, capacity=32, budget=UNLIMITED):
+    """The same swarm for the kernels and in plain Python: (swarms, tables, naive swarm)."""
+    swarms, tables = make_swarms([problem], [population], [seed], capacity, budget)
+    stream = naive.Sfc64(seed_stream(np.random.SeedSequence(seed)))
+    twin = naive.Swarm(problem.scenario, problem.length_weight, stream, budget)
+    twin.adopt(population)
+    return swarms, tables, twin
+
+
+def assert_same_swarm(swarms, twin, b=0):
+    """Members, best so far, count of evaluations and random stream are those of the naive swarm."""
+    size = int(swarms.size[b])
+    close = {"rtol": 1e-12, "atol": 1e-9}
+    assert size == len(twin.positions)
+    np.testing.assert_allclose(swarms.positions[b, :size], twin.positions, **close)
+    np.testing.assert_allclose(swarms.fitness[b, :size], twin.fitness, **close)
+    np.testing.assert_allclose(swarms.collision[b, :size], twin.collision, **close)
+    np.testing.assert_allclose(swarms.best_fitness[b], twin.best[0], **close)
+    np.testing.assert_allclose(swarms.best_collision[b], twin.best[1], **close)
+    np.testing.assert_allclose(swarms.best_position[b], twin.best[2], **close)
+    assert swarms.evaluations[b] == twin.evaluations
+    assert swarms.stream[b].tolist() == twin.stream.words()
+
+
+def make_problem(case, num_waypoints=31, length_weight=0.3):
+    return Problem(make_scenario(case), num_waypoints, length_weight)

@@ -1,0 +1,311 @@
+"""The single environment: contract, interface, refusals."""
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
+
+import swarm_gym  # noqa: F401
+from swarm_gym.action import ACTIONS
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
+from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.registration import environment_id
+from swarm_gym.reward import REWARDS
+from swarm_gym.scenarios import SCENARIOS, Scenario
+
+IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
+SMALL = {"initial_population_size": 6, "max_population_size": 12, "iterations": 5}
+# Natural units and exact schedules are worth these two pieces of advice.
+ADVICE = ("symmetric and normalized", "recommend using np.float32", "precision lowered")
+
+
+def small(**options):
+    return SwarmEnv(**{**SMALL, **options})
+
+
+def finish(env, action=(6, 0.5)):
+    ended, rewards = False, []
+    while not ended:
+        _, reward, ended, _, info = env.step(np.array(action))
+        rewards.append(reward)
+    return info, rewards
+
+
+@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_gymnasium_checker_passes_with_nothing_but_advice(name, action, observation):
+    env = gymnasium.make(name, **SMALL, action=action, observation=observation)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check_env(env.unwrapped)
+    surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
+    assert surprises == []
+    if action == "normalised" and observation != "paper":
+        assert [str(w.message) for w in caught] == []
+
+
+@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("action", ACTIONS)
+def test_stable_baselines3_checker_passes(name, action):
+    env = gymnasium.make(name, **SMALL, action=action, observation="extended")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check_env_for_sb3(env.unwrapped)
+    surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
+    assert surprises == []
+    if action == "normalised":
+        assert [str(w.message) for w in caught] == []
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_an_episode_has_g_max_steps_and_ends_terminated(scenario):
+    env = small(scenario=scenario)
+    observation, info = env.reset(seed=1)
+    assert observation[3] == 0
+    assert info["evaluations"] == 6
+    for step in range(1, 6):
+        observation, _, terminated, truncated, info = env.step(np.array([6, 0.0]))
+        assert observation in env.observation_space
+        assert observation[3] == step
+        assert terminated == (step == 5)
+        assert not truncated
+
+
+def test_a_module_prefix_registers_without_an_import():
+    env = gymnasium.make("swarm_gym:swarm_gym/Firefly-v0", **SMALL)
+    assert env.spec.id == "swarm_gym/Firefly-v0"
+
+
+def test_observation_is_e_mean_std_iteration_of_the_population():
+    env = small(mean_weight=0.3)
+    observation, _ = env.reset(seed=4)
+    swarms = env.simulation.swarms
+    collision = swarms.collision[0, : swarms.size[0]]
+    mean, deviation = collision.mean(), collision.std(ddof=1)
+    np.testing.assert_allclose(observation, [0.3 * mean + 0.7 * deviation, mean, deviation, 0], rtol=1e-12)
+
+
+def test_progress_reward_is_log_gap_improvement_minus_the_price_of_evaluations():
+    env = small(price=2.0, reference_evaluations=100)
+    _, before = env.reset(seed=2)
+    bound = 0.3 * 960.0
+    _, reward, _, _, after = env.step(np.array([9, 0.2]))
+    gain = np.log((before["best_fitness"] - bound) / (after["best_fitness"] - bound))
+    spent = after["evaluations"] - before["evaluations"]
+    assert reward == pytest.approx(gain - 2.0 * spent / 100, rel=1e-12)
+    assert spent > 3  # three new members, and moves
+
+
+@pytest.mark.parametrize("reward", REWARDS)
+def test_every_reward_sums_to_total_gain_minus_total_cost(reward):
+    env = small(reward=reward, price=0.5, reference_evaluations=1000)
+    _, first = env.reset(seed=3)
+    last, rewards = finish(env)
+    bound = 0.3 * 960.0
+    gain = np.log((first["best_fitness"] - bound) / (last["best_fitness"] - bound))
+    cost = 0.5 * (last["evaluations"] - first["evaluations"]) / 1000
+    assert sum(rewards) == pytest.approx(gain - cost, rel=1e-9)
+
+
+def test_info_describes_the_best_path():
+    env = small(scenario="case2")
+    env.reset(seed=5)
+    info, _ = finish(env)
+    path = info["best_path"]
+    assert path.shape == (33, 2)
+    np.testing.assert_allclose(path[[0, -1]], [[20, 300], [980, 300]])
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert info["best_fitness"] == pytest.approx(0.3 * length + 0.7 * info["best_collision"])
+    assert info["repair_degree"] == 0.5
+    assert info["scenario"] == "case2"
+
+
+def test_optimality_gap_is_given_at_the_end_where_the_optimum_is_known():
+    env = small()
+    _, info = env.reset(seed=6)
+    assert "optimality_gap" not in info
+    info, _ = finish(env)
+    assert info["optimality_gap"] == pytest.approx(info["best_fitness"] / 299.1 - 1, abs=2e-3)
+    unknown = small(scenario=Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50)))
+    unknown.reset(seed=6)
+    assert "optimality_gap" not in finish(unknown)[0]
+
+
+def test_best_fitness_never_gets_worse_whatever_happens_to_the_population():
+    env = small(iterations=30, noise=40.0)
+    _, info = env.reset(seed=7)
+    generator = np.random.default_rng(0)
+    best = info["best_fitness"]
+    for _ in range(30):
+        action = np.array([generator.integers(2, 13), generator.random()])
+        _, _, _, _, info = env.step(action)
+        assert info["population_size"] == action[0]
+        assert info["best_fitness"] <= best
+        best = info["best_fitness"]
+
+
+@pytest.mark.parametrize("budget", [6, 7, 20, 43])
+def test_an_evaluation_budget_is_spent_exactly_and_ends_the_episode(budget):
+    env = small(max_evaluations=budget, iterations=100)
+    env.reset(seed=8)
+    info, _ = finish(env, (12, 0.3))
+    assert info["evaluations"] == budget
+
+
+def test_normalised_actions_ask_for_the_same_as_natural_ones():
+    natural, normalised = small(iterations=6), small(iterations=6, action="normalised")
+    for env in (natural, normalised):
+        env.reset(seed=9)
+    layout = ACTIONS["normalised"](normalised.settings)
+    for size, repair in ((2, 0.0), (12, 1.0), (7, 0.5), (5, 0.25)):
+        one = natural.step(np.array([size, repair]))
+        other = normalised.step(layout.encode(np.array([size]), np.array([repair]))[0])
+        assert one[4]["population_size"] == other[4]["population_size"] == size
+        assert one[4]["repair_degree"] == pytest.approx(other[4]["repair_degree"], abs=1e-7)
+
+
+def test_sizes_are_rounded_to_nearest_half_up():
+    env = small(iterations=4)
+    env.reset(seed=10)
+    sizes = [env.step(np.array([s, 0.0]))[4]["population_size"] for s in (5.49, 5.5, 6.5, 11.99)]
+    assert sizes == [5, 6, 7, 12]
+
+
+def test_a_list_of_scenarios_is_drawn_from_by_the_seed():
+    env = small(scenario=["case1", "case2", "case3"])
+    drawn = [env.reset(seed=seed)[1]["scenario"] for seed in range(40)]
+    assert set(drawn) == {"case1", "case2", "case3"}
+    assert drawn == [env.reset(seed=seed)[1]["scenario"] for seed in range(40)]
+    assert env.reset(seed=0, options={"scenario": "case3"})[1]["scenario"] == "case3"
+
+
+def test_later_episodes_differ_but_follow_from_the_first_seed():
+    env, again = small(), small()
+    first = [env.reset(seed=11)[0], env.reset()[0], env.reset()[0]]
+    second = [again.reset(seed=11)[0], again.reset()[0], again.reset()[0]]
+    np.testing.assert_array_equal(first, second)
+    assert not np.array_equal(first[0], first[1])
+    assert not np.array_equal(first[1], first[2])
+
+
+def test_reset_takes_an_initial_population():
+    env = small()
+    population = np.linspace(-100, 100, 4 * 31).reshape(4, 31)
+    _, info = env.reset(seed=12, options={"initial_population": population})
+    assert info["population_size"] == info["evaluations"] == 4
+    np.testing.assert_array_equal(env.simulation.swarms.positions[0, :4], population)
+    assert env.reset(seed=12, options={"initial_population_size": 9})[1]["population_size"] == 9
+
+
+def test_observations_and_infos_are_not_reused():
+    env = small()
+    before, info = env.reset(seed=13)
+    kept, path = before.copy(), info["best_path"].copy()
+    env.step(np.array([12, 1.0]))
+    np.testing.assert_array_equal(before, kept)
+    np.testing.assert_array_equal(info["best_path"], path)
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (np.array([np.nan, 0.0]), "nan"),
+        (np.array([6.0, np.inf]), "inf"),
+        (np.array([1.0, 0.0]), r"\[1.0, 0.0\]"),
+        (np.array([13.0, 0.0]), "13"),
+        (np.array([6.0, 1.01]), "1.01"),
+        (np.array([6.0, -0.01]), "-0.01"),
+        (np.array([6.0]), "shape"),
+        (np.array([[6.0, 0.0]]), "shape"),
+        (6.0, "shape"),
+        ("ten", "numbers"),
+        (None, "numbers"),
+        (np.array([True, False]), "bool"),
+        ([6.0, [0.0]], "numbers"),
+        (np.array([6j, 0]), "complex"),
+    ],
+)
+def test_bad_actions_are_refused_and_change_nothing(action, message):
+    env = small()
+    env.reset(seed=14)
+    twin = small()
+    twin.reset(seed=14)
+    with pytest.raises(ActionError, match=message):
+        env.step(action)
+    after, untouched = env.step(np.array([6, 0.1])), twin.step(np.array([6, 0.1]))
+    np.testing.assert_array_equal(after[0], untouched[0])
+    assert after[1] == untouched[1]
+
+
+def test_step_before_reset_and_after_the_end_is_refused():
+    env = small()
+    with pytest.raises(StepOrderError, match="no reset"):
+        env.step(np.array([6, 0.0]))
+    env.reset(seed=15)
+    finish(env)
+    with pytest.raises(StepOrderError, match="ended"):
+        env.step(np.array([6, 0.0]))
+    env.reset()
+    env.step(np.array([6, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"scenario": "case4"}, UnknownNameError, "case4.*case1, case2, case3"),
+        ({"scenario": ["case1", "caseX"]}, UnknownNameError, "caseX"),
+        ({"scenario": []}, SettingError, "empty"),
+        ({"optimizer": "fireflies"}, UnknownNameError, "fireflies.*firefly"),
+        ({"population": 3}, UnknownNameError, "population.*initial_population_size.*noise"),
+        ({"action": "raw"}, UnknownNameError, "raw.*natural, normalised"),
+        ({"observation": "all"}, UnknownNameError, "all.*extended, paper"),
+        ({"reward": "none"}, UnknownNameError, "none.*progress"),
+        ({"render_mode": "ansi"}, UnknownNameError, "ansi.*human, rgb_array"),
+        ({"iterations": 0}, SettingError, "iterations.*0"),
+        ({"iterations": 2.5}, SettingError, "iterations.*2.5"),
+        ({"num_waypoints": True}, SettingError, "num_waypoints.*True"),
+        ({"initial_population_size": 13}, SettingError, "initial_population_size.*13"),
+        ({"min_population_size": 20}, SettingError, "max_population_size"),
+        ({"length_weight": 0.0}, SettingError, "length_weight"),
+        ({"length_weight": float("nan")}, SettingError, "length_weight.*nan"),
+        ({"mean_weight": 1.5}, SettingError, "mean_weight.*1.5"),
+        ({"price": "cheap"}, SettingError, "price.*cheap"),
+        ({"max_evaluations": 5}, SettingError, "max_evaluations.*5"),
+        ({"noise": -1.0}, SettingError, "noise.*-1"),
+        ({"attractiveness": float("nan")}, SettingError, "attractiveness.*nan"),
+        ({"absorption": "far"}, SettingError, "absorption.*far"),
+        ({"scenario": 3}, UnknownNameError, "3"),
+    ],
+)
+def test_bad_options_are_refused_by_name_and_value(options, error, message):
+    with pytest.raises(error, match=message):
+        small(**options)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"senario": "case1"}, UnknownNameError, "senario.*initial_population, init"),
+        ({"scenario": "case2"}, UnknownNameError, "case2.*case1"),
+        ({"initial_population_size": 1}, SettingError, "initial_population_size.*1"),
+        ({"initial_population": np.zeros((4, 3))}, SettingError, r"\(4, 3\)"),
+        ({"initial_population": np.full((4, 31), np.nan)}, SettingError, "finite"),
+        ({"initial_population": np.full((4, 31), 301.0)}, SettingError, "inside"),
+        ({"initial_population": np.zeros((13, 31))}, SettingError, "13"),
+        (
+            {"initial_population": np.zeros((4, 31)), "initial_population_size": 4},
+            SettingError,
+            "exclude",
+        ),
+    ],
+)
+def test_bad_reset_options_are_refused(options, error, message):
+    env = small()
+    with pytest.raises(error, match=message):
+        env.reset(seed=0, options=options)

@@ -1,0 +1,348 @@
+import math
+
+import naive
+import numpy as np
+import pytest
+from builders import (
+    CASES,
+    MEAN_WEIGHT,
+    assert_same_swarm,
+    make_problem,
+    make_swarms,
+    make_twins,
+    random_population,
+    random_scenario,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from swarm_gym.errors import SettingError
+from swarm_gym.optimizers.firefly import Firefly, iterate, move_towards, step_parallel, step_serial
+from swarm_gym.population import Swarms, make_workspace
+from swarm_gym.problem import Problem
+from swarm_gym.problem.waypoints import select, stack
+from swarm_gym.random_stream import seed_stream
+
+PAPER = np.array([2.0, 0.1, 5e-6])
+STRONG = np.array([30.0, 0.9, 1e-7])
+SOURCES = (*CASES, "random")
+
+
+def problem_of(source, num_waypoints=31):
+    if source == "random":
+        return Problem(random_scenario(np.random.default_rng(3)), num_waypoints)
+    return make_problem(source, num_waypoints)
+
+
+def twins_of(source, size, seed, num_waypoints=31, **options):
+    problem = problem_of(source, num_waypoints)
+    population = random_population(np.random.default_rng(seed), problem, size)
+    swarms, tables, twin = make_twins(problem, population, seed, **options)
+    return swarms, select(tables, 0), make_workspace(num_waypoints), twin
+
+
+def words_drawn(swarms, before):
+    """How many random numbers were drawn since: the stream's last word is a counter."""
+    return int(swarms.stream[0, 3] - before)
+
+
+# Parameters.
+
+
+def test_the_defaults_are_the_printed_parameters():
+    assert Firefly.knob_values({}).tolist() == [2.0, 0.1, 5e-6]
+    assert [knob.symbol for knob in Firefly.knobs.values()] == ["alpha", "beta0", "gamma"]
+
+
+def test_chosen_parameters_take_the_place_of_the_defaults():
+    chosen = {"absorption": 1, "noise": 0.5}
+    assert Firefly.knob_values(chosen).tolist() == [0.5, 0.1, 1.0]
+
+
+@pytest.mark.parametrize("name", ["noise", "attractiveness", "absorption"])
+@pytest.mark.parametrize("value", [-1e-9, 1e9, math.nan, math.inf])
+def test_a_parameter_out_of_its_range_is_refused_by_name_and_value(name, value):
+    with pytest.raises(SettingError) as caught:
+        Firefly.knob_values({name: value})
+    assert name in str(caught.value)
+    assert repr(value) in str(caught.value)
+
+
+# One move.
+
+
+@given(data=st.data(), num_waypoints=st.integers(1, 9))
+@settings(deadline=None, derandomize=True, max_examples=150)
+def test_a_move_is_the_naive_one(data, num_waypoints):
+    offsets = arrays(np.float64, num_waypoints, elements=st.floats(-300, 300))
+    position, brighter = data.draw(offsets), data.draw(offsets)
+    noise = data.draw(arrays(np.float64, num_waypoints, elements=st.floats(0, 1, exclude_max=True)))
+    knobs = data.draw(st.tuples(st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4)))
+    table = make_problem("case1", num_waypoints).table
+    work = make_workspace(num_waypoints)
+    work.path[1:-1], work.noise[:] = position, noise
+    move_towards(table, work, brighter, *knobs)
+    expected = naive.firefly_move(
+        position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
+    )
+    np.testing.assert_allclose(work.path[1:-1], expected, rtol=1e-12, atol=1e-9)
+    assert work.path[[0, -1]].tolist() == [0.0, 0.0]
+
+
+def test_a_move_of_values_known_by_hand():
+    table = make_problem("case1", 2).table
+    work = make_workspace(2)
+    work.path[1:-1], work.noise[:] = [0.0, 10.0], [0.5, 1.0]
+    # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
+    move_towards(table, work, np.array([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    pull = 0.8 * math.exp(-1)
+    assert work.path.tolist() == pytest.approx([0, 30 * pull, 10 + 40 * pull + 3, 0])
+
+
+# One iteration.
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("repair_degree", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("knobs", [PAPER, STRONG], ids=["paper", "strong"])
+@pytest.mark.parametrize("source", SOURCES)
+def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
+    swarms, table, work, twin = twins_of(source, 6, seed)
+    iterate(swarms, 0, table, work, repair_degree, knobs)
+    twin.iterate(repair_degree, knobs)
+    assert_same_swarm(swarms, twin)
+
+
+@pytest.mark.parametrize("num_waypoints", [1, 2, 3, 4, 5, 8])
+@pytest.mark.parametrize("repair_degree", [0.0, 0.5])
+def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_degree):
+    swarms, table, work, twin = twins_of("random", 8, 0, num_waypoints)
+    for _ in range(3):
+        iterate(swarms, 0, table, work, repair_degree, PAPER)
+        twin.iterate(repair_degree, PAPER)
+        assert_same_swarm(swarms, twin)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("source", SOURCES)
+def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
+    swarms, table, work, twin = twins_of(source, 25, seed)
+    repair_degree = (seed % 3) / 2
+    iterate(swarms, 0, table, work, repair_degree, PAPER)
+    twin.iterate(repair_degree, PAPER)
+    assert_same_swarm(swarms, twin)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("source", SOURCES)
+def test_each_move_costs_one_evaluation_and_one_random_number_per_waypoint(source, seed):
+    swarms, table, work, _ = twins_of(source, 20, seed)
+    before, counter = swarms.evaluations[0], swarms.stream[0, 3]
+    iterate(swarms, 0, table, work, 0.0, PAPER)
+    moves = swarms.evaluations[0] - before
+    assert 0 < moves <= 20 * 19
+    assert words_drawn(swarms, counter) == 31 * moves
+
+
+def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves():
+    swarms, table, work, _ = twins_of("case1", 20, 0)
+    before = swarms.positions.copy()
+    iterate(swarms, 0, table, work, 0.0, np.zeros(3))
+    assert len(set(swarms.fitness[0, :20])) == 20
+    assert swarms.evaluations[0] == 20 + 20 * 19 // 2
+    assert (swarms.positions == before).all()
+
+
+def test_with_full_attraction_all_gather_at_the_brightest():
+    swarms, table, work, _ = twins_of("case1", 20, 0)
+    iterate(swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
+    expected = np.broadcast_to(swarms.best_position[0], (20, 31))
+    np.testing.assert_allclose(swarms.positions[0, :20], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [1, 4])
+def test_equals_do_not_move(size):
+    problem = make_problem("case1")
+    population = np.tile(random_population(np.random.default_rng(0), problem, 1), (size, 1))
+    swarms, tables, _ = make_twins(problem, population, 0)
+    before = [np.copy(field) for field in swarms]
+    iterate(swarms, 0, select(tables, 0), make_workspace(31), 1.0, PAPER)
+    for field, old in zip(swarms, before, strict=True):
+        assert (field == old).all()
+
+
+@pytest.mark.parametrize("repair_degree", [0.0, 0.5])
+def test_stored_values_belong_to_the_stored_positions(repair_degree):
+    swarms, table, work, twin = twins_of("case3", 15, 1)
+    problem = Problem(twin.scenario)
+    for _ in range(5):
+        iterate(swarms, 0, table, work, repair_degree, STRONG)
+    for i in range(15):
+        assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i])
+    best = swarms.best_fitness[0], swarms.best_collision[0]
+    assert best == problem.evaluate(swarms.best_position[0])
+    assert best[0] <= swarms.fitness[0, :15].min()
+
+
+def test_moves_stay_in_the_workspace_however_strong_the_noise():
+    swarms, table, work, _ = twins_of("random", 15, 1)
+    iterate(swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
+    assert (swarms.positions[0, :15] >= table.lower).all()
+    assert (swarms.positions[0, :15] <= table.upper).all()
+    at_border = (swarms.positions[0, :15] == table.lower) | (swarms.positions[0, :15] == table.upper)
+    assert at_border.mean() > 0.5
+
+
+@pytest.mark.parametrize("left", [0, 1, 2, 7, 20])
+def test_an_iteration_ends_exactly_where_the_budget_does(left):
+    swarms, table, work, twin = twins_of("case2", 8, 0, budget=8 + left)
+    iterate(swarms, 0, table, work, 0.2, PAPER)
+    twin.iterate(0.2, PAPER)
+    assert swarms.evaluations[0] == 8 + left
+    assert_same_swarm(swarms, twin)
+
+
+# Whole steps of batches.
+
+
+def batch(num, num_waypoints=9, size=5, budgets=None):
+    """Swarms on different maps that begin alike whatever the width of the batch."""
+    problems, populations = [], []
+    for b in range(num):
+        problem = problem_of(SOURCES[b % len(SOURCES)], num_waypoints)
+        problems.append(problem)
+        populations.append(random_population(np.random.default_rng(b), problem, size + b))
+    return make_swarms(problems, populations, seeds=range(num), budgets=budgets)
+
+
+def arguments(num, step):
+    """(sizes, repair degrees, parameters, weight of the mean) of a step; they differ by swarm."""
+    b = np.arange(num)
+    sizes = 2 + (5 * b + 7 * step) % 20
+    repair_degrees = (b + step) % 3 / 2
+    knobs = PAPER * (1 + b[:, np.newaxis])
+    return sizes, repair_degrees, knobs, MEAN_WEIGHT
+
+
+def advance(run, swarms, tables, steps=4):
+    num = len(swarms.size)
+    for step in range(steps):
+        run(swarms, tables, np.full(num, True), *arguments(num, step))
+
+
+def bits(field):
+    return np.ascontiguousarray(field).view(np.uint64)
+
+
+@pytest.mark.parametrize("num", [1, 2, 7])
+def test_serial_and_parallel_steps_give_the_same_bits(num):
+    serial, tables = batch(num)
+    parallel, _ = batch(num)
+    begun = serial.evaluations.copy()
+    advance(step_serial, serial, tables)
+    advance(step_parallel, parallel, tables)
+    assert (serial.evaluations > begun).all()
+    for name, field, other in zip(Swarms._fields, serial, parallel, strict=True):
+        assert (bits(field) == bits(other)).all(), name
+
+
+def test_a_swarm_gives_the_same_bits_in_a_batch_of_any_width():
+    wide, tables = batch(7)
+    narrow, narrow_tables = batch(2)
+    advance(step_serial, wide, tables)
+    advance(step_serial, narrow, narrow_tables)
+    for name, field, other in zip(Swarms._fields, wide, narrow, strict=True):
+        assert (bits(field[:2]) == bits(other)).all(), name
+
+
+@pytest.mark.parametrize("run", [step_serial, step_parallel], ids=["serial", "parallel"])
+def test_only_the_chosen_swarms_take_part(run):
+    swarms, tables = batch(4)
+    before = [np.copy(field) for field in swarms]
+    chosen = np.array([True, False, True, False])
+    run(swarms, tables, chosen, *arguments(4, 1))
+    for field, old in zip(swarms, before, strict=True):
+        assert (bits(field[~chosen]) == bits(old[~chosen])).all()
+    assert (swarms.evaluations[chosen] > before[Swarms._fields.index("evaluations")][chosen]).all()
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive(parallel):
+    problem = problem_of("case3", 9)
+    population = random_population(np.random.default_rng(1), problem, 6)
+    swarms, tables, twin = make_twins(problem, population, 1, budget=160)
+    for size, repair_degree in ((10, 0.0), (4, 0.5), (4, 1.0), (9, 0.0), (12, 0.0), (14, 0.0)):
+        Firefly.step(
+            swarms,
+            tables,
+            np.array([True]),
+            np.array([size]),
+            np.array([repair_degree]),
+            PAPER[np.newaxis],
+            MEAN_WEIGHT,
+            parallel,
+        )
+        twin.resize(size)
+        twin.iterate(repair_degree, PAPER)
+        assert_same_swarm(swarms, twin)
+        expected = naive.population_collision(twin.collision, MEAN_WEIGHT)
+        np.testing.assert_allclose(swarms.summary[0], expected, rtol=1e-10, atol=1e-9)
+    assert swarms.evaluations[0] == 160
+
+
+@pytest.mark.parametrize("left", [1, 3, 5, 9])
+def test_a_step_never_spends_more_than_the_budget(left):
+    swarms, tables = batch(3, budgets=[5 + left, 6 + left, 7 + left])
+    advance(step_serial, swarms, tables, steps=2)
+    assert swarms.evaluations.tolist() == swarms.budget.tolist()
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_the_first_population_is_uniform_in_the_initial_range_as_naive(source):
+    problem = problem_of(source, 9)
+    swarms = Swarms.allocate(1, 20, 9)
+    swarms.budget[0] = 15
+    swarms.stream[0] = seed_stream(np.random.SeedSequence(4))
+    twin = naive.Swarm(problem.scenario, 0.3, naive.Sfc64(swarms.stream[0]), budget=15)
+    table = problem.table
+    Firefly.initialise(swarms, stack([table]), np.array([True]), np.array([12]), MEAN_WEIGHT)
+    twin.add(12, table.initial_lower.tolist(), table.initial_upper.tolist())
+    assert_same_swarm(swarms, twin)
+    np.testing.assert_allclose(
+        swarms.summary[0], naive.population_collision(twin.collision, MEAN_WEIGHT), rtol=1e-10
+    )
+    # A second beginning forgets the first one, but not where the stream is.
+    twin.positions, twin.fitness, twin.collision = [], [], []
+    twin.evaluations, twin.best = 0, (math.inf, math.inf, None)
+    Firefly.initialise(swarms, stack([table]), np.array([True]), np.array([20]), MEAN_WEIGHT)
+    twin.add(20, table.initial_lower.tolist(), table.initial_upper.tolist())
+    assert swarms.size[0] == 15
+    assert_same_swarm(swarms, twin)
+
+
+def test_only_the_chosen_swarms_begin():
+    swarms, tables = batch(3)
+    before = [np.copy(field) for field in swarms]
+    chosen = np.array([False, True, False])
+    Firefly.initialise(swarms, tables, chosen, np.array([9, 9, 9]), MEAN_WEIGHT)
+    for field, old in zip(swarms, before, strict=True):
+        assert (bits(field[~chosen]) == bits(old[~chosen])).all()
+    assert swarms.size.tolist() == [5, 9, 7]
+
+
+def test_a_swarm_gets_better_in_the_long_run():
+    swarms, tables = batch(4, num_waypoints=31, size=15)
+    begun = swarms.best_fitness.copy()
+    for _ in range(30):
+        step_serial(
+            swarms,
+            tables,
+            np.full(4, True),
+            np.full(4, 20),
+            np.zeros(4),
+            np.tile(PAPER, (4, 1)),
+            MEAN_WEIGHT,
+        )
+    assert (swarms.best_fitness < 0.9 * begun).all()

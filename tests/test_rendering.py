@@ -1,0 +1,313 @@
+"""Pictures show what the swarm does, the same every time, with and without a window."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import DependencyNotInstalled
+from gymnasium.utils.env_checker import check_env
+
+import swarm_gym  # noqa: F401
+from swarm_gym import rendering
+from swarm_gym.rendering import Renderer, Scene
+from swarm_gym.scenarios import Circle, Polygon, Scenario
+
+pygame = pytest.importorskip("pygame")
+
+ACTION = np.array([12.0, 0.3])
+OPTIONS = {"num_waypoints": 9, "iterations": 6, "initial_population_size": 12}
+
+
+def make_env(render_mode="rgb_array", **options):
+    return gymnasium.make("swarm_gym/Firefly-v0", render_mode=render_mode, **{**OPTIONS, **options})
+
+
+def scene_after(steps, **options):
+    env = make_env(**options)
+    env.reset(seed=1)
+    for _ in range(steps):
+        env.step(ACTION)
+    return Scene.of(env.unwrapped.simulation)
+
+
+def straight(scenario, offset=0.0):
+    """A path of three points beside the line from start to target."""
+    start, target = np.array(scenario.start), np.array(scenario.target)
+    return np.array([start, (start + target) / 2 + [0.0, offset], target])
+
+
+def empty_scene(scenario, **changes):
+    """A scene without members and without a best path."""
+    scene = Scene(
+        scenario=scenario,
+        paths=np.empty((0, 3, 2)),
+        feasible=np.empty(0, dtype=np.bool_),
+        best_path=straight(scenario),
+        best_fitness=np.inf,
+        best_feasible=False,
+        iteration=0,
+        iterations=10,
+        evaluations=0,
+        max_population_size=20,
+        courses={name: np.zeros(1) for name in rendering.HISTORY},
+    )
+    return replace(scene, **changes)
+
+
+OPEN_MAP = Scenario("open", (100.0, 300.0), (900.0, 300.0), (), (0.0, 0.0, 1000.0, 600.0))
+
+
+def places(frame, colour, tolerance=40):
+    """(k, 2) row and column of the pixels that nearly have this colour."""
+    return np.argwhere(np.abs(frame.astype(int) - colour).max(axis=-1) < tolerance)
+
+
+def changed(before, after):
+    """(k, 2) row and column of the pixels in which two pictures differ."""
+    return np.argwhere((before != after).any(axis=-1))
+
+
+@pytest.mark.parametrize("size", [(960, 520), (640, 400), (400, 500)])
+def test_a_frame_has_the_size_asked_for(size):
+    frame = Renderer(*size).frame(scene_after(1))
+    assert frame.shape == (size[1], size[0], 3)
+    assert frame.dtype == np.uint8
+    assert frame.flags.c_contiguous
+    assert frame.std() > 0
+
+
+def test_the_same_scene_gives_the_same_bytes():
+    scene, renderer = scene_after(2), Renderer()
+    first = renderer.frame(scene)
+    renderer.frame(scene_after(4))
+    assert renderer.frame(scene).tobytes() == first.tobytes()
+    assert Renderer().frame(scene).tobytes() == first.tobytes()
+
+
+def test_the_picture_changes_when_the_swarm_moves():
+    env = make_env()
+    env.reset(seed=1)
+    before = env.render()
+    env.step(ACTION)
+    assert (before != env.render()).any()
+
+
+def test_drawing_leaves_the_simulation_alone():
+    env, twin = make_env(), make_env()
+    for each in (env, twin):
+        each.reset(seed=1)
+    for _ in range(3):
+        env.render()
+        env.step(ACTION)
+        twin.step(ACTION)
+    env.render()
+    for mine, other in zip(env.unwrapped.simulation.swarms, twin.unwrapped.simulation.swarms, strict=True):
+        np.testing.assert_array_equal(mine, other)
+
+
+def test_a_scene_does_not_change_when_the_swarm_moves_on():
+    env = make_env()
+    env.reset(seed=1)
+    scene = Scene.of(env.unwrapped.simulation)
+    before = Renderer().frame(scene)
+    for _ in range(3):
+        env.step(ACTION)
+    env.reset(seed=2)
+    np.testing.assert_array_equal(Renderer().frame(scene), before)
+
+
+def test_a_scene_tells_the_state_of_its_swarm():
+    env = make_env()
+    env.reset(seed=1)
+    env.step(np.array([7.0, 0.25]))
+    *_, info = env.step(np.array([5.0, 0.75]))
+    scene = Scene.of(env.unwrapped.simulation)
+    assert scene.paths.shape == (5, OPTIONS["num_waypoints"] + 2, 2)
+    assert scene.feasible.mean() == info["feasible_share"]
+    assert scene.best_fitness == info["best_fitness"]
+    np.testing.assert_array_equal(scene.best_path, info["best_path"])
+    assert (scene.iteration, scene.iterations) == (2, 6)
+    assert scene.evaluations == info["evaluations"]
+    np.testing.assert_array_equal(scene.courses["population_size"], [12, 7, 5])
+    np.testing.assert_array_equal(scene.courses["repair_degree"], [0.0, 0.25, 0.75])
+
+
+@pytest.mark.parametrize(
+    ("feasible", "colour", "other"),
+    [
+        (True, rendering.FEASIBLE, rendering.COLLIDING),
+        (False, rendering.COLLIDING, rendering.FEASIBLE),
+    ],
+)
+def test_feasible_and_colliding_members_have_their_colours(feasible, colour, other):
+    empty = empty_scene(OPEN_MAP)
+    member = replace(empty, paths=straight(OPEN_MAP, 80.0)[None], feasible=np.array([feasible]))
+    before, after = (Renderer().frame(scene) for scene in (empty, member))
+    assert len(places(after, colour)) > len(places(before, colour)) + 100
+    assert len(places(after, other)) == len(places(before, other))
+
+
+def test_feasible_members_are_solid_and_colliding_ones_dashed():
+    empty = empty_scene(OPEN_MAP)
+    covered = {}
+    for feasible in (True, False):
+        member = replace(empty, paths=straight(OPEN_MAP, 80.0)[None], feasible=np.array([feasible]))
+        rows, columns = changed(Renderer().frame(empty), Renderer().frame(member)).T
+        inside = (columns > 150) & (columns < 580) & (rows > 80) & (rows < 400)
+        covered[feasible] = set(columns[inside])
+    assert len(covered[True]) == 580 - 151
+    assert 0.3 < len(covered[False]) / len(covered[True]) < 0.8
+
+
+def test_the_best_path_lies_on_top_of_the_members():
+    members = empty_scene(
+        OPEN_MAP,
+        paths=np.repeat(straight(OPEN_MAP, 80.0)[None], 30, axis=0),
+        feasible=np.ones(30, bool),
+    )
+    best = replace(members, best_path=straight(OPEN_MAP, 80.0), best_fitness=300.0)
+    before, after = (places(Renderer().frame(scene), rendering.BEST) for scene in (members, best))
+    assert len(after) > len(before) + 500
+
+
+def test_a_best_path_that_collides_is_called_so():
+    scene = scene_after(1)
+    frames = [Renderer().frame(replace(scene, best_feasible=flag)) for flag in (True, False)]
+    assert len(changed(*frames)) > 0
+
+
+@pytest.mark.parametrize(
+    "workspace", [(0.0, 0.0, 6000.0, 600.0), (-500.0, 1000.0, -300.0, 2000.0), (0.0, 0.0, 1.0, 1.0)]
+)
+def test_a_map_of_any_shape_keeps_its_proportions_and_its_up(workspace):
+    low, high = np.reshape(workspace, (2, 2))
+    start, target = (tuple(low + share * (high - low)) for share in ([0.5, 0.05], [0.5, 0.95]))
+    scenario = Scenario("odd", start, target, (), workspace)
+    bare = Renderer().frame(empty_scene(scenario))
+    on_map, on_picture = [], []
+    for share in ([0.2, 0.65], [0.8, 0.35]):
+        centre = low + share * (high - low)
+        obstacles = (Circle(*centre, 0.1 * (high - low).min()),)
+        frame = Renderer().frame(empty_scene(replace(scenario, obstacles=obstacles)))
+        rows, columns = changed(bare, frame).T
+        assert np.ptp(rows) == pytest.approx(np.ptp(columns), abs=2)
+        on_map.append(centre)
+        on_picture.append([columns.mean(), rows.mean()])
+    scale = np.diff(on_picture, axis=0)[0] / np.diff(on_map, axis=0)[0]
+    assert scale[0] > 0
+    assert scale[0] == pytest.approx(-scale[1], rel=0.05)
+
+
+def test_obstacles_do_not_leave_the_workspace():
+    workspace = (0.0, 0.0, 1000.0, 600.0)
+    outside = (Circle(1000, 100, 80), Polygon(((900, 500), (1200, 500), (1200, 900), (900, 900))))
+    bare = Renderer().frame(empty_scene(OPEN_MAP))
+    scenario = replace(OPEN_MAP, obstacles=outside, workspace=workspace)
+    rows, columns = changed(bare, Renderer().frame(empty_scene(scenario))).T
+    border = places(bare, rendering.FAINT_INK, 5)
+    right = border[border[:, 1] < 700, 1].max()
+    assert columns.max() <= right
+    assert rows.min() > 50
+
+
+def test_a_new_scenario_gets_its_own_map():
+    renderer = Renderer()
+    case1, case2 = (scene_after(0, scenario=name) for name in ("case1", "case2"))
+    renderer.frame(case1)
+    np.testing.assert_array_equal(renderer.frame(case2), Renderer().frame(case2))
+
+
+@pytest.mark.parametrize("course", rendering.HISTORY[:3])
+def test_every_chart_shows_its_course(course):
+    flat = {name: np.array([0.5, 1.0, 0.5]) for name in rendering.HISTORY}
+    bent = {**flat, course: np.array([0.5, 0.1, 0.5])}
+    scenes = [
+        empty_scene(OPEN_MAP, iteration=2, max_population_size=1, courses=courses) for courses in (flat, bent)
+    ]
+    places_changed = changed(*(Renderer().frame(scene) for scene in scenes))
+    third = rendering.HISTORY.index(course)
+    assert len(places_changed) > 50
+    assert set((places_changed[:, 0] - 10) // 170) == {third}
+    assert places_changed[:, 1].min() > 690
+
+
+def test_the_first_frame_needs_no_step_and_no_display(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "none such")
+    pygame.display.quit()
+    env = make_env()
+    env.reset(seed=1)
+    assert env.render().std() > 0
+    assert not pygame.display.get_init()
+
+
+def test_an_environment_that_was_never_reset_can_be_drawn():
+    assert make_env().unwrapped.render().std() > 0
+
+
+def test_gymnasium_checks_rendering():
+    check_env(make_env().unwrapped, skip_render_check=False)
+
+
+@pytest.fixture
+def window(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pygame.display.quit()
+    yield
+    pygame.quit()
+
+
+def test_human_mode_shows_every_step_and_closes_twice(window):
+    env = make_env("human")
+    env.reset(seed=1)
+    for _ in range(2):
+        env.step(ACTION)
+    shown = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+    np.testing.assert_array_equal(shown, Renderer().frame(Scene.of(env.unwrapped.simulation)))
+    assert env.render() is None
+    env.unwrapped.close()
+    env.unwrapped.close()
+    assert pygame.display.get_surface() is None
+
+
+def test_a_renderer_closes_twice_and_opens_again(window):
+    renderer, scene = Renderer(fps=1000), scene_after(0)
+    renderer.close()
+    for _ in range(2):
+        renderer.show(scene)
+        assert pygame.display.get_surface() is not None
+        renderer.close()
+        renderer.close()
+        assert pygame.display.get_surface() is None
+
+
+def test_a_window_that_the_user_closed_stays_closed(window):
+    renderer, scene = Renderer(fps=1000), scene_after(0)
+    renderer.show(scene)
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    for _ in range(3):
+        renderer.show(scene)
+        assert pygame.display.get_surface() is None
+    renderer.close()
+
+
+def test_a_renderer_survives_another_one_that_quits_pygame(window):
+    renderer, scene = Renderer(fps=1000), scene_after(0)
+    renderer.show(scene)
+    pygame.quit()
+    renderer.show(scene)
+    assert pygame.display.get_surface() is not None
+
+
+def test_importing_the_environments_does_not_import_pygame():
+    code = "import sys, swarm_gym.env; sys.exit('pygame' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_missing_pygame_says_what_to_install(monkeypatch):
+    scene = scene_after(0)
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    with pytest.raises(DependencyNotInstalled, match=r"pip install \"swarm_gym\[render\]\""):
+        Renderer().frame(scene)

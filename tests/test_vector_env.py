@@ -1,0 +1,152 @@
+"""The native vector environment against Gymnasium's own vector of single environments."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+import swarm_gym  # noqa: F401
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
+from swarm_gym.vector_env import SwarmVectorEnv
+
+OPTIONS = {
+    "scenario": ["case1", "case2", "case3"],
+    "initial_population_size": 5,
+    "max_population_size": 9,
+    "iterations": 4,
+}
+
+
+def random_actions(generator, num_envs):
+    return np.stack([generator.integers(2, 10, num_envs), generator.random(num_envs)], axis=1)
+
+
+def assert_same_infos(ours, theirs):
+    assert set(ours) == set(theirs)
+    for key, value in theirs.items():
+        if isinstance(value, dict):
+            assert_same_infos(ours[key], value)
+        elif key == "final_obs":
+            for one, other in zip(ours[key], value, strict=True):
+                np.testing.assert_array_equal(one, other)
+        else:
+            assert ours[key].dtype == value.dtype, key
+            mask = theirs.get(f"_{key}", slice(None))
+            np.testing.assert_array_equal(ours[key][mask], value[mask], err_msg=key)
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("extra", [{}, {"max_evaluations": 30}])
+def test_equals_a_vector_of_single_environments(mode, extra):
+    options = {**OPTIONS, **extra}
+    native = SwarmVectorEnv(5, autoreset_mode=mode, **options)
+    reference = SyncVectorEnv([lambda: SwarmEnv(**options)] * 5, autoreset_mode=mode)
+    assert native.observation_space == reference.observation_space
+    assert native.action_space == reference.action_space
+    assert native.metadata["autoreset_mode"] == reference.metadata["autoreset_mode"]
+    ours, theirs = native.reset(seed=3), reference.reset(seed=3)
+    np.testing.assert_array_equal(ours[0], theirs[0])
+    assert_same_infos(ours[1], theirs[1])
+    generator = np.random.default_rng(0)
+    for _ in range(11):
+        actions = random_actions(generator, 5)
+        ours, theirs = native.step(actions), reference.step(actions)
+        for one, other in zip(ours[:4], theirs[:4], strict=True):
+            np.testing.assert_array_equal(one, other)
+            assert one.dtype == other.dtype
+        assert_same_infos(ours[4], theirs[4])
+        ended = ours[2] | ours[3]
+        if mode == AutoresetMode.DISABLED and ended.any():
+            ours = native.reset(options={"reset_mask": ended})
+            theirs = reference.reset(options={"reset_mask": ended})
+            np.testing.assert_array_equal(ours[0], theirs[0])
+            assert_same_infos(ours[1], theirs[1])
+
+
+def test_make_vec_gives_the_native_environment_without_warnings(recwarn):
+    env = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=3, **OPTIONS)
+    assert isinstance(env.unwrapped, SwarmVectorEnv)
+    assert [str(w.message) for w in recwarn] == []
+    observations, _ = env.reset(seed=0)
+    assert observations in env.observation_space
+
+
+@pytest.mark.parametrize("seeds", [[7, 7, 7], [9, 2, 5], [None, 4, None]])
+def test_seeds_may_be_listed(seeds):
+    env = SwarmVectorEnv(3, **OPTIONS)
+    observations, _ = env.reset(seed=seeds)
+    for row, seed in enumerate(seeds):
+        if seed is not None:
+            np.testing.assert_array_equal(observations[row], SwarmEnv(**OPTIONS).reset(seed=seed)[0])
+
+
+def test_reset_options_reach_every_swarm():
+    env = SwarmVectorEnv(3, **OPTIONS)
+    _, info = env.reset(seed=0, options={"scenario": "case2", "initial_population_size": 7})
+    assert list(info["scenario"]) == ["case2"] * 3
+    assert list(info["population_size"]) == [7] * 3
+
+
+def test_options_given_to_reset_are_left_alone():
+    env = SwarmVectorEnv(2, **OPTIONS)
+    options = {"reset_mask": np.array([True, True])}
+    env.reset(seed=0, options=options)
+    assert list(options) == ["reset_mask"]
+
+
+def test_one_bad_action_stops_all_and_names_the_swarm():
+    env = SwarmVectorEnv(3, **OPTIONS)
+    env.reset(seed=0)
+    actions = np.tile([5.0, 0.0], (3, 1))
+    actions[1, 0] = np.nan
+    with pytest.raises(ActionError, match="swarm 1"):
+        env.step(actions)
+    with pytest.raises(ActionError, match=r"3 in all; got \(2, 2\)"):
+        env.step(actions[:2])
+    assert env.simulation.iteration.tolist() == [0, 0, 0]
+
+
+def test_step_before_reset_and_after_the_end_is_refused():
+    env = SwarmVectorEnv(2, autoreset_mode="Disabled", **OPTIONS)
+    actions = np.tile([5.0, 0.0], (2, 1))
+    with pytest.raises(StepOrderError, match="no reset"):
+        env.step(actions)
+    env.reset(seed=0)
+    for _ in range(4):
+        env.step(actions)
+    with pytest.raises(StepOrderError, match="ended"):
+        env.step(actions)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"num_envs": 0}, SettingError, "num_envs.*0"),
+        ({"num_envs": 2.0}, SettingError, "num_envs.*2.0"),
+        ({"num_threads": 0}, SettingError, "num_threads.*0"),
+        ({"num_threads": 100_000}, SettingError, "num_threads.*100000"),
+        ({"render_mode": "rgb_array"}, SettingError, "rgb_array"),
+        ({"max_episode_steps": 5}, SettingError, "iterations"),
+        ({"autoreset_mode": "later"}, UnknownNameError, "later"),
+        ({"colour": "red"}, UnknownNameError, "colour"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, error, message):
+    with pytest.raises(error, match=message):
+        SwarmVectorEnv(**arguments)
+
+
+@pytest.mark.parametrize(
+    "mask", [[True, False], np.array([1, 0]), np.array([True]), np.array([False, False])]
+)
+def test_bad_reset_masks_are_refused(mask):
+    env = SwarmVectorEnv(2, **OPTIONS)
+    env.reset(seed=0)
+    with pytest.raises(SettingError, match="reset_mask"):
+        env.reset(options={"reset_mask": mask})
+
+
+def test_a_wrong_number_of_seeds_is_refused():
+    with pytest.raises(SettingError, match=r"2 seeds.*3"):
+        SwarmVectorEnv(2, **OPTIONS).reset(seed=[1, 2, 3])
