@@ -10,6 +10,7 @@ from itertools import takewhile
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cbook import boxplot_stats
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ class Case:
 
 
 def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
-    """Figure 3: the populations of a run on their map, one panel per iteration, one block per run."""
+    """The populations of a run on their map, one panel per iteration, one block per run."""
     rows = [math.ceil(len(kept) / SNAPSHOT_COLUMNS) for kept in snapshots.values()]
     figure = new_figure(10.0, 2.1 * sum(rows) + 0.7 * len(rows))
     blocks = figure.subfigures(len(rows), height_ratios=rows, squeeze=False)[:, 0]
@@ -75,7 +76,7 @@ def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
 
 
 def draw_collision(cases: list[Case]) -> Figure:
-    """Figure 4: population collision E(P) by iteration, mean of the runs, beside its first value."""
+    """Population collision E(P) by iteration, mean of the runs, beside its first value."""
     figure = new_figure(3.4 * len(cases) + 0.4, 3.4)
     for axes, case in zip(figure.subplots(1, len(cases), squeeze=False)[0], cases, strict=True):
         for controller in COLLISION_CONTROLLERS:
@@ -98,7 +99,7 @@ def draw_collision(cases: list[Case]) -> Figure:
 
 
 def draw_convergence(case: Case) -> Figure:
-    """Figures 8, 12, 16: best fitness, median of the runs, by iteration and by evaluations spent."""
+    """Best fitness, median of the runs, by iteration and by evaluations spent."""
     figure = new_figure(10.0, 4.4)
     by_iteration, by_evaluations = figure.subplots(1, 2, sharey=True)
     first = math.inf
@@ -120,7 +121,7 @@ def draw_convergence(case: Case) -> Figure:
 
 
 def draw_population_size(case: Case) -> Figure:
-    """Figures 9, 13, 17: mean population size by iteration, and phi of those that repair."""
+    """Mean population size by iteration, and phi of those that repair."""
     repair_degrees = {
         controller: degrees
         for controller, runs in case.runs.items()
@@ -144,7 +145,7 @@ def draw_population_size(case: Case) -> Figure:
 
 
 def draw_best_paths(case: Case) -> Figure:
-    """Figures 10, 14, 18: path of each controller's best run, and the shortest path."""
+    """Path of each controller's best run, and the shortest path."""
     x_min, y_min, x_max, y_max = case.scenario.workspace
     height = 8.4 * (y_max - y_min) / (x_max - x_min)
     figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
@@ -166,7 +167,7 @@ def draw_best_paths(case: Case) -> Figure:
 
 
 def draw_box_plots(case: Case) -> Figure:
-    """Figures 11, 15, 19: final fitness and evaluations of every run, by controller."""
+    """Final fitness and evaluations of every run, by controller."""
     figure = new_figure(10.0, 4.2)
     fitness, evaluations = figure.subplots(1, 2)
     groups = case.runs.values()
@@ -242,17 +243,20 @@ def _draw_course(
 
 
 def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
-    boxes = axes.boxplot(
-        samples, tick_labels=[label(controller) for controller in case.runs], widths=0.55,
-        showfliers=False, patch_artist=True, medianprops={"color": "black", "linewidth": 1.6},
-    )  # fmt: skip
-    for place, (controller, values) in enumerate(zip(case.runs, samples, strict=True), start=1):
+    """Draw quartiles, whiskers within 1.5 times their range, and all values of a sample per controller."""
+    # `Axes.boxplot` looks up all settings, the backend too, and so would import pyplot.
+    boxes = zip(case.runs, samples, boxplot_stats(samples), strict=True)
+    for place, (controller, values, box) in enumerate(boxes, start=1):
         style = case.styles[controller]
-        boxes["boxes"][place - 1].set(facecolor=style.colour, alpha=0.35)
+        low, high = box["q1"], box["q3"]
+        face, ink = (style.colour, 0.35), "0.3"
+        axes.bar(place, high - low, 0.55, low, color=face, edgecolor=ink, linewidth=0.8)
+        axes.vlines([place] * 2, [box["whislo"], high], [low, box["whishi"]], colors=ink, linewidth=0.8)
+        axes.hlines(box["med"], place - 0.275, place + 0.275, colors="black", linewidth=1.6)
         x = place + np.linspace(-0.2, 0.2, len(values))
         axes.plot(x, values, style.marker, color=style.colour, markersize=3, alpha=0.8, zorder=3)
-    for text in axes.get_xticklabels():
-        text.set(rotation=30, rotation_mode="anchor", horizontalalignment="right")
+    names = [label(controller) for controller in case.runs]
+    axes.set_xticks(range(1, len(names) + 1), names, rotation=30, rotation_mode="anchor", ha="right")
     axes.grid(axis="x", visible=False)
 
 

@@ -16,7 +16,6 @@ BLACK, GREY = "#222222", "#8c8c8c"
 BLUE, SKY, GREEN, ORANGE, RED, PINK = (
     "#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7",
 )  # fmt: skip
-LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
 
 BAND, BAND_EDGE = 0.1, 0.35  # opacities
 # Of legends: a character is about so wide, and a handle with its gaps takes as much as so many.
@@ -60,16 +59,16 @@ class Style:
 
 
 KNOWN_STYLES = {
-    "fixed:60": Style(SKY, LINES[1], "o"),
-    "fixed:80": Style(BLUE, LINES[2], "s"),
-    "fixed:100": Style(BLACK, LINES[3], "^"),
-    "spsfa": Style(ORANGE, LINES[4], "D"),
-    "spsfa-tip": Style(RED, LINES[0], "v"),
-    "random": Style(GREY, LINES[1], "x"),
+    "fixed:60": Style(SKY, "--", "o"),
+    "fixed:80": Style(BLUE, "-.", "s"),
+    "fixed:100": Style(BLACK, ":", "^"),
+    "spsfa": Style(ORANGE, (0, (6, 1, 1, 1, 1, 1)), "D"),
+    "spsfa-tip": Style(RED, "-", "v"),
+    "random": Style(GREY, (0, (2, 2)), "x"),
 }
 SPARE_STYLES = [
     Style(colour, line, marker)
-    for line, marker in zip(LINES, ("P", "*", "X", "<", "h"), strict=True)
+    for line, marker in (((0, (8, 2)), "P"), ("-", "*"), ("--", "X"), ("-.", "<"), (":", "h"))
     for colour in (GREEN, PINK, BLUE, ORANGE)
 ]
 

@@ -22,7 +22,7 @@ from swarm_gym.problem import Problem
 from swarm_gym.reference import known_optimum
 from swarm_gym.scenarios import make_scenario
 
-# The numbers that figures have in the SPSFA paper; others have none.
+# The numbers that figures have in the SPSFA paper; those of other scenarios have none.
 NUMBERS = {
     "population-snapshots": 3,
     "population-collision": 4,

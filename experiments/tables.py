@@ -244,8 +244,8 @@ def _reproduction_table(suite: Suite, runs: Runs) -> Table:
         f"{100 * MINIMUM_TOLERANCE:.0f} %, mean inside or within {100 * MEAN_TOLERANCE:.0f} % of our 95 % "
         "interval",
         (
-            "scenario", "controller", "paper min", "our min", "off by", "within", "paper mean",
-            "our 95 % interval", "outside by", "within",
+            "scenario", "controller", "paper min", "our min", "min off by", "min within", "paper mean",
+            "our 95 % interval", "mean outside by", "mean within",
         ),
         rows,
     )  # fmt: skip

@@ -401,7 +401,6 @@ def test_a_setting_out_of_range_is_refused_by_name_and_value(name, value):
     assert repr(value) in str(caught.value)
 
 
-@pytest.mark.xfail(strict=True, reason="only the range is checked")
 @pytest.mark.parametrize(
     ("name", "value"), [("num_waypoints", 2.5), ("num_waypoints", "3"), ("length_weight", "0.3")]
 )

@@ -301,6 +301,15 @@ def test_a_renderer_survives_another_one_that_quits_pygame(window):
     assert pygame.display.get_surface() is not None
 
 
+def test_renderers_of_different_sizes_take_turns_with_the_window(window):
+    scene = scene_after(0)
+    for size in ((960, 520), (640, 400)):
+        renderer = Renderer(*size, fps=1000)
+        renderer.show(scene)
+        shown = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+        np.testing.assert_array_equal(shown, renderer.frame(scene))
+
+
 def test_importing_the_environments_does_not_import_pygame():
     code = "import sys, swarm_gym.env; sys.exit('pygame' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

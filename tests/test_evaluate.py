@@ -1,0 +1,190 @@
+"""Suites and the results database: nothing lost, nothing doubled, nothing mixed."""
+
+import dataclasses
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments import evaluate as module
+from experiments.evaluate import EvaluateConfig, configuration, evaluate, run_missing, run_one
+from experiments.results import Results, ResultsError
+from experiments.suites import SUITES, Suite, get_suite
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.simulation import HISTORY
+
+SUITE = Suite(
+    name="tiny",
+    controllers=("fixed:3", "fixed:60", "spsfa-tip"),
+    scenarios=("case1", "case3"),
+    num_seeds=2,
+    baseline="spsfa-tip",
+    snapshots=(("fixed:3", "case1", 1, (0, 7, 100)),),
+)
+KEYS = {(c, s, k) for c in SUITE.controllers for s in SUITE.scenarios for k in range(2)}
+
+
+@pytest.fixture(scope="module")
+def database(tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "tiny.sqlite"
+    results = Results(path, configuration(SUITE))
+    run_missing(SUITE, results, jobs=1)
+    results.close()
+    return path
+
+
+@pytest.fixture
+def results(database, tmp_path):
+    copy = tmp_path / "tiny.sqlite"
+    copy.write_bytes(database.read_bytes())
+    opened = Results(copy, configuration(SUITE))
+    yield opened
+    opened.close()
+
+
+def test_every_run_of_a_suite_is_stored_once(results):
+    assert results.finished() == KEYS
+    runs = results.runs("spsfa-tip", "case1", 2)
+    assert [run.seed for run in runs] == [0, 1]
+    for run in runs:
+        assert run.trace.shape == (101, len(HISTORY))
+        assert run.course("best_fitness")[-1] == run.final_fitness
+        assert run.course("evaluations")[-1] == run.evaluations
+        assert run.course("population_size")[0] == 80
+        assert (np.diff(run.course("best_fitness")) <= 0).all()
+        np.testing.assert_allclose(run.best_path[[0, -1]], [[20, 300], [980, 300]])
+        length = np.linalg.norm(np.diff(run.best_path, axis=0), axis=1).sum()
+        assert run.final_fitness == pytest.approx(0.3 * length + 0.7 * run.final_collision)
+        assert run.seconds > 0
+        assert run.provenance["numba"]
+
+
+def test_snapshots_of_chosen_runs_are_stored(results):
+    kept = results.snapshots("fixed:3", "case1", 1)
+    assert [snapshot.iteration for snapshot in kept] == [0, 7, 100]
+    assert kept[0].paths.shape == (3, 33, 2)
+    assert results.snapshots("fixed:3", "case1", 0) == []
+
+
+def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
+    other = Results(tmp_path / "other.sqlite", configuration(SUITE))
+    run_missing(SUITE, other, jobs=2)
+    for controller, scenario, _ in KEYS:
+        for one, two in zip(
+            results.runs(controller, scenario, 2), other.runs(controller, scenario, 2), strict=True
+        ):
+            np.testing.assert_array_equal(one.trace, two.trace)
+            np.testing.assert_array_equal(one.best_path, two.best_path)
+    other.close()
+
+
+def test_a_suite_goes_on_where_it_stopped_and_recomputes_nothing(results, monkeypatch):
+    with results._connection as connection:
+        connection.execute("DELETE FROM runs WHERE controller = 'fixed:3' AND seed = 1")
+    lacking = KEYS - results.finished()
+    assert len(lacking) == 2
+    ran = []
+
+    def recorded(key, *arguments):
+        ran.append(key)
+        return run_one(key, *arguments)
+
+    monkeypatch.setattr(module, "run_one", recorded)
+    run_missing(SUITE, results, jobs=1)
+    assert set(ran) == lacking
+    assert results.finished() == KEYS
+    run_missing(SUITE, results, jobs=1)
+    assert len(ran) == 2
+
+
+def test_a_suite_that_dies_keeps_what_it_had_finished(results, monkeypatch):
+    with results._connection as connection:
+        connection.execute("DELETE FROM runs")
+    calls = []
+
+    def dying(key, *arguments):
+        calls.append(key)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return run_one(key, *arguments)
+
+    monkeypatch.setattr(module, "run_one", dying)
+    with pytest.raises(KeyboardInterrupt):
+        run_missing(SUITE, results, jobs=1)
+    assert results.finished() == set(calls[:4])
+
+
+def test_a_stored_run_is_never_overwritten(results):
+    run = results.runs("fixed:3", "case1", 1)[0]
+    results.add(dataclasses.replace(run, final_fitness=0.0))
+    assert results.runs("fixed:3", "case1", 1)[0].final_fitness == run.final_fitness
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("settings", {"iterations": 50}), ("scenario case1", "0123"), ("controller spsfa-tip", "x")],
+)
+def test_a_database_of_another_configuration_is_refused(database, tmp_path, key, value):
+    copy = tmp_path / "other.sqlite"
+    copy.write_bytes(database.read_bytes())
+    with pytest.raises(ResultsError, match=f"another configuration: {key} was"):
+        Results(copy, {**configuration(SUITE), key: value})
+    again = Results(copy, configuration(SUITE))  # nothing was changed by the refusal
+    assert again.finished() == KEYS
+    again.close()
+
+
+def test_controllers_may_be_added_to_a_database(results, tmp_path):
+    wider = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "fixed:4"))
+    again = Results(results.path, configuration(wider))
+    run_missing(wider, again, jobs=1)
+    assert len(again.finished()) == len(KEYS) + 4
+    again.close()
+
+
+@pytest.mark.parametrize("content", [b"not a database at all, but long enough" * 50, None])
+def test_what_is_no_database_is_refused(tmp_path, database, content):
+    path = tmp_path / "broken.sqlite"
+    path.write_bytes(database.read_bytes()[:5000] if content is None else content)
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=r"broken\.sqlite"):
+        Results(path, configuration(SUITE)).runs("fixed:3", "case1", 2)
+    assert path.read_bytes() == before
+
+
+def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    config = EvaluateConfig(suite="tiny", output=tmp_path, jobs=1, figures=False)
+    folder = evaluate(config)
+    page = (folder / "README.md").read_text()
+    assert "Table 3. Final fitness on case1" in page
+    for stem in ("table-03-optimal-solutions-case1", "table-11-running-times-case3", "comparison"):
+        for suffix in ("md", "csv", "tex"):
+            assert (folder / f"{stem}.{suffix}").stat().st_size > 100
+    stored = {p.name: p.read_bytes() for p in Path(folder).iterdir()}
+    evaluate(config)
+    assert {p.name: p.read_bytes() for p in Path(folder).iterdir()} == stored
+
+
+def test_tables_of_an_incomplete_suite_are_refused(results, tmp_path):
+    more = dataclasses.replace(SUITE, num_seeds=3)
+    with pytest.raises(ResultsError, match="2 of 3 runs"):
+        module.write_tables(more, results, tmp_path / "tables")
+    assert not (tmp_path / "tables").exists()
+
+
+def test_unknown_suite_names_the_valid_ones():
+    with pytest.raises(UnknownNameError, match="everything.*paper"):
+        get_suite("everything")
+
+
+def test_too_few_seeds_are_refused(tmp_path):
+    with pytest.raises(ResultsError, match="at least 2"):
+        evaluate(EvaluateConfig(seeds=1, output=tmp_path))
+
+
+def test_the_database_is_readable_by_anyone(database):
+    with sqlite3.connect(database) as connection:
+        (count,) = connection.execute("SELECT count(*) FROM runs WHERE final_fitness > 290").fetchone()
+    assert count == len(KEYS)

@@ -1,0 +1,154 @@
+"""Training: it runs, it stores, it resumes bit for bit, it refuses."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import torch
+from gymnasium.vector import AutoresetMode
+from stable_baselines3.common.vec_env import VecEnv
+
+from agents.policy_file import load_policy
+from agents.ppo import PPOController
+from agents.sb3_vec_env import SB3VecEnv
+from agents.seeds import TEST, VALIDATION, training_seed
+from agents.train import TrainConfig, TrainingError, TrainingRun
+from swarm_gym.env import SwarmEnv
+from swarm_gym.vector_env import SwarmVectorEnv
+
+TINY = {
+    "num_swarms": 4,
+    "scenarios": ("case3",),
+    "initial_population_size": 4,
+    "max_population_size": 12,
+    "batch_size": 100,
+    "epochs": 2,
+    "rollouts_per_chunk": 1,
+    "validation_seeds": 2,
+    "hidden_layers": (8,),
+}
+STEPS = 4 * 100  # one rollout of one episode per swarm
+
+
+@pytest.fixture(autouse=True)
+def little_imitation(monkeypatch):
+    monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)
+
+
+def train(folder, **options):
+    return TrainingRun(TrainConfig(runs=folder, **{**TINY, "total_steps": 3 * STEPS, **options}))
+
+
+def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
+    best = train(tmp_path).run()
+    weights, manifest = load_policy(best)
+    assert manifest["config"]["scenarios"] == ["case3"]
+    assert manifest["validation"]["case3"]["evaluations"] > 0
+    assert {"swarm_gym", "torch", "stable-baselines3"} <= set(manifest["versions"])
+    assert weights["0.weight"].shape == (8, 9)
+    assert list((tmp_path / "ppo").glob("events*"))
+    events = b"".join(path.read_bytes() for path in (tmp_path / "ppo").glob("events*"))
+    for scalar in (b"rollout/ep_rew_mean", b"validation/case3/final_fitness", b"sizes/iteration 011"):
+        assert scalar in events
+
+
+def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path):
+    whole = train(tmp_path, name="whole")
+    whole.run()
+    train(tmp_path, name="stopped", total_steps=STEPS).run()
+    resumed = train(tmp_path, name="stopped", resume=True)
+    resumed.run()
+    assert resumed.model.num_timesteps == whole.model.num_timesteps == 3 * STEPS
+    one, other = whole.model.policy.state_dict(), resumed.model.policy.state_dict()
+    assert all(torch.equal(one[name], other[name]) for name in one)
+    for name in ("latest", "best"):
+        ours = load_policy(tmp_path / "whole" / f"{name}.safetensors")[0]
+        theirs = load_policy(tmp_path / "stopped" / f"{name}.safetensors")[0]
+        assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+def test_the_saved_policy_decides_as_the_model_does(tmp_path):
+    run = train(tmp_path, total_steps=STEPS)
+    run.run()
+    env = SwarmVectorEnv(4, observation="extended", action="normalised", max_population_size=12,
+                         initial_population_size=4)  # fmt: skip
+    observations, _ = env.reset(seed=0)
+    actions, _ = run.model.predict(observations, deterministic=True)
+    controller = PPOController(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
+    decided = controller.act(observations)
+    np.testing.assert_allclose(decided[:, 1], (np.clip(actions[:, 1], -1, 1) + 1) / 2, atol=1e-5)
+
+
+@pytest.mark.parametrize("change", [{"price": 0.7}, {"seed": 3}, {"scenarios": ("case1",)}])
+def test_resuming_with_another_configuration_is_refused(tmp_path, change):
+    train(tmp_path, total_steps=STEPS).run()
+    with pytest.raises(TrainingError, match=f"{next(iter(change))} was"):
+        train(tmp_path, resume=True, **change)
+
+
+def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(tmp_path):
+    with pytest.raises(TrainingError, match="no run"):
+        train(tmp_path, resume=True)
+    train(tmp_path, total_steps=STEPS).run()
+    before = (tmp_path / "ppo" / "checkpoint.pt").read_bytes()
+    with pytest.raises(TrainingError, match="--resume"):
+        train(tmp_path)
+    assert (tmp_path / "ppo" / "checkpoint.pt").read_bytes() == before
+
+
+def test_a_damaged_checkpoint_is_refused(tmp_path):
+    train(tmp_path, total_steps=STEPS).run()
+    path = tmp_path / "ppo" / "checkpoint.pt"
+    path.write_bytes(path.read_bytes()[:200])
+    with pytest.raises(TrainingError, match=r"checkpoint\.pt"):
+        train(tmp_path, resume=True).run()
+
+
+def test_the_configuration_is_stored_whole(tmp_path):
+    run = train(tmp_path)
+    stored = json.loads((tmp_path / "ppo" / "config.json").read_text())
+    assert set(stored) == {field.name for field in dataclasses.fields(run.config)}
+
+
+def test_seeds_of_test_validation_and_training_are_disjoint():
+    drawn = [training_seed(seed, chunk) for seed in range(30) for chunk in range(30)]
+    assert len(set(drawn)) == len(drawn)
+    assert min(drawn) > VALIDATION.stop > VALIDATION.start >= TEST.stop
+    assert max(drawn) + 10_000 < 2**31 + 10_000
+
+
+OPTIONS = {"initial_population_size": 4, "max_population_size": 9, "iterations": 3}
+
+
+def test_adapter_steps_as_the_single_environments_do():
+    vector = SwarmVectorEnv(3, autoreset_mode=AutoresetMode.SAME_STEP, **OPTIONS)
+    adapter = SB3VecEnv(vector)
+    assert isinstance(adapter, VecEnv)
+    adapter.seed(5)
+    observations = adapter.reset()
+    singles = [SwarmEnv(**OPTIONS) for _ in range(3)]
+    for row, env in enumerate(singles):
+        np.testing.assert_array_equal(env.reset(seed=5 + row)[0], observations[row])
+    returns = np.zeros(3)
+    for step in range(3):
+        actions = np.tile([5 + step, 0.2], (3, 1))
+        observations, rewards, dones, infos = adapter.step(actions)
+        for row, env in enumerate(singles):
+            observation, reward, *_ = env.step(actions[row])
+            returns[row] += reward
+            assert rewards[row] == reward
+            if step < 2:
+                np.testing.assert_array_equal(observation, observations[row])
+                assert infos[row] == {}
+            else:
+                np.testing.assert_array_equal(observation, infos[row]["terminal_observation"])
+                np.testing.assert_array_equal(env.reset()[0], observations[row])
+                assert infos[row]["episode"]["r"] == pytest.approx(returns[row])
+                assert infos[row]["TimeLimit.truncated"] is False
+        assert dones.tolist() == [step == 2] * 3
+
+
+def test_adapter_refuses_another_autoreset_mode():
+    with pytest.raises(ValueError, match="SAME_STEP"):
+        SB3VecEnv(SwarmVectorEnv(2, **OPTIONS))
