@@ -60,7 +60,8 @@ benchmark: $(INSTALLED) ## measure speed, write results/benchmark.json and a tab
 
 docs-results: $(INSTALLED) ## regenerate docs/results: the study with 100 seeds
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 100 --output results/docs
-	$(BIN)/python -m experiments.publish results/docs/paper docs/results
+	mkdir -p docs/results
+	cp results/docs/paper/README.md results/docs/paper/*.svg docs/results/
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \

@@ -5,34 +5,19 @@ complete is not run again, only its tables and figures are written.
 """
 
 import dataclasses
-import subprocess
 import sys
-import time
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import gymnasium
-import numpy as np
 import tyro
-from joblib import Parallel, cpu_count, delayed
-from tqdm import tqdm
+from joblib import cpu_count
 
-import swarm_gym
-from agents import Controller, make_controller
-from agents.ppo import PPOController
-from experiments.figures import write_figures
-from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
+from experiments.page import write_page
+from experiments.results import Results, ResultsError
+from experiments.runner import configuration, run_missing
 from experiments.suites import Suite, get_suite
-from experiments.tables import write_tables
-from swarm_gym.optimizers import get_optimizer
-from swarm_gym.problem import Problem
-from swarm_gym.reference.optima import digest
-from swarm_gym.registration import environment_id
-from swarm_gym.scenarios import make_scenario
-from swarm_gym.settings import Settings
+from experiments.tables import make_tables
 
 
 @dataclass(frozen=True)
@@ -56,7 +41,7 @@ class EvaluateConfig:
 
 
 def evaluate(config: EvaluateConfig) -> Path:
-    """Run what is missing, then write tables and figures; returns the folder they are in."""
+    """Run what is missing, then write tables and figures; returns the page that shows them."""
     suite = get_suite(config.suite)
     if config.controllers:
         suite = dataclasses.replace(suite, controllers=config.controllers)
@@ -68,137 +53,29 @@ def evaluate(config: EvaluateConfig) -> Path:
     try:
         run_missing(suite, results, config.jobs or cpu_count())
         folder = config.output / suite.name
-        print(f"writing tables to {folder}", flush=True)
-        write_tables(suite, results, folder)
-        if config.figures:
-            write_figures(suite, results, folder)
+        print(f"writing tables and figures to {folder}", flush=True)
+        tables = make_tables(suite, results)
+        figures = _figures(suite, results, folder) if config.figures else []
+        page = write_page(suite, tables, figures, folder)
     finally:
         results.close()
-    return folder
+    return page
 
 
-def run_missing(suite: Suite, results: Results, jobs: int) -> None:
-    """Run what the database lacks on this many processes; each run is stored as it finishes."""
-    finished = results.finished()
-    # Seeds outermost: a suite that is stopped has compared everything on the seeds it has done.
-    missing: list[RunKey] = [
-        key
-        for seed in range(suite.num_seeds)
-        for scenario in suite.scenarios
-        for controller in suite.controllers
-        if (key := (controller, scenario, seed)) not in finished
-    ]
-    if not missing:
-        print(f"{results.path}: all runs are there", flush=True)
-        return
-    provenance = _provenance()
-    print("preparing compiled kernels (the first time takes half a minute)", flush=True)
-    _warm_up(suite.optimizer)
-    tasks = (delayed(run_one)(key, suite, provenance) for key in missing)
-    workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
-        results.add(run)
+def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
+    # Imported here: runs need no plotting library.
+    from experiments.figures import write_figures
 
-
-def run_one(key: RunKey, suite: Suite, provenance: dict[str, str]) -> Run:
-    """One run in a single environment, timed."""
-    name, scenario, seed = key
-    _warm_up(suite.optimizer)
-    controller = _controller(name)
-    keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
-    env = gymnasium.make(
-        environment_id(suite.optimizer),
-        scenario=scenario,
-        observation=controller.observation,
-        initial_population_size=controller.initial_population_size,
-    )
-    simulation = env.unwrapped.simulation  # type: ignore[attr-defined]
-    snapshots = []
-    begin = time.process_time()
-    controller.reset(1, seed)
-    observation, info = env.reset(seed=seed)
-    ended = False
-    while not ended:
-        if keep and simulation.iteration[0] in keep:
-            snapshots.append(_snapshot(simulation))
-        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
-    seconds = time.process_time() - begin
-    if simulation.iteration[0] in keep:
-        snapshots.append(_snapshot(simulation))
-    return Run(
-        name,
-        scenario,
-        seed,
-        float(info["best_fitness"]),
-        float(info["best_collision"]),
-        int(info["evaluations"]),
-        seconds,
-        info["best_path"],
-        simulation.history[0].copy(),
-        provenance,
-        tuple(snapshots),
-    )
-
-
-def configuration(suite: Suite) -> dict[str, Any]:
-    """What the runs of a suite depend on, for the database to hold them against."""
-    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), {}))
-    # These vary within a suite and are part of the controllers and the runs.
-    for name in ("scenario", "observation", "initial_population_size"):
-        del settings[name]
-    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
-    for name in suite.scenarios:
-        found[f"scenario {name}"] = digest(Problem(make_scenario(name)))
-    for name in suite.controllers:
-        controller = _controller(name)
-        found[f"controller {name}"] = (
-            controller.manifest["weights_sha256"] if isinstance(controller, PPOController) else name
-        )
-    return found
-
-
-@cache
-def _controller(name: str) -> Controller:
-    return make_controller(name)
-
-
-@cache
-def _warm_up(optimizer: str) -> None:
-    """Compile or load the kernels of this process, so that no run is charged for it."""
-    env = gymnasium.make(environment_id(optimizer), initial_population_size=4)
-    env.reset(seed=0)
-    env.step(np.array([6.0, 1.0]))
-
-
-def _snapshot(simulation: Any) -> Snapshot:
-    size = int(simulation.swarms.size[0])
-    problem = simulation.problem_of(0)
-    return Snapshot(
-        int(simulation.iteration[0]),
-        problem.points(simulation.swarms.positions[0, :size]),
-        simulation.swarms.collision[0, :size].copy(),
-    )
-
-
-def _provenance() -> dict[str, str]:
-    packages = ("gymnasium", "numba", "numpy")
-    found = {"swarm_gym": swarm_gym.__version__, **{p: version(p) for p in packages}}
-    try:
-        command = ["git", "describe", "--always", "--dirty", "--abbrev=40"]
-        done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)
-        found["commit"] = done.stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        found["commit"] = "unknown"
-    return found
+    return write_figures(suite, results, folder)
 
 
 def main() -> None:
     """Evaluate as the command line says."""
     try:
-        folder = evaluate(tyro.cli(EvaluateConfig, description=__doc__))
+        page = evaluate(tyro.cli(EvaluateConfig, description=__doc__))
     except (ResultsError, ValueError) as error:
         sys.exit(f"error: {error}")
-    print(f"results: {folder / 'README.md'}")
+    print(f"results: {page}")
 
 
 if __name__ == "__main__":

@@ -6,10 +6,8 @@ ours; a reproduction check of every cell; and for any suite a paired comparison 
 
 import csv
 import io
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -69,8 +67,8 @@ class Table:
         )
 
 
-def write_tables(suite: Suite, results: Results, folder: Path) -> list[Path]:
-    """Write all tables of a suite into a folder, and a README.md with all of them; returns the files.
+def make_tables(suite: Suite, results: Results) -> list[Table]:
+    """All tables of a suite.
 
     Raises:
         ResultsError: if a run of the suite is missing.
@@ -82,15 +80,7 @@ def write_tables(suite: Suite, results: Results, folder: Path) -> list[Path]:
     tables.append(_comparison_table(suite, runs))
     if any((scenario, c) in FITNESS for scenario in suite.scenarios for c in suite.controllers):
         tables.append(_reproduction_table(suite, runs))
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for table in tables:
-        for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
-            written.append(_write(folder / f"{table.name}.{suffix}", text))
-    title = f"# Suite {suite.name}: {suite.num_seeds} seeds per controller and scenario\n"
-    page = "\n".join([title, *(table.markdown() for table in tables)])
-    written.append(_write(folder / "README.md", page))
-    return written
+    return tables
 
 
 Runs = dict[tuple[str, str], list[Run]]  # by scenario and controller
@@ -129,6 +119,7 @@ def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:
                 f"{ours.interval[0]:.1f} to {ours.interval[1]:.1f}",
                 f"{ours.median:.1f}",
                 f"{100 * feasible:.0f} %",
+                f"{np.median([run.final_collision for run in runs[scenario, controller]]):.2g}",
                 _percent((ours.mean - optimum) / optimum),
                 *_printed(FITNESS.get((scenario, controller))),
             )
@@ -139,7 +130,7 @@ def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:
         f"{_title(scenario, FITNESS_TABLES)}Final fitness on {scenario}, {suite.num_seeds} runs{known}",
         (
             "controller", "max", "min", "mean", "std", "95 % interval of the mean", "median",
-            "feasible", "mean gap", "paper max", "paper min", "paper mean", "paper std",
+            "feasible", "median collision", "mean gap", "paper max", "paper min", "paper mean", "paper std",
         ),
         rows,
     )  # fmt: skip
@@ -293,10 +284,3 @@ def _escape(text: str) -> str:
     for character in "&%$#_":
         text = text.replace(character, "\\" + character)
     return text
-
-
-def _write(path: Path, text: str) -> Path:
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
-    return path

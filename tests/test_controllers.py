@@ -128,7 +128,9 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
     observations = random_observations("extended", np.random.default_rng(3), 50)
     with torch.no_grad():
         x = torch.as_tensor(observations)
-        x = torch.tanh(torch.as_tensor(weights["0.weight"]) @ x.T + torch.as_tensor(weights["0.bias"])[:, None])
+        x = torch.tanh(
+            torch.as_tensor(weights["0.weight"]) @ x.T + torch.as_tensor(weights["0.bias"])[:, None]
+        )
         x = torch.as_tensor(weights["1.weight"]) @ x + torch.as_tensor(weights["1.bias"])[:, None]
         means = np.clip(x.T.numpy(), -1.0, 1.0)
     share, repair = ((means.astype(np.float64) + 1) / 2).T

@@ -164,15 +164,19 @@ def test_the_length_lies_between_those_around_inner_and_outer_polygons(seed, num
     assert length <= visibility_length(made, 32, outside=True) + 1e-6
 
 
+def test_an_arc_that_others_cover_off_its_middle_is_not_used():
+    # The large circle's nodes beside the two small ones are far before the first, close after the second.
+    circles = Circle(0.0, 0.0, 5.0), Circle(4.95, 4.95, 2.2), Circle(2.8, 4.15, 0.6)
+    made = Scenario("made", (6.0, -3.0), (0.5, 6.0), circles, (-9.0, -9.0, 9.0, 9.0))
+    assert shortest_path(made)[0] >= visibility_length(made, 32, outside=False)
+
+
 @settings(max_examples=30, deadline=None)
 @given(seed=SEEDS, angle=st.floats(-4.0, 4.0))
 def test_turning_and_shifting_the_map_keeps_the_length(seed, angle):
     made = passable_scenario(seed, 12)
     length, _ = shortest_path(made)
     assert shortest_path(turned(made, angle, (30.0, -70.0)))[0] == pytest.approx(length, rel=1e-9)
-
-
-# The optimum among waypoint paths.
 
 
 @settings(max_examples=30, deadline=None)
@@ -255,9 +259,6 @@ def test_a_swarm_that_begins_at_the_optimum_does_not_get_below_it(case):
         _, _, ended, _, info = env.step(np.array([30.0, 0.5]))
     assert info["best_fitness"] >= fitness - 1e-6
     assert info["optimality_gap"] == pytest.approx(0.0, abs=1e-8)
-
-
-# The optima that ship with the package.
 
 
 def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(tmp_path):

@@ -42,9 +42,7 @@ class PaperAlgorithm2:
         table, swarms = self.table, self.swarms
         for i in range(size):
             draw = self.uniform(31)
-            swarms.positions[0, i] = (
-                table.initial_lower + (table.initial_upper - table.initial_lower) * draw
-            )
+            swarms.positions[0, i] = table.initial_lower + (table.initial_upper - table.initial_lower) * draw
             self.assess(i)
         swarms.size[0] = size
 
@@ -135,9 +133,7 @@ def test_schedule_through_the_environment_equals_algorithm_2(name, scenario, see
 @pytest.mark.parametrize("scenario", ["case1", "case2", "case3"])
 def test_a_whole_run_of_spsfa_tip_equals_algorithm_2(scenario):
     expected = PaperAlgorithm2(scenario, 5, 80, 100, True).run()
-    np.testing.assert_array_equal(
-        run_through_environment("spsfa-tip", scenario, 5, 100, 80), expected
-    )
+    np.testing.assert_array_equal(run_through_environment("spsfa-tip", scenario, 5, 100, 80), expected)
 
 
 def observed(e, deviation=0.0, iteration=1):

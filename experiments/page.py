@@ -1,0 +1,36 @@
+"""One page with all tables and figures of a suite, and the tables as files of their own."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from experiments.suites import Suite
+from experiments.tables import Table
+
+
+def write_page(suite: Suite, tables: Sequence[Table], figures: Sequence[Path], folder: Path) -> Path:
+    """Write every table as Markdown, CSV and LaTeX, and a README.md that shows all; returns the latter."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for table in tables:
+        for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
+            write_atomically(folder / f"{table.name}.{suffix}", text)
+    pictures = [
+        f"![{figure.stem.replace('-', ' ')}]({figure.name})\n"
+        for figure in figures
+        if figure.suffix == ".svg"
+    ]
+    parts = [
+        f"# Suite {suite.name}: {suite.num_seeds} seeds per controller and scenario\n",
+        f"Made by `python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}`.\n",
+        *(table.markdown() for table in tables),
+        *pictures,
+    ]
+    return write_atomically(folder / "README.md", "\n".join(parts))
+
+
+def write_atomically(path: Path, text: str) -> Path:
+    """Write a text file at once or not at all; returns its path."""
+    partial = path.with_name(path.name + ".partial")
+    partial.write_text(text, encoding="utf-8")
+    os.replace(partial, path)
+    return path
