@@ -51,7 +51,7 @@ class TrainConfig:
     """Go on with a run of that name that was stopped."""
     seed: int = 0
     """Seed of everything random in the run."""
-    total_steps: int = 1_000_000
+    total_steps: int = 1_500_000
     """Environment steps, over all swarms."""
     optimizer: str = "firefly"
     """The optimizer that is controlled."""
@@ -69,7 +69,7 @@ class TrainConfig:
     """Observation layout of the policy."""
     reward: str = "progress"
     """Reward by name."""
-    price: float = 0.5
+    price: float = 0.2
     """What 100,000 evaluations cost, in units of the reward."""
     warm_start: str = "spsfa-tip"
     """Controller to imitate first; 'none' starts from scratch."""

@@ -12,6 +12,7 @@ from swarm_gym.scenarios import Circle, Polygon, Scenario
 
 MASK = 2**64 - 1
 FEASIBLE = 1e-9
+TOUCHING = 1e-9  # extents that overlap by no more than a rounding
 
 
 class Sfc64:
@@ -56,7 +57,7 @@ def circle_lift(cx, cy, radius, segment):
     """
     (x0, y0), (x1, y1) = segment
     begin, end = max(x0, cx - radius), min(x1, cx + radius)
-    if begin >= end:
+    if begin >= end - TOUCHING:
         return None
     angle = math.atan2(y1 - y0, x1 - x0)
     touch = cx - radius * math.sin(angle)
@@ -93,7 +94,7 @@ def polygon_shifts(vertices, segment):
     """Up and down shift: the largest over all x at which a piecewise linear function breaks."""
     xs = [x for x, _ in vertices]
     begin, end = max(segment[0][0], min(xs)), min(segment[1][0], max(xs))
-    if begin >= end:
+    if begin >= end - TOUCHING:
         return None
     up, down = -math.inf, -math.inf
     for x in [begin, end] + [x for x in xs if begin < x < end]:

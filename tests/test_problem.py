@@ -337,7 +337,6 @@ def test_an_initial_range_outside_the_workspace_is_refused():
         _ = Problem(scenario).table
 
 
-@pytest.mark.xfail(strict=True, reason="the extent of the obstacles misses the corner at the start")
 def test_a_scenario_needs_no_initial_range_for_a_diagonal_across_the_workspace():
     scenario = Scenario("diagonal", (10.0, 10.0), (990.0, 590.0), (Circle(300, 400, 50),))
     table = Problem(scenario).table
@@ -372,7 +371,6 @@ def test_a_problem_out_of_a_stack_is_the_problem_itself(num_waypoints):
             assert path[1:-1].tolist() == problem.repaired(offsets, 0.6).tolist()
 
 
-@pytest.mark.xfail(strict=True, reason="a stack has the dtype of its first problem")
 def test_a_stack_keeps_fractions_behind_a_whole_number():
     tables = [make_problem("case1", 5, weight).table for weight in (1, 0.3)]
     assert stack(tables).length_weight.tolist() == [1.0, 0.3]

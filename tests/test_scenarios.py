@@ -265,7 +265,10 @@ def test_a_scenario_with_other_than_finite_numbers_is_refused(part, value):
     refused(lambda: scenario(**{part: parts[part]}), "'made'", repr(value))
 
 
-@pytest.mark.parametrize("workspace", [(0, 0, 0, 600), (0, 0, 1000, 0), (1000, 0, 0, 600), (0, 600, 1000, 0)])
+@pytest.mark.parametrize(
+    "workspace",
+    [(0.0, 0.0, 0.0, 600.0), (0.0, 0.0, 1000.0, 0.0), (1000.0, 0.0, 0.0, 600.0), (0.0, 600.0, 1000.0, 0.0)],
+)
 def test_an_empty_workspace_is_refused(workspace):
     refused(lambda: scenario(workspace=workspace), "workspace", "empty", str(workspace))
 
@@ -280,7 +283,6 @@ def test_an_obstacle_of_another_type_is_refused(obstacle):
     refused(lambda: scenario(obstacles=(Circle(500, 100, 10), obstacle)), "obstacle 1", repr(obstacle))
 
 
-@pytest.mark.xfail(strict=True, reason="points are not converted when a scenario is made")
 @pytest.mark.parametrize(
     "make",
     [
@@ -297,7 +299,6 @@ def test_a_part_of_the_wrong_shape_is_refused(make):
     refused(make)
 
 
-@pytest.mark.xfail(strict=True, reason="points are not converted when a scenario is made")
 def test_points_may_be_given_as_arrays():
     made = scenario(np.array(FROM), np.array(TO))
     assert made == scenario()

@@ -39,6 +39,9 @@ def circle_shifts(
         slope: slope of the segment.
         cosine: 1 / sqrt(1 + slope^2).
     """
+    height = y - (y0 + slope * x)
+    if height * height >= radius * radius * (1.0 + slope * slope):
+        return -1.0, -1.0  # the line of the segment misses the circle
     touch = radius * slope * cosine  # where the tangent of the circle has the segment's slope
     u = min(max(-touch, begin), end)
     v = min(max(touch, begin), end)
@@ -82,3 +85,29 @@ def clearing_shifts(
         slope,
         cosine,
     )
+
+
+@inlined_kernel
+def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
+    """Degree of collision of one segment with all obstacles, in map units.
+
+    For each obstacle in contact it is the distance between the segment and its nearer cleared parallel: the
+    smaller shift times the cosine of the slope.
+
+    Args:
+        table: the problem.
+        segment: its number, 0 to n.
+        left: y' of its left end.
+        right: y' of its right end.
+        length: its length.
+    """
+    collision = 0.0
+    low, high = min(left, right), max(left, right)
+    for pair in range(table.first_pair[segment], table.first_pair[segment + 1]):
+        if low < table.pair_top[pair] and high > table.pair_bottom[pair]:
+            slope = (right - left) / table.spacing
+            cosine = table.spacing / length
+            up, down = clearing_shifts(table, pair, left, slope, cosine)
+            if up > 0.0 and down > 0.0:
+                collision += min(up, down) * cosine
+    return collision

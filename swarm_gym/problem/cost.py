@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.problem.collision import clearing_shifts
+from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
 
 # A member whose degree of collision is no larger is feasible (map units).
@@ -47,14 +47,5 @@ def evaluate(
 
     collision = 0.0
     for j in range(segments):
-        left, right = path[j], path[j + 1]
-        low, high = min(left, right), max(left, right)
-        for pair in range(table.first_pair[j], table.first_pair[j + 1]):
-            if low < table.pair_top[pair] and high > table.pair_bottom[pair]:
-                slope = (right - left) / spacing
-                cosine = spacing / lengths[j]
-                up, down = clearing_shifts(table, pair, left, slope, cosine)
-                if up > 0.0 and down > 0.0:
-                    # Distance between the segment and its cleared parallel.
-                    collision += min(up, down) * cosine
+        collision += segment_collision(table, j, path[j], path[j + 1], lengths[j])
     return table.length_weight * length + (1.0 - table.length_weight) * collision, collision

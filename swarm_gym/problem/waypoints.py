@@ -9,6 +9,7 @@ beforehand: those pairs are tabulated here once, for the kernels of `collision`,
 """
 
 import math
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,11 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.jit import kernel
-from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon, Scenario
+from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario
+
+# Extents in x' that overlap by no more (map units) only touch: an edge on the line of a waypoint stays there
+# when the rotation rounds.
+OVERLAP_TOLERANCE = 1e-9
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -121,8 +126,8 @@ def tabulate(scenario: Scenario, num_waypoints: int, length_weight: float) -> Wa
         first_pair.append(len(extents))
     extent_table = np.array(extents, dtype=np.float64).reshape(-1, 2)
     return WaypointTable(
-        spacing,
-        length_weight,
+        float(spacing),
+        float(length_weight),
         lower,
         upper,
         initial_lower,
@@ -151,15 +156,13 @@ def _bounds(scenario: Scenario, frame: Frame, x: Floats) -> tuple[Floats, Floats
 
 
 def _initial_range(scenario: Scenario, frame: Frame, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
-    if scenario.initial_range is not None:
-        low, high = scenario.initial_range
-    elif scenario.obstacles:
-        extents = [_extent(_in_frame(obstacle, frame)) for obstacle in scenario.obstacles]
-        low, high = min(e[0] for e in extents), max(e[1] for e in extents)
-    else:
-        return lower.copy(), upper.copy()
+    low, high = scenario.initial_range or _extent_of_all(scenario, frame)
     initial_lower, initial_upper = np.maximum(lower, low), np.minimum(upper, high)
-    if (initial_lower >= initial_upper).any():
+    empty = initial_lower >= initial_upper
+    if scenario.initial_range is None:
+        # Obstacles far from this part of the line say nothing about it.
+        return np.where(empty, lower, initial_lower), np.where(empty, upper, initial_upper)
+    if empty.any():
         raise ScenarioError(
             f"scenario {scenario.name!r}: the initial range ({low}, {high}) does not meet the workspace "
             f"{scenario.workspace} at every waypoint"
@@ -167,49 +170,61 @@ def _initial_range(scenario: Scenario, frame: Frame, lower: Floats, upper: Float
     return initial_lower, initial_upper
 
 
-def _in_frame(obstacle: Obstacle, frame: Frame) -> Obstacle:
+# An obstacle in the frame: a circle, or the vertices of a polygon. The latter need not be strictly convex any
+# more, since the rotation rounds.
+_Shape = Circle | list[Point]
+
+
+def _in_frame(obstacle: Obstacle, frame: Frame) -> _Shape:
     if isinstance(obstacle, Circle):
         return Circle(*frame.from_map((obstacle.x, obstacle.y)), obstacle.radius)
-    return Polygon(tuple(frame.from_map(vertex) for vertex in obstacle.vertices))
+    return [frame.from_map(vertex) for vertex in obstacle.vertices]
 
 
-def _extent(obstacle: Obstacle) -> tuple[float, float]:
-    if isinstance(obstacle, Circle):
-        return obstacle.y - obstacle.radius, obstacle.y + obstacle.radius
-    heights = [y for _, y in obstacle.vertices]
-    return min(heights), max(heights)
+def _extent_of_all(scenario: Scenario, frame: Frame) -> tuple[float, float]:
+    """The extent in y' of all obstacles; unbounded without any."""
+    lows, highs = [], []
+    for obstacle in scenario.obstacles:
+        shape = _in_frame(obstacle, frame)
+        if isinstance(shape, Circle):
+            lows.append(shape.y - shape.radius)
+            highs.append(shape.y + shape.radius)
+        else:
+            lows.append(min(y for _, y in shape))
+            highs.append(max(y for _, y in shape))
+    return min(lows, default=-math.inf), max(highs, default=math.inf)
 
 
 _Pair = tuple[tuple[float, float], tuple[float, ...], list[tuple[float, float, float]]]
 
 
-def _pair(obstacle: Obstacle, left: float, right: float) -> _Pair | None:
+def _pair(shape: _Shape, left: float, right: float) -> _Pair | None:
     """Extent, circle and corner points of an obstacle over [left, right]; None without an overlap."""
-    if isinstance(obstacle, Circle):
-        x, y, radius = obstacle.x, obstacle.y, obstacle.radius
+    if isinstance(shape, Circle):
+        x, y, radius = shape.x, shape.y, shape.radius
         begin, end = max(left, x - radius), min(right, x + radius)
-        if begin >= end:
+        if end - begin <= OVERLAP_TOLERANCE:
             return None
         nearest = min(max(x, begin), end) - x
         height = math.sqrt(max(radius**2 - nearest**2, 0.0))
         # Clamped, since (x - radius) - x may be a last bit outside the circle.
         overlap = (max(begin - x, -radius), min(end - x, radius))
         return (y - height, y + height), (x - left, y, radius, *overlap), []
-    xs = [x for x, _ in obstacle.vertices]
+    xs = [x for x, _ in shape]
     begin, end = max(left, min(xs)), min(right, max(xs))
-    if begin >= end:
+    if end - begin <= OVERLAP_TOLERANCE:
         return None
     # Top is concave and bottom convex: both differ most from a line at a break or an end.
     breaks = sorted({begin, end, *(x for x in xs if begin < x < end)})
-    points = [(x - left, *_top_and_bottom(obstacle, x)) for x in breaks]
+    points = [(x - left, *_top_and_bottom(shape, x)) for x in breaks]
     extent = (min(bottom for _, _, bottom in points), max(top for _, top, _ in points))
     return extent, (0.0,) * 5, points
 
 
-def _top_and_bottom(polygon: Polygon, x: float) -> tuple[float, float]:
+def _top_and_bottom(vertices: list[Point], x: float) -> tuple[float, float]:
     """Largest and smallest y of a polygon at x inside its x extent."""
     heights = []
-    for (x0, y0), (x1, y1) in polygon.edges():
+    for (x0, y0), (x1, y1) in pairwise([*vertices, vertices[0]]):
         if x0 == x1:
             if x == x0:
                 heights += [y0, y1]

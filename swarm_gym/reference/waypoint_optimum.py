@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, kernel
+from swarm_gym.jit import kernel
 from swarm_gym.problem import Problem
-from swarm_gym.problem.collision import clearing_shifts
+from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
 from swarm_gym.reference.optima import digest
 from swarm_gym.reference.visibility import shortest_path
@@ -96,21 +96,6 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
         path[station] = candidates[station, k]
         k = origin[station, k]
     return path
-
-
-@inlined_kernel
-def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
-    """Degree of collision of one segment, as in `swarm_gym.problem.cost.evaluate`."""
-    collision = 0.0
-    low, high = min(left, right), max(left, right)
-    for pair in range(table.first_pair[segment], table.first_pair[segment + 1]):
-        if low < table.pair_top[pair] and high > table.pair_bottom[pair]:
-            cosine = table.spacing / length
-            slope = (right - left) / table.spacing
-            up, down = clearing_shifts(table, pair, left, slope, cosine)
-            if up > 0.0 and down > 0.0:
-                collision += min(up, down) * cosine
-    return collision
 
 
 def write_optima(file: Path) -> None:

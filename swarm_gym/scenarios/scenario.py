@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from swarm_gym.errors import ScenarioError
 
@@ -18,7 +19,7 @@ class Circle:
     radius: float
 
     def __post_init__(self) -> None:
-        _require_finite(self, (self.x, self.y, self.radius))
+        _numbers(self, "(x, y, radius)", (self.x, self.y, self.radius), 3)
         if self.radius <= 0:
             raise ScenarioError(f"{self}: the radius must be positive, got {self.radius!r}")
 
@@ -34,8 +35,7 @@ class Polygon:
     vertices: tuple[Point, ...]
 
     def __post_init__(self) -> None:
-        vertices = tuple((float(x), float(y)) for x, y in self.vertices)
-        _require_finite(self, (value for vertex in vertices for value in vertex))
+        vertices = tuple(_numbers(self, "a vertex", vertex, 2) for vertex in self.vertices)
         if len(vertices) < 3:
             raise ScenarioError(f"{self}: a polygon needs at least 3 vertices, got {len(vertices)}")
         if len(set(vertices)) < len(vertices):
@@ -109,9 +109,12 @@ class Scenario:
     initial_range: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "obstacles", tuple(self.obstacles))
         where = f"scenario {self.name!r}"
-        _require_finite(where, (*self.start, *self.target, *self.workspace))
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        for part, length in (("start", 2), ("target", 2), ("workspace", 4), ("initial_range", 2)):
+            given = getattr(self, part)
+            if part != "initial_range" or given is not None:
+                object.__setattr__(self, part, _numbers(where, part, given, length))
         x_min, y_min, x_max, y_max = self.workspace
         if not (x_min < x_max and y_min < y_max):
             raise ScenarioError(f"{where}: the workspace {self.workspace} is empty")
@@ -127,10 +130,8 @@ class Scenario:
                     )
                 if obstacle.contains(point):
                     raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
-        if self.initial_range is not None:
-            _require_finite(f"{where}: initial_range", self.initial_range)
-            if not self.initial_range[0] < self.initial_range[1]:
-                raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")
+        if self.initial_range is not None and self.initial_range[0] >= self.initial_range[1]:
+            raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")
 
     @property
     def straight_line(self) -> float:
@@ -138,14 +139,21 @@ class Scenario:
         return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])
 
 
-def _require_finite(where: object, values: object) -> None:
-    for value in values:  # type: ignore[attr-defined]
-        try:
-            finite = math.isfinite(value)
-        except TypeError as error:
-            raise ScenarioError(f"{where}: {value!r} is not a number") from error
-        if not finite:
-            raise ScenarioError(f"{where}: every coordinate must be finite, got {value!r}")
+def _numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
+    """The values as a tuple of that many finite floats.
+
+    Raises:
+        ScenarioError: if they are not.
+    """
+    try:
+        numbers = tuple(float(value) for value in values)
+    except (TypeError, ValueError) as error:
+        raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}") from error
+    if len(numbers) != length:
+        raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}")
+    if not all(map(math.isfinite, numbers)):
+        raise ScenarioError(f"{where}: {part} must be finite, got {values!r}")
+    return numbers
 
 
 def _cross(a: Point, b: Point, c: Point) -> float:
