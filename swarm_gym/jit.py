@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 import platformdirs
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -58,6 +59,9 @@ def parallel_kernel(function: Function) -> Function:
 
 
 def _compile(function: Function, **options: bool) -> Function:
+    if numba.config.DISABLE_JIT:
+        # Words of a random stream wrap around by design; NumPy's scalars would warn of it.
+        return np.errstate(over="ignore")(function)
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:

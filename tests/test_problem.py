@@ -427,3 +427,16 @@ def test_offsets_may_be_a_list_or_of_another_number_type():
     assert problem.evaluate([10, -20, 30]) == expected
     assert problem.evaluate(np.array([10, -20, 30], dtype=np.float32)) == expected
     assert problem.evaluate(np.array([10, 0, -20, 0, 30, 0])[::2]) == expected
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_offsets_that_are_not_finite_are_refused(value):
+    problem = make_problem("case1", 5)
+    with pytest.raises(ValueError, match="finite"):
+        problem.evaluate([0.0, value, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("degree", [-0.1, 1.1, math.nan, "half"])
+def test_a_repair_degree_out_of_range_is_refused(degree):
+    with pytest.raises(SettingError, match="repair_degree"):
+        make_problem("case1", 5).repaired(np.zeros(5), degree)

@@ -363,3 +363,23 @@ def test_a_polygon_contains_what_lies_in_its_open_interior(points, point):
 def test_a_circle_contains_what_lies_in_its_open_disc(radius, point):
     inside = (point[0] - 3) ** 2 + (point[1] + 4) ** 2 < radius**2
     assert Circle(3, -4, radius).contains(point) == inside
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        pytest.param(lambda: Circle(1, 1, 10**400), id="radius beyond floats"),
+        pytest.param(lambda: Polygon(None), id="no vertices"),
+        pytest.param(lambda: scenario(obstacles=None), id="no obstacles"),
+        pytest.param(lambda: scenario(start=None), id="no start"),
+    ],
+)
+def test_a_part_that_is_no_number_or_sequence_is_refused(make):
+    with pytest.raises(ScenarioError):
+        make()
+
+
+@pytest.mark.parametrize("name", [["case1"], None, 3])
+def test_a_name_that_is_no_text_is_refused(name):
+    with pytest.raises(UnknownNameError, match="case1, case2, case3"):
+        make_scenario(name)

@@ -60,6 +60,7 @@ class Problem:
 
     def repaired(self, offsets: ArrayLike, repair_degree: float) -> Floats:
         """A decision vector after one repair pass of degree phi."""
+        require_number("repair_degree", repair_degree, 0.0, 1.0)
         path = self._path(offsets)
         repair(self.table, path, repair_degree)
         return path[1:-1]
@@ -76,4 +77,6 @@ class Problem:
         offsets = np.asarray(offsets, dtype=np.float64)
         if offsets.shape != (self.num_waypoints,):
             raise ValueError(f"expected {self.num_waypoints} offsets, got shape {offsets.shape}")
+        if not np.isfinite(offsets).all():
+            raise ValueError(f"offsets must be finite, got {offsets.tolist()}")
         return np.concatenate([[0.0], offsets, [0.0]])

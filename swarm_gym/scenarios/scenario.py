@@ -35,7 +35,9 @@ class Polygon:
     vertices: tuple[Point, ...]
 
     def __post_init__(self) -> None:
-        vertices = tuple(_numbers(self, "a vertex", vertex, 2) for vertex in self.vertices)
+        vertices = tuple(
+            _numbers(self, "a vertex", vertex, 2) for vertex in _sequence(self, "vertices", self.vertices)
+        )
         if len(vertices) < 3:
             raise ScenarioError(f"{self}: a polygon needs at least 3 vertices, got {len(vertices)}")
         if len(set(vertices)) < len(vertices):
@@ -110,7 +112,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         where = f"scenario {self.name!r}"
-        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        object.__setattr__(self, "obstacles", _sequence(where, "obstacles", self.obstacles))
         for part, length in (("start", 2), ("target", 2), ("workspace", 4), ("initial_range", 2)):
             given = getattr(self, part)
             if part != "initial_range" or given is not None:
@@ -139,6 +141,13 @@ class Scenario:
         return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])
 
 
+def _sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
+    try:
+        return tuple(values)
+    except TypeError as error:
+        raise ScenarioError(f"{where}: {part} must be a sequence, got {values!r}") from error
+
+
 def _numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
     """The values as a tuple of that many finite floats.
 
@@ -147,7 +156,7 @@ def _numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, .
     """
     try:
         numbers = tuple(float(value) for value in values)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}") from error
     if len(numbers) != length:
         raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}")
