@@ -58,10 +58,10 @@ benchmark: $(INSTALLED) ## measure speed, write results/benchmark.json and a tab
 	@echo "== benchmark (keep the machine quiet)"
 	$(BIN)/python -m experiments.benchmark
 
-docs-results: $(INSTALLED) ## regenerate docs/results: the study with 100 seeds
+docs-results: $(INSTALLED) benchmark ## regenerate what the documents show: 100 seeds, benchmark, picture
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 100 --output results/docs
-	mkdir -p docs/results
-	cp results/docs/paper/README.md results/docs/paper/*.svg docs/results/
+	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark.md
+	$(BIN)/python -m experiments.frame docs/results/frame.png
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \

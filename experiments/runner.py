@@ -1,11 +1,8 @@
 """Carrying out the runs of a suite, on several processes, into a results database."""
 
 import dataclasses
-import subprocess
 import time
 from functools import cache
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -13,9 +10,9 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-import swarm_gym
 from agents import Controller, make_controller
 from agents.ppo import PPOController
+from agents.provenance import provenance
 from experiments.results import Results, Run, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.optimizers import get_optimizer
@@ -40,16 +37,15 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
     if not missing:
         print(f"{results.path}: all runs are there", flush=True)
         return
-    provenance = _provenance()
-    print("preparing compiled kernels (the first time takes half a minute)", flush=True)
+    made_with = provenance("gymnasium", "numba", "numpy")
     _warm_up(suite.optimizer)
-    tasks = (delayed(run_one)(key, suite, provenance) for key in missing)
+    tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
     workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
         results.add(run)
 
 
-def run_one(key: RunKey, suite: Suite, provenance: dict[str, str]) -> Run:
+def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
     _warm_up(suite.optimizer)
@@ -84,7 +80,7 @@ def run_one(key: RunKey, suite: Suite, provenance: dict[str, str]) -> Run:
         seconds,
         info["best_path"],
         simulation.history[0].copy(),
-        provenance,
+        made_with,
         tuple(snapshots),
     )
 
@@ -97,7 +93,8 @@ def configuration(suite: Suite) -> dict[str, Any]:
         del settings[name]
     found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
     for name in suite.scenarios:
-        found[f"scenario {name}"] = digest(Problem(make_scenario(name)))
+        scenario = make_scenario(name)
+        found[f"scenario {name}"] = [digest(Problem(scenario)), scenario.initial_range]
     for name in suite.controllers:
         controller = _controller(name)
         found[f"controller {name}"] = (
@@ -127,15 +124,3 @@ def _snapshot(simulation: Any) -> Snapshot:
         problem.points(simulation.swarms.positions[0, :size]),
         simulation.swarms.collision[0, :size].copy(),
     )
-
-
-def _provenance() -> dict[str, str]:
-    packages = ("gymnasium", "numba", "numpy")
-    found = {"swarm_gym": swarm_gym.__version__, **{p: version(p) for p in packages}}
-    try:
-        command = ["git", "describe", "--always", "--dirty", "--abbrev=40"]
-        done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)
-        found["commit"] = done.stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        found["commit"] = "unknown"
-    return found

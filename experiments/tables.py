@@ -74,7 +74,7 @@ def make_tables(suite: Suite, results: Results) -> list[Table]:
         ResultsError: if a run of the suite is missing.
     """
     runs = load(suite, results)
-    tables = []
+    tables = [_summary_table(suite, runs)]
     for scenario in suite.scenarios:
         tables += [_fitness_table(suite, runs, scenario), _time_table(suite, runs, scenario)]
     tables.append(_comparison_table(suite, runs))
@@ -102,6 +102,28 @@ def load(suite: Suite, results: Results) -> Runs:
                 )
             runs[scenario, controller] = found
     return runs
+
+
+def _summary_table(suite: Suite, runs: Runs) -> Table:
+    """Quality and cost of every controller on every scenario, in one cell each."""
+    rows = []
+    for controller in suite.controllers:
+        cells = []
+        for scenario in suite.scenarios:
+            group = runs[scenario, controller]
+            ours = summarise(_fitness(group))
+            low, high = ours.interval
+            cost = _evaluations(group).mean() / 1000
+            cells.append(f"{ours.mean:.1f} ({low:.1f} to {high:.1f}) at {cost:.0f}k")
+        rows.append((label(controller), *cells))
+    optima = [known_optimum(Problem(make_scenario(scenario))) for scenario in suite.scenarios]
+    rows.append(("true optimum", *("–" if np.isnan(optimum) else f"{optimum:.1f}" for optimum in optima)))
+    return Table(
+        "summary",
+        f"Mean final fitness (95 % interval) at mean evaluations, {suite.num_seeds} seeds never trained on",
+        ("controller", *suite.scenarios),
+        rows,
+    )
 
 
 def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:

@@ -7,6 +7,7 @@ can happen.
 """
 
 import hashlib
+import logging
 import os
 from collections.abc import Callable
 from functools import cache
@@ -33,6 +34,15 @@ def cache_folder() -> Path:
         digest.update(source.read_bytes())
     base = os.environ.get("SWARM_GYM_CACHE") or platformdirs.user_cache_dir("swarm_gym")
     return Path(base) / "kernels" / digest.hexdigest()[:16]
+
+
+@cache
+def announce_compilation() -> None:
+    """Say, once per process, that kernels are about to be compiled, if none of these sources are cached."""
+    if not numba.config.DISABLE_JIT and not any(cache_folder().rglob("*.nbi")):
+        logging.getLogger("swarm_gym").warning(
+            "compiling the kernels for these sources, once; this takes about a quarter of a minute"
+        )
 
 
 def kernel(function: Function) -> Function:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
 from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms, adopt_population
 from swarm_gym.problem import Problem
@@ -57,6 +58,7 @@ class Simulation:
         require_integer("num_envs", num_swarms, 1)
         if num_threads is not None:
             require_integer("num_threads", num_threads, 1, numba.config.NUMBA_NUM_THREADS)
+        announce_compilation()
         self.optimizer = optimizer
         self.settings = settings
         self.num_threads = num_threads

@@ -13,7 +13,8 @@ from agents.policy_file import load_policy
 from agents.ppo import PPOController
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TEST, VALIDATION, training_seed
-from agents.train import TrainConfig, TrainingError, TrainingRun
+from agents.train_config import TrainConfig
+from agents.training_run import TrainingError, TrainingRun
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -45,7 +46,7 @@ def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
     weights, manifest = load_policy(best)
     assert manifest["config"]["scenarios"] == ["case3"]
     assert manifest["validation"]["case3"]["evaluations"] > 0
-    assert {"swarm_gym", "torch", "stable-baselines3"} <= set(manifest["versions"])
+    assert {"swarm_gym", "torch", "stable-baselines3"} <= set(manifest["provenance"])
     assert weights["0.weight"].shape == (8, 9)
     assert list((tmp_path / "ppo").glob("events*"))
     events = b"".join(path.read_bytes() for path in (tmp_path / "ppo").glob("events*"))

@@ -1,0 +1,86 @@
+"""The options of a training run: one documented dataclass, which is also the command line."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from agents import SizeLimits
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """Options of a training run; all are stored with the policy."""
+
+    name: str = "ppo"
+    """The run's folder is <runs>/<name>."""
+    runs: Path = Path("runs")
+    """Where runs are kept."""
+    resume: bool = False
+    """Go on with a run of that name that was stopped."""
+    seed: int = 0
+    """Seed of everything random in the run."""
+    total_steps: int = 1_600_000
+    """Environment steps, over all swarms."""
+    optimizer: str = "firefly"
+    """The optimizer that is controlled."""
+    scenarios: tuple[str, ...] = ("case1", "case2", "case3")
+    """Scenarios that episodes draw from."""
+    num_swarms: int = 64
+    """Swarms advanced side by side."""
+    initial_population_size: int = 80
+    """PS(0)."""
+    min_population_size: int = 2
+    """Smallest size the policy can ask for."""
+    max_population_size: int = 200
+    """Largest size the policy can ask for."""
+    observation: str = "extended"
+    """Observation layout of the policy."""
+    reward: str = "progress"
+    """Reward by name."""
+    price: float = 0.16
+    """What 100,000 evaluations cost, in units of the reward."""
+    warm_start: str = "spsfa-tip"
+    """Controller to imitate first; 'none' starts from scratch."""
+    hidden_layers: tuple[int, ...] = (64, 64)
+    """Sizes of the hidden layers, tanh, of actor and critic each."""
+    log_std: float = -1.6
+    """Logarithm of the initial standard deviation of normalised actions."""
+    learning_rate: float = 3e-4
+    """Step size of Adam."""
+    batch_size: int = 640
+    """Samples per gradient step."""
+    epochs: int = 10
+    """Passes over a rollout."""
+    discount: float = 1.0
+    """gamma of PPO."""
+    gae_lambda: float = 0.98
+    """lambda of generalised advantage estimation."""
+    clip_range: float = 0.2
+    """PPO's clipping of the probability ratio."""
+    entropy_weight: float = 0.0
+    """Weight of the entropy bonus."""
+    target_kl: float = 0.03
+    """Stop an update early beyond this divergence."""
+    rollouts_per_chunk: int = 10
+    """Rollouts of one episode per swarm between two checkpoints with validation."""
+    validation_seeds: int = 64
+    """Episodes per scenario for validation."""
+
+    @property
+    def folder(self) -> Path:
+        """Where this run is kept."""
+        return self.runs / self.name
+
+    @property
+    def limits(self) -> SizeLimits:
+        """Population sizes the policy can ask for."""
+        return SizeLimits(self.min_population_size, self.max_population_size)
+
+    def env_options(self) -> dict[str, Any]:
+        """Options of the environments, for training and validation."""
+        return {
+            "min_population_size": self.min_population_size,
+            "max_population_size": self.max_population_size,
+            "reward": self.reward,
+            "price": self.price,
+        }
