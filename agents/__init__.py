@@ -10,7 +10,7 @@ from agents.controller import Controller, SizeLimits
 from agents.fixed import Fixed, Random
 from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
 
@@ -59,6 +59,4 @@ def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:
         PolicyFileError: for a policy that is missing, damaged or made for something else.
     """
     family, _, argument = str(name).partition(":")
-    if family not in CONTROLLERS:
-        raise UnknownNameError("controller", name, CONTROLLERS)
-    return CONTROLLERS[family](argument, limits)
+    return look_up("controller", family, CONTROLLERS)(argument, limits)

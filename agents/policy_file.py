@@ -5,7 +5,6 @@ Reading one runs no code. The manifest says what the policy expects and where it
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
+
+from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym policy 1"
 POLICIES = Path(__file__).parent / "policies"
@@ -59,10 +60,7 @@ def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
     """Write weights and manifest in one file, at once or not at all."""
     manifest = {**manifest, "format": FORMAT, "weights_sha256": _digest(weights)}
     header = {"manifest": json.dumps(manifest, sort_keys=True)}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_bytes(save(weights, metadata=header))
-    os.replace(partial, path)
+    write_atomically(path, save(weights, metadata=header))
 
 
 def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:

@@ -1,8 +1,8 @@
 """A training run: PPO in chunks, with checkpoints, validation, and exact resuming."""
 
 import dataclasses
+import io
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from agents.rollout import Episodes, run_episodes
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
+from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.registration import environment_id
 
@@ -33,8 +34,9 @@ class TrainingError(RuntimeError):
     """A run cannot be started or resumed."""
 
 
-# Where a run lies and whether it goes on are not part of what it computes.
-_NOT_COMPARED = ("runs", "name", "resume", "total_steps")
+# Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
+_LOCATION = ("runs", "name", "resume")
+_NOT_COMPARED = (*_LOCATION, "total_steps")
 
 
 class TrainingRun:
@@ -111,7 +113,9 @@ class TrainingRun:
         seed = training_seed(self.config.seed, self.chunk)
         set_random_seed(seed)
         self.env.seed(seed)
-        self.model._last_obs = None  # every chunk begins with fresh episodes
+        # Fresh episodes and averages, so that any chunk can be the first of a resumed run.
+        self.model._last_obs = None
+        self.model.ep_info_buffer = None
         self.model.learn(steps, reset_num_timesteps=False, log_interval=1)
         self.chunk += 1
 
@@ -161,7 +165,7 @@ class TrainingRun:
         config = self.config
         manifest = {
             "action": "normalised",
-            "config": _as_json(config),
+            "config": {k: v for k, v in _as_json(config).items() if k not in _LOCATION},
             "features": [f.name for f in OBSERVATIONS[config.observation].features],
             "hidden_layers": list(config.hidden_layers),
             "initial_population_size": config.initial_population_size,
@@ -183,8 +187,7 @@ class TrainingRun:
                 raise TrainingError(
                     f"{self.folder} holds a run already; use --resume, another --name, or delete it"
                 )
-            self.folder.mkdir(parents=True, exist_ok=True)
-            stored.write_text(json.dumps(mine, indent=2) + "\n")
+            write_atomically(stored, json.dumps(mine, indent=2) + "\n")
             return
         if not stored.exists():
             raise TrainingError(f"--resume: there is no run in {self.folder}")
@@ -206,9 +209,9 @@ class TrainingRun:
             "chunk": self.chunk,
             "best_return": self.best_return,
         }
-        partial = self.checkpoint.with_suffix(".partial")
-        torch.save(state, partial)
-        os.replace(partial, self.checkpoint)
+        content = io.BytesIO()
+        torch.save(state, content)
+        write_atomically(self.checkpoint, content.getvalue())
 
     def _load_checkpoint(self) -> None:
         try:

@@ -23,9 +23,9 @@ from tqdm import tqdm
 
 import swarm_gym  # noqa: F401
 from experiments.numpy_firefly import NumpyFirefly
-from experiments.page import write_atomically
 from experiments.tables import Table
 from swarm_gym.env import SwarmEnv
+from swarm_gym.files import write_atomically
 from swarm_gym.problem import Problem
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -209,7 +209,6 @@ def main() -> None:
     config = tyro.cli(BenchmarkConfig, description=__doc__)
     figures = run_benchmark(config)
     table = _table(figures)
-    config.output.parent.mkdir(parents=True, exist_ok=True)
     write_atomically(config.output, json.dumps([vars(figure) for figure in figures], indent=1) + "\n")
     write_atomically(config.output.with_suffix(".md"), table.markdown())
     print(table.markdown())

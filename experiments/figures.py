@@ -1,6 +1,5 @@
 """Figures of a suite, from stored runs, as SVG and PNG: what is drawn, and under which name."""
 
-import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from experiments.drawings import (
 from experiments.figure_style import FORMATS, render, settings, styles
 from experiments.results import Results, RunKey, Snapshot
 from experiments.suites import Suite
+from swarm_gym.files import write_atomically
 from swarm_gym.problem import Problem
 from swarm_gym.reference import known_optimum
 from swarm_gym.scenarios import make_scenario
@@ -48,14 +48,13 @@ def write_figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
     same bytes.
     """
     drawings = plan(suite, results)
-    folder.mkdir(parents=True, exist_ok=True)
     written = []
     with settings():
         for name, draw in tqdm(drawings.items(), desc="figures", unit="figure"):
             figure = draw()
             for form in FORMATS:
                 path = folder / f"{_stem(name)}.{form}"
-                written.append(_write(path, render(figure, form)))
+                written.append(write_atomically(path, render(figure, form)))
     return written
 
 
@@ -104,10 +103,3 @@ def load_snapshots(suite: Suite, results: Results) -> dict[RunKey, list[Snapshot
 
 def _stem(name: str) -> str:
     return f"figure-{NUMBERS[name]:02}-{name}" if name in NUMBERS else f"figure-{name}"
-
-
-def _write(path: Path, content: bytes) -> Path:
-    unfinished = path.with_name(path.name + ".partial")
-    unfinished.write_bytes(content)
-    os.replace(unfinished, path)
-    return path

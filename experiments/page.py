@@ -1,16 +1,15 @@
 """One page with all tables and figures of a suite, and the tables as files of their own."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.suites import Suite
 from experiments.tables import Table
+from swarm_gym.files import write_atomically
 
 
 def write_page(suite: Suite, tables: Sequence[Table], figures: Sequence[Path], folder: Path) -> Path:
     """Write every table as Markdown, CSV and LaTeX, and a README.md that shows all; returns the latter."""
-    folder.mkdir(parents=True, exist_ok=True)
     for table in tables:
         for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
             write_atomically(folder / f"{table.name}.{suffix}", text)
@@ -26,11 +25,3 @@ def write_page(suite: Suite, tables: Sequence[Table], figures: Sequence[Path], f
         *pictures,
     ]
     return write_atomically(folder / "README.md", "\n".join(parts))
-
-
-def write_atomically(path: Path, text: str) -> Path:
-    """Write a text file at once or not at all; returns its path."""
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, path)
-    return path

@@ -9,7 +9,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from experiments.page import write_atomically
+from swarm_gym.files import write_atomically
 
 DOCS = Path("docs/results")
 README = Path("README.md")

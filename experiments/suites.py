@@ -5,7 +5,7 @@ To add one, enter it in `SUITES`.
 
 from dataclasses import dataclass
 
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,4 @@ def get_suite(name: str) -> Suite:
     Raises:
         UnknownNameError: if there is none.
     """
-    if name not in SUITES:
-        raise UnknownNameError("suite", name, SUITES)
-    return SUITES[name]
+    return look_up("suite", name, SUITES)

@@ -7,7 +7,8 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.errors import ActionError, UnknownNameError
+from swarm_gym.checks import look_up
+from swarm_gym.errors import ActionError
 from swarm_gym.settings import Settings
 
 Floats = NDArray[np.float64]
@@ -115,9 +116,7 @@ def make_action(settings: Settings) -> Action:
     Raises:
         UnknownNameError: if there is none of that name.
     """
-    if settings.action not in ACTIONS:
-        raise UnknownNameError("action layout", settings.action, ACTIONS)
-    return ACTIONS[settings.action](settings)
+    return look_up("action layout", settings.action, ACTIONS)(settings)
 
 
 def _shorten(value: object) -> str:

@@ -1,8 +1,13 @@
-"""Checks of plain numbers that come from a user."""
+"""Checks of numbers and names that come from a user."""
+
+from collections.abc import Mapping
+from typing import TypeVar
 
 import numpy as np
 
-from swarm_gym.errors import SettingError
+from swarm_gym.errors import SettingError, UnknownNameError
+
+Entry = TypeVar("Entry")
 
 
 def require_number(name: str, value: object, low: float, high: float) -> None:
@@ -27,3 +32,14 @@ def require_integer(name: str, value: object, low: int, high: int = 10**9) -> No
         raise SettingError(f"{name} must be an integer, got {value!r}")
     if not low <= value <= high:
         raise SettingError(f"{name} must lie in [{low}, {high}], got {value!r}")
+
+
+def look_up(kind: str, name: object, registry: Mapping[str, Entry]) -> Entry:
+    """The entry of that name.
+
+    Raises:
+        UnknownNameError: if there is none; the message lists the valid names.
+    """
+    if not isinstance(name, str) or name not in registry:
+        raise UnknownNameError(kind, name, registry)
+    return registry[name]

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
@@ -126,6 +126,4 @@ def make_observation(name: str) -> Observation:
     Raises:
         UnknownNameError: if there is none.
     """
-    if name not in OBSERVATIONS:
-        raise UnknownNameError("observation layout", name, OBSERVATIONS)
-    return OBSERVATIONS[name]
+    return look_up("observation layout", name, OBSERVATIONS)

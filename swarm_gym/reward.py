@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +48,4 @@ def make_reward(name: str) -> Reward:
     Raises:
         UnknownNameError: if there is none.
     """
-    if name not in REWARDS:
-        raise UnknownNameError("reward", name, REWARDS)
-    return REWARDS[name]
+    return look_up("reward", name, REWARDS)

@@ -7,7 +7,7 @@ To add one: write a class after `firefly.Firefly` and enter it in `OPTIMIZERS`; 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 
 if TYPE_CHECKING:
     from swarm_gym.optimizers.optimizer import Optimizer
@@ -26,7 +26,5 @@ def get_optimizer(name: str) -> "type[Optimizer]":
     Raises:
         UnknownNameError: if there is none.
     """
-    if name not in OPTIMIZERS:
-        raise UnknownNameError("optimizer", name, OPTIMIZERS)
-    module, cls = OPTIMIZERS[name]
+    module, cls = look_up("optimizer", name, OPTIMIZERS)
     return getattr(import_module(module), cls)

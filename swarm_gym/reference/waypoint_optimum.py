@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.files import write_atomically
 from swarm_gym.jit import kernel
 from swarm_gym.problem import Problem
 from swarm_gym.problem.collision import segment_collision
@@ -101,7 +102,7 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
 def write_optima(file: Path) -> None:
     """Write the optima of all registered scenarios with the default encoding and weight, as JSON.
 
-    All lengths are in map units, to 1e-6. The file appears under its name when it is complete.
+    All lengths are in map units, to 1e-6.
     """
     entries = []
     for name in sorted(SCENARIOS):
@@ -116,9 +117,7 @@ def write_optima(file: Path) -> None:
                 "shortest_path": round(shortest_path(problem.scenario)[0], 6),
             }
         )
-    unfinished = file.with_name(f"{file.name}.unfinished")
-    unfinished.write_text(json.dumps(entries, indent=2) + "\n")
-    unfinished.replace(file)
+    write_atomically(file, json.dumps(entries, indent=2) + "\n")
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ To add a map: write a function that returns a `Scenario` and enter it in `SCENAR
 
 from collections.abc import Callable
 
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.checks import look_up
 from swarm_gym.scenarios import paper_cases
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
 
@@ -26,6 +26,4 @@ def make_scenario(scenario: str | Scenario) -> Scenario:
     """
     if isinstance(scenario, Scenario):
         return scenario
-    if not isinstance(scenario, str) or scenario not in SCENARIOS:
-        raise UnknownNameError("scenario", scenario, SCENARIOS)
-    return SCENARIOS[scenario]()
+    return look_up("scenario", scenario, SCENARIOS)()
