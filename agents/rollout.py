@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller
 from swarm_gym.registration import environment_id
+from swarm_gym.scenarios import Scenario
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +35,13 @@ class Episodes:
 
 
 def run_episodes(
-    controller: Controller, scenario: str, seeds: range, optimizer: str = "firefly", **options: Any
+    controller: Controller, scenario: str | Scenario, seeds: range, optimizer: str = "firefly", **options: Any
 ) -> Episodes:
     """Run one episode per seed, all side by side, on one scenario.
 
     Args:
         controller: decides; sees its own observation layout.
-        scenario: name of the scenario.
+        scenario: a scenario or its name.
         seeds: consecutive seeds, one per episode.
         optimizer: name of the optimizer.
         options: further options of the environment.

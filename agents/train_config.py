@@ -19,7 +19,7 @@ class TrainConfig:
     """Go on with a run of that name that was stopped."""
     seed: int = 0
     """Seed of everything random in the run."""
-    total_steps: int = 1_000_000
+    total_steps: int = 640_000
     """Environment steps, over all swarms."""
     optimizer: str = "firefly"
     """The optimizer that is controlled."""
@@ -37,7 +37,7 @@ class TrainConfig:
     """Observation layout of the policy."""
     reward: str = "progress"
     """Reward by name."""
-    price: float = 0.18
+    price: float = 0.17
     """What 100,000 evaluations cost, in units of the reward."""
     warm_start: str = "spsfa-tip"
     """Controller to imitate first; 'none' starts from scratch."""
