@@ -48,7 +48,9 @@ class TrainingRun:
         self.checkpoint = self.folder / "checkpoint.pt"
         self.chunk = 0
         self.best_return = -np.inf
-        self._prepare_folder()
+        self.teacher = None
+        if config.warm_start != "none":
+            self.teacher = make_controller(config.warm_start, config.limits)
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         self.env = SB3VecEnv(
@@ -82,16 +84,18 @@ class TrainingRun:
             seed=config.seed,
             device="cpu",
         )
+        # Only now, since a configuration that cannot be run shall leave nothing behind.
+        self._prepare_folder()
         self.model.set_logger(configure(str(self.folder), ["tensorboard"]))
         self.writer = SummaryWriter(str(self.folder))
 
     def run(self) -> Path:
         """Train to the end; returns the file of the best policy by validation."""
         config = self.config
-        if config.resume:
+        if config.resume and self.checkpoint.exists():
             self._load_checkpoint()
-        elif config.warm_start != "none":
-            imitate(self.model, make_controller(config.warm_start, config.limits), self.env.env)
+        elif self.teacher is not None:
+            imitate(self.model, self.teacher, self.env.env)
         per_chunk = self.model.n_steps * config.num_swarms * config.rollouts_per_chunk
         if self.chunk == 0:
             self._validate()

@@ -2,12 +2,17 @@
 
 import gymnasium
 
+from swarm_gym.checks import look_up
 from swarm_gym.optimizers import OPTIMIZERS
 
 
 def environment_id(optimizer: str) -> str:
-    """The id of an optimizer's environment."""
-    return f"swarm_gym/{OPTIMIZERS[optimizer][1]}-v0"
+    """The id of an optimizer's environment.
+
+    Raises:
+        UnknownNameError: if there is no optimizer of that name.
+    """
+    return f"swarm_gym/{look_up('optimizer', optimizer, OPTIMIZERS)[1]}-v0"
 
 
 def register_environments() -> None:

@@ -106,6 +106,32 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         train(tmp_path, resume=True).run()
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenarios": ("case9",)}, "case9.*case1"),
+        ({"warm_start": "spsf"}, "spsf.*spsfa"),
+        ({"optimizer": "bees"}, "bees.*firefly"),
+        ({"observation": "all"}, "all.*extended"),
+        ({"reward": "gold"}, "gold.*progress"),
+        ({"initial_population_size": 13}, "initial_population_size.*13"),
+        ({"min_population_size": 14}, "smallest <= largest"),
+        ({"price": -1.0}, "price.*-1"),
+    ],
+)
+def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        train(tmp_path, **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_was_stopped_before_its_first_checkpoint_begins_anew(tmp_path):
+    train(tmp_path)  # only prepared
+    resumed = train(tmp_path, resume=True, total_steps=STEPS)
+    resumed.run()
+    assert resumed.model.num_timesteps == STEPS
+
+
 def test_the_configuration_is_stored_whole(tmp_path):
     run = train(tmp_path)
     stored = json.loads((tmp_path / "ppo" / "config.json").read_text())
