@@ -21,10 +21,6 @@ def _fixed(argument: str, limits: SizeLimits) -> Controller:
     return Fixed(int(argument), limits)
 
 
-def _ppo(argument: str, limits: SizeLimits) -> Controller:
-    return PPOController(argument, limits)
-
-
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
     def checked(argument: str, limits: SizeLimits) -> Controller:
         if argument:
@@ -42,7 +38,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
         lambda limits: SelfAdaptiveSchedule(treats_infeasible_paths=True, limits=limits)
     ),
     "random": _no_argument(Random),
-    "ppo": _ppo,
+    "ppo": PPOController,
 }
 
 

@@ -23,6 +23,10 @@ class SizeLimits:
                 f"{self.largest}"
             )
 
+    def clip(self, size: int) -> int:
+        """The nearest size that is allowed."""
+        return min(max(size, self.smallest), self.largest)
+
 
 @runtime_checkable
 class Controller(Protocol):

@@ -34,7 +34,7 @@ class Random:
 
     def __init__(self, limits: SizeLimits = SizeLimits()):  # noqa: B008
         self.limits = limits
-        self.initial_population_size = min(max(80, limits.smallest), limits.largest)
+        self.initial_population_size = limits.clip(80)
         self._generators: list[np.random.Generator] = []
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:

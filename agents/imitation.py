@@ -10,6 +10,7 @@ from stable_baselines3 import PPO
 from tqdm import trange
 
 from agents.controller import Controller
+from agents.seeds import TRAINING_START
 from swarm_gym.action import Normalised
 from swarm_gym.observation import make_observation
 
@@ -71,4 +72,4 @@ def _demonstrate(controller: Controller, env: VectorEnv, seed: int) -> tuple[NDA
 
 
 def _seed(model: PPO) -> int:
-    return 1_000_000 + int(model.seed or 0)
+    return TRAINING_START + int(model.seed or 0)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Floats, SizeLimits
 from agents.policy_file import PolicyFileError, load_policy, resolve
-from swarm_gym.action import ACTIONS
+from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.settings import Settings
 
@@ -36,7 +36,7 @@ class PPOController:
             max_population_size=limits.largest,
             initial_population_size=self.initial_population_size,
         )
-        self._action = ACTIONS[settings.action](settings)
+        self._action = make_action(settings)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Nothing to begin: the policy has no memory and takes no chances."""

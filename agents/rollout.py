@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from agents.controller import Controller
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import Scenario
+from swarm_gym.simulation import HISTORY
 
 Floats = NDArray[np.float64]
 
@@ -63,4 +64,7 @@ def run_episodes(
         observations, rewards, ended, _, info = env.step(controller.act(observations))
         returns += rewards
     history = env.unwrapped.simulation.history[:, 1:]  # type: ignore[attr-defined]
-    return Episodes(info["best_fitness"], info["evaluations"], returns, history[..., 1], history[..., 2])
+    sizes, repair_degrees = (
+        history[..., HISTORY.index(name)] for name in ("population_size", "repair_degree")
+    )
+    return Episodes(info["best_fitness"], info["evaluations"], returns, sizes, repair_degrees)

@@ -35,9 +35,7 @@ class SelfAdaptiveSchedule:
     observation: str = field(default="paper", init=False)
 
     def __post_init__(self) -> None:
-        self.initial_population_size = min(
-            max(self.initial_population_size, self.limits.smallest), self.limits.largest
-        )
+        self.initial_population_size = self.limits.clip(self.initial_population_size)
         self.reset(0)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002

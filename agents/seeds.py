@@ -4,10 +4,10 @@ import numpy as np
 
 TEST = range(100_000)  # suites take their seeds from the start of this range
 VALIDATION = range(100_000, 200_000)  # model selection while training
-_TRAINING_START = 1_000_000
+TRAINING_START = 1_000_000  # training takes seeds from here on
 
 
 def training_seed(run_seed: int, chunk: int) -> int:
     """A seed for the environments of one chunk of a training run, disjoint from the other ranges."""
     draw = np.random.SeedSequence([run_seed, chunk]).generate_state(1)[0]
-    return _TRAINING_START + int(draw) % (2**31 - _TRAINING_START)
+    return TRAINING_START + int(draw) % (2**31 - TRAINING_START)

@@ -48,6 +48,8 @@ class TrainingRun:
         self.checkpoint = self.folder / "checkpoint.pt"
         self.chunk = 0
         self.best_return = -np.inf
+        # Asked for once: what runs is what was imported now.
+        self.provenance = provenance("gymnasium", "numba", "numpy", "stable-baselines3", "torch")
         self.teacher = None
         if config.warm_start != "none":
             self.teacher = make_controller(config.warm_start, config.limits)
@@ -179,7 +181,7 @@ class TrainingRun:
             "steps": self.model.num_timesteps,
             "validation": validation,
             "validation_seeds": [VALIDATION.start, VALIDATION.start + config.validation_seeds],
-            "provenance": provenance("gymnasium", "numba", "numpy", "stable-baselines3", "torch"),
+            "provenance": self.provenance,
         }
         save_policy(path, weights, manifest)
 

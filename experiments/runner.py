@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import gymnasium
-import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
@@ -21,6 +20,7 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.settings import Settings
+from swarm_gym.warm_up import warm_up_single
 
 
 def run_missing(suite: Suite, results: Results, jobs: int) -> None:
@@ -111,9 +111,7 @@ def _controller(name: str) -> Controller:
 @cache
 def _warm_up(optimizer: str) -> None:
     """Compile or load the kernels of this process, so that no run is charged for it."""
-    env = gymnasium.make(environment_id(optimizer), initial_population_size=4)
-    env.reset(seed=0)
-    env.step(np.array([6.0, 1.0]))
+    warm_up_single(optimizer)
 
 
 def _snapshot(simulation: Any) -> Snapshot:

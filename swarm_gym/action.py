@@ -1,6 +1,7 @@
 """Actions: how a controller states the next population size and repair degree."""
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -24,7 +25,7 @@ class Action(ABC):
         self.smallest = settings.min_population_size
         self.largest = settings.max_population_size
 
-    @property
+    @cached_property
     @abstractmethod
     def space(self) -> Box:
         """The space of one swarm's action, shape (2,)."""
@@ -76,7 +77,7 @@ class Natural(Action):
 
     name = "natural"
 
-    @property
+    @cached_property
     def space(self) -> Box:  # noqa: D102
         return Box(np.array([self.smallest, 0.0]), np.array([self.largest, 1.0]), dtype=np.float64)
 
@@ -92,7 +93,7 @@ class Normalised(Action):
 
     name = "normalised"
 
-    @property
+    @cached_property
     def space(self) -> Box:  # noqa: D102
         return Box(-1.0, 1.0, (2,), dtype=np.float32)
 

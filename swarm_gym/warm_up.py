@@ -12,15 +12,20 @@ import numpy as np
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.registration import environment_id
 
+OPTIONS: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 8}
+
 
 def warm_up() -> None:
     """Compile, or load from the cache, what single and vector environments of all optimizers run."""
-    options: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 8}
     for optimizer in OPTIMIZERS:
-        env = gymnasium.make(environment_id(optimizer), **options)
-        _run(env, np.array([6.0, 1.0]))
-        many = gymnasium.make_vec(environment_id(optimizer), num_envs=2, **options)
+        warm_up_single(optimizer)
+        many = gymnasium.make_vec(environment_id(optimizer), num_envs=2, **OPTIONS)
         _run(many, np.array([[6.0, 1.0], [3.0, 0.0]]))
+
+
+def warm_up_single(optimizer: str) -> None:
+    """The same for single environments of one optimizer."""
+    _run(gymnasium.make(environment_id(optimizer), **OPTIONS), np.array([6.0, 1.0]))
 
 
 def _run(env: gymnasium.Env | gymnasium.vector.VectorEnv, actions: np.ndarray) -> None:

@@ -23,6 +23,10 @@ from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario
 # when the rotation rounds.
 OVERLAP_TOLERANCE = 1e-9
 
+# An obstacle in the frame: a circle, or the vertices of a polygon. The latter need not be strictly convex any
+# more, since the rotation rounds.
+_Shape = Circle | list[Point]
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -111,12 +115,13 @@ def tabulate(scenario: Scenario, num_waypoints: int, length_weight: float) -> Wa
     frame = Frame.of(scenario)
     spacing = scenario.straight_line / (num_waypoints + 1)
     lower, upper = _bounds(scenario, frame, spacing * np.arange(1.0, num_waypoints + 1))
-    initial_lower, initial_upper = _initial_range(scenario, frame, lower, upper)
+    shapes = [_in_frame(obstacle, frame) for obstacle in scenario.obstacles]
+    initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
 
     first_pair, extents, circles, first_corner, corners = [0], [], [], [0], []
     for segment in range(num_waypoints + 1):
-        for obstacle in scenario.obstacles:
-            pair = _pair(_in_frame(obstacle, frame), segment * spacing, (segment + 1) * spacing)
+        for shape in shapes:
+            pair = _pair(shape, segment * spacing, (segment + 1) * spacing)
             if pair is not None:
                 extent, circle, corner = pair
                 extents.append(extent)
@@ -155,8 +160,10 @@ def _bounds(scenario: Scenario, frame: Frame, x: Floats) -> tuple[Floats, Floats
     return np.minimum(lower, 0.0), np.maximum(upper, 0.0)
 
 
-def _initial_range(scenario: Scenario, frame: Frame, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
-    low, high = scenario.initial_range or _extent_of_all(scenario, frame)
+def _initial_range(
+    scenario: Scenario, shapes: list[_Shape], lower: Floats, upper: Floats
+) -> tuple[Floats, Floats]:
+    low, high = scenario.initial_range or _extent_of_all(shapes)
     initial_lower, initial_upper = np.maximum(lower, low), np.minimum(upper, high)
     empty = initial_lower >= initial_upper
     if scenario.initial_range is None:
@@ -170,22 +177,16 @@ def _initial_range(scenario: Scenario, frame: Frame, lower: Floats, upper: Float
     return initial_lower, initial_upper
 
 
-# An obstacle in the frame: a circle, or the vertices of a polygon. The latter need not be strictly convex any
-# more, since the rotation rounds.
-_Shape = Circle | list[Point]
-
-
 def _in_frame(obstacle: Obstacle, frame: Frame) -> _Shape:
     if isinstance(obstacle, Circle):
         return Circle(*frame.from_map((obstacle.x, obstacle.y)), obstacle.radius)
     return [frame.from_map(vertex) for vertex in obstacle.vertices]
 
 
-def _extent_of_all(scenario: Scenario, frame: Frame) -> tuple[float, float]:
+def _extent_of_all(shapes: list[_Shape]) -> tuple[float, float]:
     """The extent in y' of all obstacles; unbounded without any."""
     lows, highs = [], []
-    for obstacle in scenario.obstacles:
-        shape = _in_frame(obstacle, frame)
+    for shape in shapes:
         if isinstance(shape, Circle):
             lows.append(shape.y - shape.radius)
             highs.append(shape.y + shape.radius)
