@@ -16,19 +16,21 @@ class NumpyFirefly:
     """FA with the SPSFA paper's parameters on circles and polygons, without repair."""
 
     def __init__(self, problem: Problem, size: int, seed: int):
-        table = problem.table
-        self.table = table
+        self.table = problem.table
+        self.lower, self.upper = problem.bounds
         self.generator = np.random.default_rng(seed)
-        self.segment = np.repeat(np.arange(len(table.first_pair) - 1), np.diff(table.first_pair))
-        corners = np.diff(table.first_corner)
-        self.is_circle = corners == 0
-        self.most = int(corners.max(initial=1))
-        # Corners as a rectangle (pairs, most); the missing ones repeat the first.
-        columns = np.minimum(np.arange(self.most), np.maximum(corners - 1, 0)[:, None])
-        index = np.minimum(table.first_corner[:-1, None] + columns, max(len(table.corner) - 1, 0))
-        self.corner = table.corner[index] if len(table.corner) else np.zeros((len(index), self.most, 3))
-        spread = table.initial_upper - table.initial_lower
-        self.positions = table.initial_lower + spread * self.generator.random((size, len(spread)))
+        pairs = problem.pairs
+        self.segment = np.array([pair.segment for pair in pairs], dtype=np.int64)
+        self.is_circle = np.array([pair.circle is not None for pair in pairs], dtype=np.bool_)
+        self.circle = np.array([pair.circle or (0.0,) * 5 for pair in pairs]).reshape(-1, 5)
+        # Corners as a rectangle (pairs, most, 3); the missing ones repeat the last.
+        most = max((len(pair.corners) for pair in pairs), default=0) or 1
+        corners = [(pair.corners or ((0.0,) * 3,)) for pair in pairs]
+        self.corner = np.array([[c[min(k, len(c) - 1)] for k in range(most)] for c in corners]).reshape(
+            -1, most, 3
+        )
+        low, high = problem.initial_bounds
+        self.positions = low + (high - low) * self.generator.random((size, len(low)))
         self.fitness = np.array([self.evaluate(x) for x in self.positions])
         self.evaluations = size
 
@@ -40,7 +42,7 @@ class NumpyFirefly:
         lengths = np.sqrt(table.spacing**2 + rise**2)
         left, slope = path[self.segment], rise[self.segment] / table.spacing
         cosine = table.spacing / lengths[self.segment]
-        x, y, radius, begin, end = table.pair_circle.T
+        x, y, radius, begin, end = self.circle.T
         touch = radius * slope * cosine
         u, v = np.clip(-touch, begin, end), np.clip(touch, begin, end)
         circle_up = y + np.sqrt(radius**2 - u**2) - (left + slope * (x + u))
@@ -55,7 +57,7 @@ class NumpyFirefly:
 
     def iterate(self) -> None:
         """One iteration: every firefly moves towards every brighter one and is evaluated at once."""
-        table, positions, fitness = self.table, self.positions, self.fitness
+        positions, fitness = self.positions, self.fitness
         for i in range(len(positions)):
             for j in range(len(positions)):
                 if fitness[j] < fitness[i]:
@@ -63,6 +65,6 @@ class NumpyFirefly:
                     attraction = 0.1 * np.exp(-5e-6 * (difference @ difference))
                     noise = 2.0 * (self.generator.random(len(difference)) - 0.5)
                     moved = positions[i] + attraction * difference + noise
-                    positions[i] = np.clip(moved, table.lower, table.upper)
+                    positions[i] = np.clip(moved, self.lower, self.upper)
                     fitness[i] = self.evaluate(positions[i])
                     self.evaluations += 1

@@ -115,10 +115,8 @@ def _warm_up(optimizer: str) -> None:
 
 
 def _snapshot(simulation: Any) -> Snapshot:
-    size = int(simulation.swarms.size[0])
-    problem = simulation.problem_of(0)
     return Snapshot(
         int(simulation.iteration[0]),
-        problem.points(simulation.swarms.positions[0, :size]),
-        simulation.swarms.collision[0, :size].copy(),
+        simulation.problem_of(0).points(simulation.positions(0)),
+        simulation.swarms.collision[0, : simulation.swarms.size[0]].copy(),
     )

@@ -12,23 +12,26 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE, evaluate
-from swarm_gym.problem.waypoints import WaypointTable, select
-from swarm_gym.random_stream import WORDS, fill_uniform
+from swarm_gym.problem.waypoints import WaypointTable, columns, select
+from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
 class Swarms(NamedTuple):
-    """State of B swarms of up to C members with n waypoints each; changed in place by the kernels."""
+    """State of B swarms of up to M members with n waypoints each; changed in place by the kernels.
+
+    Positions have C = `waypoints.columns(n)` columns, of which those from n on are zero.
+    """
 
     problem: Integers  # (B,) index into the stacked problem tables
-    stream: NDArray[np.uint64]  # (B, 4) random streams
+    stream: NDArray[np.uint64]  # (B, 4, 8) random streams
     size: Integers  # (B,) living members: the first `size` rows
-    positions: Floats  # (B, C, n)
-    fitness: Floats  # (B, C)
-    collision: Floats  # (B, C)
-    best_position: Floats  # (B, n) best so far; never lost by a resize
+    positions: Floats  # (B, M, C)
+    fitness: Floats  # (B, M)
+    collision: Floats  # (B, M)
+    best_position: Floats  # (B, C) best so far; never lost by a resize
     best_fitness: Floats  # (B,)
     best_collision: Floats  # (B,)
     evaluations: Integers  # (B,) calls of the cost function in this episode
@@ -41,12 +44,12 @@ class Swarms(NamedTuple):
         members = (num_swarms, capacity)
         return cls(
             problem=np.zeros(num_swarms, dtype=np.int64),
-            stream=np.zeros((num_swarms, WORDS), dtype=np.uint64),
+            stream=np.zeros((num_swarms, *STREAM_SHAPE), dtype=np.uint64),
             size=np.zeros(num_swarms, dtype=np.int64),
-            positions=np.zeros((*members, num_waypoints)),
+            positions=np.zeros((*members, columns(num_waypoints))),
             fitness=np.zeros(members),
             collision=np.zeros(members),
-            best_position=np.zeros((num_swarms, num_waypoints)),
+            best_position=np.zeros((num_swarms, columns(num_waypoints))),
             best_fitness=np.full(num_swarms, np.inf),
             best_collision=np.full(num_swarms, np.inf),
             evaluations=np.zeros(num_swarms, dtype=np.int64),
@@ -58,28 +61,26 @@ class Swarms(NamedTuple):
 class Workspace(NamedTuple):
     """Scratch arrays of one swarm's step, so that nothing is allocated per move."""
 
-    path: Floats  # (n + 2,) a member with start and target at its ends
-    lengths: Floats  # (n + 1,)
-    noise: Floats  # (n,)
+    path: Floats  # (C + 1,) a zero for the start, then a member's position
+    noise: Floats  # (C,)
 
 
 @kernel
-def make_workspace(num_waypoints: int) -> Workspace:
-    """Scratch arrays for n waypoints; the ends of the path are start and target."""
-    return Workspace(np.zeros(num_waypoints + 2), np.empty(num_waypoints + 1), np.empty(num_waypoints))
+def make_workspace(num_columns: int) -> Workspace:
+    """Scratch arrays for positions of C columns."""
+    return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
 
 
 @inlined_kernel
 def evaluate_path(swarms: Swarms, b: int, table: WaypointTable, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
-    fitness, collision = evaluate(table, work.path, work.lengths)
+    fitness, collision = evaluate(table, work.path)
     swarms.evaluations[b] += 1
     if fitness < swarms.best_fitness[b]:
         swarms.best_fitness[b] = fitness
         swarms.best_collision[b] = collision
-        best = swarms.best_position[b]
-        for k in range(best.shape[0]):
-            best[k] = work.path[k + 1]
+        for k in range(swarms.best_position.shape[1]):
+            swarms.best_position[b, k] = work.path[k + 1]
     return fitness, collision
 
 
@@ -93,7 +94,7 @@ def add_members(
     lower: Floats,
     upper: Floats,
 ) -> None:
-    """Append up to `count` members uniform in [lower, upper], shape (n,), while the budget lasts."""
+    """Append up to `count` members uniform in [lower, upper], shape (C,), while the budget lasts."""
     n = lower.shape[0]
     for _ in range(min(count, swarms.budget[b] - swarms.evaluations[b])):
         member = swarms.size[b]

@@ -1,16 +1,17 @@
-"""A seeded random stream for kernels: NumPy's SFC64, word for word.
+"""A seeded random stream for kernels: eight of NumPy's SFC64 side by side, word for word.
 
 Source: C. Doty-Humphrey, PractRand, "sfc64"; `numpy.random.SFC64` is the reference it is tested against.
-A stream is an array of four uint64 words, advanced in place, one per swarm: it needs no lock and no
-global state.
+A single generator spends its time waiting for its own last word; eight side by side take no longer. A stream
+is an array of 4 x 8 words, advanced in place, one per swarm: it needs no lock and no global state.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
+from swarm_gym.lanes import NUM_LANES, as_float, load, store
 
-WORDS = 4
+STREAM_SHAPE = (4, NUM_LANES)
 
 _SHIFT_RIGHT = np.uint64(11)
 _SHIFT_LEFT = np.uint64(3)
@@ -21,24 +22,36 @@ _UNIT = 2.0**-53
 
 
 def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
-    """Words of a stream, shape (4,), in the state that `numpy.random.SFC64(sequence)` starts in."""
-    state = np.random.SFC64(sequence).state["state"]
-    return np.array(state["state"], dtype=np.uint64)
+    """Words of a stream, shape (4, 8): column k is the state in which `SFC64(child k of sequence)` starts.
+
+    The children are those of `sequence.spawn(8)` when it is new; the sequence itself is left as it is.
+    """
+    lanes = [
+        np.random.SFC64(
+            np.random.SeedSequence(
+                sequence.entropy, spawn_key=(*sequence.spawn_key, lane), pool_size=sequence.pool_size
+            )
+        )
+        for lane in range(NUM_LANES)
+    ]
+    return np.stack([lane.state["state"]["state"] for lane in lanes], axis=1).astype(np.uint64)
 
 
 @inlined_kernel
 def fill_uniform(stream: NDArray[np.uint64], out: NDArray[np.float64]) -> None:
-    """Fill `out` (any length) with numbers uniform in [0, 1); advances `stream` in place.
+    """Fill `out`, whose length is a multiple of eight, with numbers uniform in [0, 1); advances `stream`.
 
-    The numbers are those of `numpy.random.Generator(SFC64).random(len(out))`.
+    Number 8 m + k is number m of lane k, as `numpy.random.Generator(SFC64).random()` gives it.
     """
-    a, b, c, counter = stream[0], stream[1], stream[2], stream[3]
-    for k in range(out.shape[0]):
+    a, b, c, counter = load(stream, 0), load(stream, 1), load(stream, 2), load(stream, 3)
+    for k in range(0, out.shape[0], NUM_LANES):
         word = a + b + counter
-        counter += _ONE
+        counter = counter + _ONE
         a = b ^ (b >> _SHIFT_RIGHT)
         b = c + (c << _SHIFT_LEFT)
         c = ((c << _ROTATE_LEFT) | (c >> _ROTATE_RIGHT)) + word
-        # The 53 bits fit a signed integer, whose conversion is one instruction.
-        out[k] = np.int64(word >> _SHIFT_RIGHT) * _UNIT
-    stream[0], stream[1], stream[2], stream[3] = a, b, c, counter
+        store(out, k, as_float(word >> _SHIFT_RIGHT) * _UNIT)
+    store(stream, 0, a)
+    store(stream, 1, b)
+    store(stream, 2, c)
+    store(stream, 3, counter)

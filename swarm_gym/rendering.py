@@ -61,9 +61,9 @@ class Scene:
         iteration = int(simulation.iteration[row])
         return cls(
             scenario=problem.scenario,
-            paths=problem.points(swarms.positions[row, : swarms.size[row]]),
+            paths=problem.points(simulation.positions(row)),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
-            best_path=problem.points(swarms.best_position[row]),
+            best_path=problem.points(simulation.best_position(row)),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
             iteration=iteration,

@@ -113,7 +113,7 @@ class Simulation:
         if population is None:
             self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         else:
-            swarms.positions[rows, :size] = population
+            swarms.positions[rows, :size, : self.settings.num_waypoints] = population
             adopt_population(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         self.iteration[rows] = 0
         self.running[rows] = True
@@ -154,8 +154,16 @@ class Simulation:
         paths = np.empty((self.num_swarms, self.settings.num_waypoints + 2, 2))
         for number, problem in enumerate(self.problems):
             rows = self.swarms.problem == number
-            paths[rows] = problem.points(self.swarms.best_position[rows])
+            paths[rows] = problem.points(self.swarms.best_position[rows, : self.settings.num_waypoints])
         return paths
+
+    def positions(self, row: int) -> Floats:
+        """Positions of the living members of a swarm, (size, n), a view."""
+        return self.swarms.positions[row, : self.swarms.size[row], : self.settings.num_waypoints]
+
+    def best_position(self, row: int) -> Floats:
+        """Best position so far of a swarm, (n,), a view."""
+        return self.swarms.best_position[row, : self.settings.num_waypoints]
 
     def problem_of(self, row: int) -> Problem:
         """The problem that a swarm works on."""
@@ -202,7 +210,7 @@ class Simulation:
         array = np.asarray(population, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != n:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
-        lower, upper = self.tables.lower.max(axis=0), self.tables.upper.min(axis=0)
+        lower, upper = self.tables.lower.max(axis=0)[:n], self.tables.upper.min(axis=0)[:n]
         if not ((array >= lower) & (array <= upper)).all():
             raise SettingError("initial_population must be finite and inside the workspace")
         return array

@@ -6,9 +6,9 @@ import naive
 import numpy as np
 import shapely
 
-from swarm_gym.population import Swarms, adopt_population
+from swarm_gym.population import Swarms, adopt_population, make_workspace
 from swarm_gym.problem import Problem
-from swarm_gym.problem.waypoints import stack
+from swarm_gym.problem.waypoints import columns, select, stack
 from swarm_gym.random_stream import seed_stream
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
@@ -74,13 +74,24 @@ def turned(scenario, angle, shift=(0.0, 0.0)):
 def random_path(rng, problem):
     """Offsets anywhere in the workspace, or rather near the line: both kinds of path occur."""
     scale = rng.choice([0.1, 0.5, 1.0])
-    return scale * rng.uniform(problem.table.lower, problem.table.upper)
+    return scale * rng.uniform(*problem.bounds)
 
 
 def random_population(rng, problem, size):
-    return rng.uniform(
-        problem.table.initial_lower, problem.table.initial_upper, (size, problem.num_waypoints)
-    )
+    return rng.uniform(*problem.initial_bounds, (size, problem.num_waypoints))
+
+
+def padded(offsets):
+    """Offsets (..., n) as the kernels store them: with zeros up to whole blocks."""
+    offsets = np.asarray(offsets, dtype=np.float64)
+    out = np.zeros((*offsets.shape[:-1], columns(offsets.shape[-1])))
+    out[..., : offsets.shape[-1]] = offsets
+    return out
+
+
+def as_path(offsets):
+    """Offsets (n,) as the kernels walk along them: behind the zero of the start."""
+    return np.concatenate([[0.0], padded(offsets)])
 
 
 def make_swarms(problems, populations, seeds, capacity=32, budgets=None):
@@ -92,7 +103,7 @@ def make_swarms(problems, populations, seeds, capacity=32, budgets=None):
     swarms.budget[:] = UNLIMITED if budgets is None else budgets
     for b, (population, seed) in enumerate(zip(populations, seeds, strict=True)):
         swarms.stream[b] = seed_stream(np.random.SeedSequence(seed))
-        swarms.positions[b, : len(population)] = population
+        swarms.positions[b, : len(population)] = padded(population)
     sizes = np.array([len(population) for population in populations])
     adopt_population(swarms, tables, np.full(num, True), sizes, MEAN_WEIGHT)
     return swarms, tables
@@ -101,7 +112,7 @@ def make_swarms(problems, populations, seeds, capacity=32, budgets=None):
 def make_twins(problem, population, seed, capacity=32, budget=UNLIMITED):
     """The same swarm for the kernels and in plain Python: (swarms, tables, naive swarm)."""
     swarms, tables = make_swarms([problem], [population], [seed], capacity, budget)
-    stream = naive.Sfc64(seed_stream(np.random.SeedSequence(seed)))
+    stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
     twin = naive.Swarm(problem.scenario, problem.length_weight, stream, budget)
     twin.adopt(population)
     return swarms, tables, twin
@@ -109,17 +120,37 @@ def make_twins(problem, population, seed, capacity=32, budget=UNLIMITED):
 
 def assert_same_swarm(swarms, twin, b=0):
     """Members, best so far, count of evaluations and random stream are those of the naive swarm."""
-    size = int(swarms.size[b])
+    size, n = int(swarms.size[b]), len(twin.best[2])
     close = {"rtol": 1e-12, "atol": 1e-9}
     assert size == len(twin.positions)
-    np.testing.assert_allclose(swarms.positions[b, :size], twin.positions, **close)
+    np.testing.assert_allclose(swarms.positions[b, :size, :n], twin.positions, **close)
+    assert (swarms.positions[b, :size, n:] == 0).all()
     np.testing.assert_allclose(swarms.fitness[b, :size], twin.fitness, **close)
     np.testing.assert_allclose(swarms.collision[b, :size], twin.collision, **close)
     np.testing.assert_allclose(swarms.best_fitness[b], twin.best[0], **close)
     np.testing.assert_allclose(swarms.best_collision[b], twin.best[1], **close)
-    np.testing.assert_allclose(swarms.best_position[b], twin.best[2], **close)
+    np.testing.assert_allclose(swarms.best_position[b, :n], twin.best[2], **close)
     assert swarms.evaluations[b] == twin.evaluations
     assert swarms.stream[b].tolist() == twin.stream.words()
+
+
+def problem_of(source, num_waypoints, seed=3):
+    """A case of the paper by name, or a random one."""
+    if source == "random":
+        return Problem(random_scenario(np.random.default_rng(seed)), num_waypoints)
+    return make_problem(source, num_waypoints)
+
+
+def twins_of(source, size, seed, num_waypoints, **options):
+    """(swarms, table, workspace, naive swarm) of a random population."""
+    problem = problem_of(source, num_waypoints)
+    population = random_population(np.random.default_rng(seed), problem, size)
+    swarms, tables, twin = make_twins(problem, population, seed, **options)
+    return swarms, select(tables, 0), workspace(num_waypoints), twin
+
+
+def workspace(num_waypoints):
+    return make_workspace(columns(num_waypoints))
 
 
 def make_problem(case, num_waypoints=31, length_weight=0.3):

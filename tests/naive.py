@@ -37,6 +37,20 @@ class Sfc64:
         return [self.a, self.b, self.c, self.counter]
 
 
+class Stream:
+    """Eight of them in turn; a vector of n numbers takes as many from each as whole rounds beyond n take."""
+
+    def __init__(self, words):
+        self.lanes = [Sfc64([row[lane] for row in words]) for lane in range(8)]
+
+    def uniform(self, n):
+        rounds = n // 8 + 1
+        return [self.lanes[k % 8].uniform() for k in range(8 * rounds)][:n]
+
+    def words(self):
+        return [list(row) for row in zip(*(lane.words() for lane in self.lanes), strict=True)]
+
+
 # Geometry: a segment is given by its end points (x0, y0), (x1, y1) with x0 < x1.
 
 
@@ -316,7 +330,8 @@ class Swarm:
         for _ in range(count):
             if self.evaluations >= self.budget:
                 return
-            self.append([a + (b - a) * self.stream.uniform() for a, b in zip(lower, upper, strict=True)])
+            draw = self.stream.uniform(len(lower))
+            self.append([a + (b - a) * u for a, b, u in zip(lower, upper, draw, strict=True)])
 
     def resize(self, new_size):
         size = len(self.positions)
@@ -333,7 +348,7 @@ class Swarm:
         for i in range(len(self.positions)):
             for j in range(len(self.positions)):
                 if self.fitness[j] < self.fitness[i] and self.evaluations < self.budget:
-                    uniforms = [self.stream.uniform() for _ in range(n)]
+                    uniforms = self.stream.uniform(n)
                     moved = firefly_move(self.positions[i], self.positions[j], uniforms, lower, upper, knobs)
                     if repair_degree > 0:
                         moved = repaired(self.scenario, moved, repair_degree)

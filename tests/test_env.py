@@ -199,7 +199,7 @@ def test_reset_takes_an_initial_population():
     population = np.linspace(-100, 100, 4 * 31).reshape(4, 31)
     _, info = env.reset(seed=12, options={"initial_population": population})
     assert info["population_size"] == info["evaluations"] == 4
-    np.testing.assert_array_equal(env.simulation.swarms.positions[0, :4], population)
+    np.testing.assert_array_equal(env.simulation.positions(0), population)
     assert env.reset(seed=12, options={"initial_population_size": 9})[1]["population_size"] == 9
 
 

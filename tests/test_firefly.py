@@ -6,12 +6,16 @@ import pytest
 from builders import (
     CASES,
     MEAN_WEIGHT,
+    as_path,
     assert_same_swarm,
     make_problem,
     make_swarms,
     make_twins,
+    padded,
+    problem_of,
     random_population,
-    random_scenario,
+    twins_of,
+    workspace,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -19,7 +23,7 @@ from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.firefly import Firefly, iterate, move_towards, step_parallel, step_serial
-from swarm_gym.population import Swarms, make_workspace
+from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.problem.waypoints import select, stack
 from swarm_gym.random_stream import seed_stream
@@ -29,22 +33,9 @@ STRONG = np.array([30.0, 0.9, 1e-7])
 SOURCES = (*CASES, "random")
 
 
-def problem_of(source, num_waypoints=31):
-    if source == "random":
-        return Problem(random_scenario(np.random.default_rng(3)), num_waypoints)
-    return make_problem(source, num_waypoints)
-
-
-def twins_of(source, size, seed, num_waypoints=31, **options):
-    problem = problem_of(source, num_waypoints)
-    population = random_population(np.random.default_rng(seed), problem, size)
-    swarms, tables, twin = make_twins(problem, population, seed, **options)
-    return swarms, select(tables, 0), make_workspace(num_waypoints), twin
-
-
 def words_drawn(swarms, before):
-    """How many random numbers were drawn since: the stream's last word is a counter."""
-    return int(swarms.stream[0, 3] - before)
+    """How many random numbers were drawn since: the last words of the stream are counters."""
+    return int((swarms.stream[0, 3] - before).sum())
 
 
 # Parameters.
@@ -80,24 +71,25 @@ def test_a_move_is_the_naive_one(data, num_waypoints):
     noise = data.draw(arrays(np.float64, num_waypoints, elements=st.floats(0, 1, exclude_max=True)))
     knobs = data.draw(st.tuples(st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4)))
     table = make_problem("case1", num_waypoints).table
-    work = make_workspace(num_waypoints)
-    work.path[1:-1], work.noise[:] = position, noise
-    move_towards(table, work, brighter, *knobs)
+    work = workspace(num_waypoints)
+    work.path[:], work.noise[:] = as_path(position), padded(noise)
+    move_towards(table, work, padded(brighter), *knobs)
     expected = naive.firefly_move(
         position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
     )
-    np.testing.assert_allclose(work.path[1:-1], expected, rtol=1e-12, atol=1e-9)
-    assert work.path[[0, -1]].tolist() == [0.0, 0.0]
+    np.testing.assert_allclose(work.path, as_path(expected), rtol=1e-12, atol=1e-9)
+    assert work.path[0] == 0.0
+    assert (work.path[num_waypoints + 1 :] == 0.0).all()
 
 
 def test_a_move_of_values_known_by_hand():
     table = make_problem("case1", 2).table
-    work = make_workspace(2)
-    work.path[1:-1], work.noise[:] = [0.0, 10.0], [0.5, 1.0]
+    work = workspace(2)
+    work.path[:], work.noise[:] = as_path([0.0, 10.0]), padded([0.5, 1.0])
     # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
-    move_towards(table, work, np.array([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    move_towards(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
     pull = 0.8 * math.exp(-1)
-    assert work.path.tolist() == pytest.approx([0, 30 * pull, 10 + 40 * pull + 3, 0])
+    assert work.path.tolist() == pytest.approx(as_path([30 * pull, 10 + 40 * pull + 3]).tolist())
 
 
 # One iteration.
@@ -108,7 +100,7 @@ def test_a_move_of_values_known_by_hand():
 @pytest.mark.parametrize("knobs", [PAPER, STRONG], ids=["paper", "strong"])
 @pytest.mark.parametrize("source", SOURCES)
 def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
-    swarms, table, work, twin = twins_of(source, 6, seed)
+    swarms, table, work, twin = twins_of(source, 6, seed, 31)
     iterate(swarms, 0, table, work, repair_degree, knobs)
     twin.iterate(repair_degree, knobs)
     assert_same_swarm(swarms, twin)
@@ -128,7 +120,7 @@ def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("source", SOURCES)
 def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
-    swarms, table, work, twin = twins_of(source, 25, seed)
+    swarms, table, work, twin = twins_of(source, 25, seed, 31)
     repair_degree = (seed % 3) / 2
     iterate(swarms, 0, table, work, repair_degree, PAPER)
     twin.iterate(repair_degree, PAPER)
@@ -137,17 +129,17 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("source", SOURCES)
-def test_each_move_costs_one_evaluation_and_one_random_number_per_waypoint(source, seed):
-    swarms, table, work, _ = twins_of(source, 20, seed)
-    before, counter = swarms.evaluations[0], swarms.stream[0, 3]
+def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
+    swarms, table, work, _ = twins_of(source, 20, seed, 31)
+    before, counter = swarms.evaluations[0], swarms.stream[0, 3].copy()
     iterate(swarms, 0, table, work, 0.0, PAPER)
     moves = swarms.evaluations[0] - before
     assert 0 < moves <= 20 * 19
-    assert words_drawn(swarms, counter) == 31 * moves
+    assert words_drawn(swarms, counter) == 32 * moves
 
 
 def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves():
-    swarms, table, work, _ = twins_of("case1", 20, 0)
+    swarms, table, work, _ = twins_of("case1", 20, 0, 31)
     before = swarms.positions.copy()
     iterate(swarms, 0, table, work, 0.0, np.zeros(3))
     assert len(set(swarms.fitness[0, :20])) == 20
@@ -156,9 +148,9 @@ def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves(
 
 
 def test_with_full_attraction_all_gather_at_the_brightest():
-    swarms, table, work, _ = twins_of("case1", 20, 0)
+    swarms, table, work, _ = twins_of("case1", 20, 0, 31)
     iterate(swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
-    expected = np.broadcast_to(swarms.best_position[0], (20, 31))
+    expected = np.broadcast_to(swarms.best_position[0], (20, 32))
     np.testing.assert_allclose(swarms.positions[0, :20], expected, atol=1e-9)
 
 
@@ -168,36 +160,37 @@ def test_equals_do_not_move(size):
     population = np.tile(random_population(np.random.default_rng(0), problem, 1), (size, 1))
     swarms, tables, _ = make_twins(problem, population, 0)
     before = [np.copy(field) for field in swarms]
-    iterate(swarms, 0, select(tables, 0), make_workspace(31), 1.0, PAPER)
+    iterate(swarms, 0, select(tables, 0), workspace(31), 1.0, PAPER)
     for field, old in zip(swarms, before, strict=True):
         assert (field == old).all()
 
 
 @pytest.mark.parametrize("repair_degree", [0.0, 0.5])
 def test_stored_values_belong_to_the_stored_positions(repair_degree):
-    swarms, table, work, twin = twins_of("case3", 15, 1)
+    swarms, table, work, twin = twins_of("case3", 15, 1, 31)
     problem = Problem(twin.scenario)
     for _ in range(5):
         iterate(swarms, 0, table, work, repair_degree, STRONG)
     for i in range(15):
-        assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i])
+        assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i, :31])
     best = swarms.best_fitness[0], swarms.best_collision[0]
-    assert best == problem.evaluate(swarms.best_position[0])
+    assert best == problem.evaluate(swarms.best_position[0, :31])
     assert best[0] <= swarms.fitness[0, :15].min()
 
 
 def test_moves_stay_in_the_workspace_however_strong_the_noise():
-    swarms, table, work, _ = twins_of("random", 15, 1)
+    swarms, table, work, _ = twins_of("random", 15, 1, 31)
     iterate(swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
     assert (swarms.positions[0, :15] >= table.lower).all()
     assert (swarms.positions[0, :15] <= table.upper).all()
-    at_border = (swarms.positions[0, :15] == table.lower) | (swarms.positions[0, :15] == table.upper)
+    inner = swarms.positions[0, :15, :31]
+    at_border = (inner == table.lower[:31]) | (inner == table.upper[:31])
     assert at_border.mean() > 0.5
 
 
 @pytest.mark.parametrize("left", [0, 1, 2, 7, 20])
 def test_an_iteration_ends_exactly_where_the_budget_does(left):
-    swarms, table, work, twin = twins_of("case2", 8, 0, budget=8 + left)
+    swarms, table, work, twin = twins_of("case2", 8, 0, 31, budget=8 + left)
     iterate(swarms, 0, table, work, 0.2, PAPER)
     twin.iterate(0.2, PAPER)
     assert swarms.evaluations[0] == 8 + left
@@ -305,10 +298,10 @@ def test_the_first_population_is_uniform_in_the_initial_range_as_naive(source):
     swarms = Swarms.allocate(1, 20, 9)
     swarms.budget[0] = 15
     swarms.stream[0] = seed_stream(np.random.SeedSequence(4))
-    twin = naive.Swarm(problem.scenario, 0.3, naive.Sfc64(swarms.stream[0]), budget=15)
-    table = problem.table
+    twin = naive.Swarm(problem.scenario, 0.3, naive.Stream(swarms.stream[0]), budget=15)
+    table, bounds = problem.table, [bound.tolist() for bound in problem.initial_bounds]
     Firefly.initialise(swarms, stack([table]), np.array([True]), np.array([12]), MEAN_WEIGHT)
-    twin.add(12, table.initial_lower.tolist(), table.initial_upper.tolist())
+    twin.add(12, *bounds)
     assert_same_swarm(swarms, twin)
     np.testing.assert_allclose(
         swarms.summary[0], naive.population_collision(twin.collision, MEAN_WEIGHT), rtol=1e-10
@@ -317,7 +310,7 @@ def test_the_first_population_is_uniform_in_the_initial_range_as_naive(source):
     twin.positions, twin.fitness, twin.collision = [], [], []
     twin.evaluations, twin.best = 0, (math.inf, math.inf, None)
     Firefly.initialise(swarms, stack([table]), np.array([True]), np.array([20]), MEAN_WEIGHT)
-    twin.add(20, table.initial_lower.tolist(), table.initial_upper.tolist())
+    twin.add(20, *bounds)
     assert swarms.size[0] == 15
     assert_same_swarm(swarms, twin)
 

@@ -19,6 +19,7 @@ from builders import (
 
 from swarm_gym.problem import Problem
 from swarm_gym.problem.collision import clearing_shifts
+from swarm_gym.problem.waypoints import HEIGHT
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
 # Two waypoints: the middle one of three segments spans x in [0, 100], far above the line from start
@@ -44,11 +45,13 @@ def middle_segment(obstacles):
 
 def kernel_shifts(problem, y0, y1):
     """(up, down) of the pairs of the middle segment."""
-    slope = (y1 - y0) / SPACING
-    cosine = 1 / math.sqrt(1 + slope * slope)
     table = problem.table
-    pairs = range(table.first_pair[1], table.first_pair[2])
-    return [clearing_shifts(table, pair, y0, slope, cosine) for pair in pairs]
+    tiles = range(table.first_tile[0], table.first_tile[1])
+    height = table.rows[table.first_row[tiles.start : tiles.stop] + HEIGHT, 1]
+    length = math.hypot(SPACING, y1 - y0)
+    return [
+        clearing_shifts(table, tile, 1, y0, y1 - y0, length) for tile in tiles if height[tile] > -math.inf
+    ]
 
 
 def kernel_shift(obstacle, y0, y1):
@@ -272,12 +275,14 @@ def test_shifts_known_by_hand(obstacle, y0, y1, up, down):
 
 
 def test_an_obstacle_between_two_waypoint_lines_pairs_with_that_segment_only():
+    def segments(obstacle):
+        return [pair.segment for pair in middle_segment([obstacle]).pairs]
+
     wall = Polygon.rectangle(0, 400, 100, 600)
-    table = middle_segment([wall]).table
-    assert table.first_pair.tolist() == [0, 0, 1, 1]
-    assert middle_segment([Circle(50, 500, 50)]).table.first_pair.tolist() == [0, 0, 1, 1]
+    assert segments(wall) == [1]
+    assert segments(Circle(50, 500, 50)) == [1]
     wider = Polygon.rectangle(-0.001, 400, 100.001, 600)
-    assert middle_segment([wider]).table.first_pair.tolist() == [0, 1, 2, 3]
+    assert segments(wider) == [0, 1, 2]
 
 
 def test_each_of_overlapping_obstacles_counts():
@@ -336,7 +341,7 @@ def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
     # Many an edge stands on the line of a waypoint, exactly: no rounding may pair it with both sides.
     problem = make_problem(case, num_waypoints)
     spacing = Fraction(960, num_waypoints + 1)
-    expected = [0]
+    expected = []
     for j in range(num_waypoints + 1):
         overlaps = 0
         for obstacle in problem.scenario.obstacles:
@@ -345,8 +350,9 @@ def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
             else:
                 xs = [int(x) for x, _ in obstacle.vertices]
             overlaps += max(j * spacing, min(xs) - 20) < min((j + 1) * spacing, max(xs) - 20)
-        expected.append(expected[-1] + overlaps)
-    assert problem.table.first_pair.tolist() == expected
+        expected.append(overlaps)
+    found = np.bincount([pair.segment for pair in problem.pairs], minlength=num_waypoints + 1)
+    assert found.tolist() == expected
 
 
 def check_random_scenario(seed, num_paths):

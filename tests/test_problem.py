@@ -3,7 +3,7 @@ import math
 import naive
 import numpy as np
 import pytest
-from builders import CASES, make_problem, random_path, random_scenario
+from builders import CASES, as_path, make_problem, random_path, random_scenario
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -49,7 +49,8 @@ def test_fitness_and_collision_are_the_naive_ones(source, num_waypoints, length_
 
 def path_values(problem):
     """Offsets in the workspace; hypothesis prefers round numbers, ties and extremes."""
-    low, high = float(problem.table.lower.max()), float(problem.table.upper.min())
+    lower, upper = problem.bounds
+    low, high = float(lower.max()), float(upper.min())
     return arrays(np.float64, problem.num_waypoints, elements=st.floats(low, high))
 
 
@@ -96,9 +97,8 @@ def test_the_weight_of_the_length_weighs_length_against_collision():
 def test_no_path_in_the_workspace_is_below_or_above_the_bounds(source, seed):
     rng = np.random.default_rng(seed)
     problem = problem_of(source, seed, int(rng.choice(NUMS)))
-    table = problem.table
     for _ in range(50):
-        extreme = np.where(rng.random(problem.num_waypoints) < 0.5, table.lower, table.upper)
+        extreme = np.where(rng.random(problem.num_waypoints) < 0.5, *problem.bounds)
         for offsets in (random_path(rng, problem), extreme):
             fitness, collision = problem.evaluate(offsets)
             assert fitness >= problem.lower_bound
@@ -171,10 +171,10 @@ def test_start_and_target_never_move(source):
     rng = np.random.default_rng(0)
     problem = problem_of(source, 3, 2)
     for _ in range(20):
-        path = np.concatenate([[0.0], random_path(rng, problem), [0.0]])
+        path = as_path(random_path(rng, problem))
         repair(problem.table, path, 1.0)
         assert path[0] == 0.0
-        assert path[-1] == 0.0
+        assert (path[3:] == 0.0).all()
 
 
 # An obstacle between two waypoint lines, off the ends of its segment by more than nothing.
@@ -233,11 +233,11 @@ def test_each_repair_sees_what_the_ones_before_did():
 def test_repair_stays_in_the_workspace(source, seed, repair_degree):
     rng = np.random.default_rng(seed)
     problem = problem_of(source, seed)
-    table = problem.table
+    lower, upper = problem.bounds
     for _ in range(20):
-        repaired = problem.repaired(rng.uniform(table.lower, table.upper), repair_degree)
-        assert (repaired >= table.lower).all()
-        assert (repaired <= table.upper).all()
+        repaired = problem.repaired(rng.uniform(lower, upper), repair_degree)
+        assert (repaired >= lower).all()
+        assert (repaired <= upper).all()
 
 
 def test_repair_ends_at_the_border_of_the_workspace():
@@ -300,35 +300,29 @@ def test_points_of_a_whole_population_are_those_of_each_member():
 @pytest.mark.parametrize("seed", range(20))
 def test_the_bounds_are_where_the_waypoint_lines_leave_the_workspace(seed):
     problem = problem_of("random", seed, 7)
-    table = problem.table
-    lower, upper = naive.bounds(problem.scenario, 7)
-    np.testing.assert_allclose(table.lower, lower, atol=1e-9)
-    np.testing.assert_allclose(table.upper, upper, atol=1e-9)
-    assert (table.lower <= table.initial_lower).all()
-    assert (table.initial_lower < table.initial_upper).all()
-    assert (table.initial_upper <= table.upper).all()
+    (lower, upper), (initial_lower, initial_upper) = problem.bounds, problem.initial_bounds
+    np.testing.assert_allclose([lower, upper], naive.bounds(problem.scenario, 7), atol=1e-9)
+    assert (lower <= initial_lower).all()
+    assert (initial_lower < initial_upper).all()
+    assert (initial_upper <= upper).all()
 
 
 def test_the_cases_are_bounded_by_the_workspace_and_begin_in_their_initial_range():
-    table = make_problem("case1").table
-    assert table.spacing == 30
-    assert set(table.lower) == {-300}
-    assert set(table.upper) == {300}
-    assert set(table.initial_lower) == {-180}
-    assert set(table.initial_upper) == {180}
+    problem = make_problem("case1")
+    assert problem.table.spacing == 30
+    assert list(map(set, problem.bounds)) == [{-300}, {300}]
+    assert list(map(set, problem.initial_bounds)) == [{-180}, {180}]
 
 
 def test_the_first_population_spans_the_obstacles_where_no_range_is_given():
     obstacles = (Circle(300, 250, 70), Polygon.rectangle(500, 310, 520, 415))
-    table = Problem(Scenario("free", (20.0, 300.0), (980.0, 300.0), obstacles)).table
-    assert set(table.initial_lower) == {-120}
-    assert set(table.initial_upper) == {115}
+    problem = Problem(Scenario("free", (20.0, 300.0), (980.0, 300.0), obstacles))
+    assert list(map(set, problem.initial_bounds)) == [{-120}, {115}]
 
 
 def test_the_first_population_spans_the_workspace_where_there_is_no_obstacle():
-    table = Problem(Scenario("empty", (20.0, 200.0), (980.0, 200.0), ())).table
-    assert set(table.initial_lower) == {-200}
-    assert set(table.initial_upper) == {400}
+    problem = Problem(Scenario("empty", (20.0, 200.0), (980.0, 200.0), ()))
+    assert list(map(set, problem.initial_bounds)) == [{-200}, {400}]
 
 
 def test_an_initial_range_outside_the_workspace_is_refused():
@@ -339,8 +333,8 @@ def test_an_initial_range_outside_the_workspace_is_refused():
 
 def test_a_scenario_needs_no_initial_range_for_a_diagonal_across_the_workspace():
     scenario = Scenario("diagonal", (10.0, 10.0), (990.0, 590.0), (Circle(300, 400, 50),))
-    table = Problem(scenario).table
-    assert (table.initial_lower < table.initial_upper).all()
+    initial_lower, initial_upper = Problem(scenario).initial_bounds
+    assert (initial_lower < initial_upper).all()
 
 
 # Stacked tables.
@@ -360,15 +354,15 @@ def test_a_problem_out_of_a_stack_is_the_problem_itself(num_waypoints):
         empty,
     ]
     stacked = stack([problem.table for problem in problems])
-    assert len({len(problem.table.pair_top) for problem in problems}) > 3
+    assert len({len(problem.table.rows) for problem in problems}) > 3
     for index, problem in enumerate(problems):
         table = select(stacked, index)
         for _ in range(10):
             offsets = random_path(rng, problem)
-            path = np.concatenate([[0.0], offsets, [0.0]])
-            assert evaluate(table, path, np.empty(num_waypoints + 1)) == problem.evaluate(offsets)
+            path = as_path(offsets)
+            assert evaluate(table, path) == problem.evaluate(offsets)
             repair(table, path, 0.6)
-            assert path[1:-1].tolist() == problem.repaired(offsets, 0.6).tolist()
+            assert path[1 : num_waypoints + 1].tolist() == problem.repaired(offsets, 0.6).tolist()
 
 
 def test_a_stack_keeps_fractions_behind_a_whole_number():

@@ -214,7 +214,7 @@ def test_the_optimum_stays_inside_the_workspace():
     made = Scenario("made", (0.0, 0.0), (10.0, 0.0), (wall,), (0.0, -0.5, 10.0, 6.0))
     problem = Problem(made, 3)
     offsets = optimum(problem)[1]
-    np.testing.assert_array_equal(offsets, np.clip(offsets, problem.table.lower, problem.table.upper))
+    np.testing.assert_array_equal(offsets, np.clip(offsets, *problem.bounds))
     assert optimum(problem)[0] > optimum(Problem(scenario(wall), 3))[0] + 0.1
 
 
@@ -250,7 +250,7 @@ def test_a_swarm_that_begins_at_the_optimum_does_not_get_below_it(case):
     fitness, offsets = optimum(problem)
     noise = np.random.default_rng(1).normal(0.0, 0.5, (30, problem.num_waypoints))
     noise[0] = 0.0
-    population = np.clip(offsets + noise, problem.table.lower, problem.table.upper)
+    population = np.clip(offsets + noise, *problem.bounds)
     env = SwarmEnv(scenario=case, noise=0.1, iterations=10)
     _, info = env.reset(seed=0, options={"initial_population": population})
     assert info["best_fitness"] == pytest.approx(fitness, abs=1e-9)

@@ -41,19 +41,19 @@ class PaperAlgorithm2:
         self.trace = []
         table, swarms = self.table, self.swarms
         for i in range(size):
-            draw = self.uniform(31)
+            draw = self.uniform()
             swarms.positions[0, i] = table.initial_lower + (table.initial_upper - table.initial_lower) * draw
             self.assess(i)
         swarms.size[0] = size
 
-    def uniform(self, count):
-        out = np.empty(count)
+    def uniform(self):
+        out = np.empty(32)
         fill_uniform(self.swarms.stream[0], out)
         return out
 
     def assess(self, i):
-        path = np.concatenate([[0.0], self.swarms.positions[0, i], [0.0]])
-        f, c = evaluate(self.table, path, np.empty(32))
+        path = np.concatenate([[0.0], self.swarms.positions[0, i]])
+        f, c = evaluate(self.table, path)
         self.swarms.fitness[0, i], self.swarms.collision[0, i] = f, c
         self.swarms.evaluations[0] += 1
         self.swarms.best_fitness[0] = min(self.swarms.best_fitness[0], f)
@@ -61,24 +61,23 @@ class PaperAlgorithm2:
     def attraction(self, i, j):
         x, y = self.swarms.positions[0, i], self.swarms.positions[0, j]
         squares = (y - x) ** 2
-        # The kernel's order of summation: four accumulators, the rest to the first.
-        sums = [0.0] * 4
-        for index in range(28):
-            sums[index % 4] += squares[index]
-        for index in range(28, 31):
-            sums[0] += squares[index]
-        distance = (sums[0] + sums[1]) + (sums[2] + sums[3])
+        # The kernel's order of summation: eight accumulators, then by halves.
+        sums = [0.0] * 8
+        for index in range(32):
+            sums[index % 8] += squares[index]
+        fours = [sums[k] + sums[k + 4] for k in range(4)]
+        distance = (fours[0] + fours[2]) + (fours[1] + fours[3])
         return self.beta0 * math.exp(-self.gamma * distance)
 
     def move(self, i, j, phi):
         positions = self.swarms.positions[0]
-        pull, noise = self.attraction(i, j), self.uniform(31)
+        pull, noise = self.attraction(i, j), self.uniform()
         moved = positions[i] + pull * (positions[j] - positions[i]) + self.alpha * (noise - 0.5)
         positions[i] = np.clip(moved, self.table.lower, self.table.upper)
         if phi > 0:
-            path = np.concatenate([[0.0], positions[i], [0.0]])
+            path = np.concatenate([[0.0], positions[i]])
             repair(self.table, path, phi)
-            positions[i] = path[1:-1]
+            positions[i] = path[1:]
         self.assess(i)
 
     def population_collision(self):
@@ -102,7 +101,7 @@ class PaperAlgorithm2:
             new = ps + self.omega / ps if e > e_init else ps_max * (e / e_init) ** self.eta
             ps = min(max(math.floor(new + 0.5), self.smallest), self.largest)
             ps_max = max(ps_max, ps)
-            resize(swarms, 0, self.table, make_workspace(31), ps)
+            resize(swarms, 0, self.table, make_workspace(32), ps)
             treated = self.treatment and deviation <= self.low_deviation
             phi = min(max(2.0 * ps_max / ps**2, 0.0), 1.0) if treated else 0.0
         return np.array(self.trace)

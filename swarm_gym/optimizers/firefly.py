@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, kernel, parallel_kernel
+from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import (
     Swarms,
@@ -36,18 +37,12 @@ Flags = NDArray[np.bool_]
 
 @inlined_kernel
 def squared_distance(path: Floats, position: Floats) -> float:
-    """Squared distance of a path with its ends, shape (n + 2,), from a position, shape (n,)."""
-    n = position.shape[0]
-    sum0, sum1, sum2, sum3 = 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 4
-    for k in range(0, whole, 4):
-        sum0 += (position[k] - path[k + 1]) * (position[k] - path[k + 1])
-        sum1 += (position[k + 1] - path[k + 2]) * (position[k + 1] - path[k + 2])
-        sum2 += (position[k + 2] - path[k + 3]) * (position[k + 2] - path[k + 3])
-        sum3 += (position[k + 3] - path[k + 4]) * (position[k + 3] - path[k + 4])
-    for k in range(whole, n):
-        sum0 += (position[k] - path[k + 1]) * (position[k] - path[k + 1])
-    return (sum0 + sum1) + (sum2 + sum3)
+    """Squared distance of a path with its start, shape (C + 1,), from a position, shape (C,)."""
+    squares = broadcast(0.0)
+    for k in range(0, position.shape[0], NUM_LANES):
+        difference = load(position, k) - load(path, k + 1)
+        squares = squares + difference * difference
+    return total(squares)
 
 
 @inlined_kernel
@@ -59,14 +54,14 @@ def move_towards(
     beta0: float,
     gamma: float,
 ) -> None:
-    """Move `work.path` towards a brighter position, shape (n,), with the noise in `work.noise`."""
+    """Move `work.path` towards a brighter position, shape (C,), with the noise in `work.noise`."""
     path = work.path
     attraction = beta0 * math.exp(-gamma * squared_distance(path, brighter))  # eq. 13, 14
-    for k in range(brighter.shape[0]):
-        moved = (
-            path[k + 1] + attraction * (brighter[k] - path[k + 1]) + alpha * (work.noise[k] - 0.5)  # eq. 15
-        )
-        path[k + 1] = min(max(moved, table.lower[k]), table.upper[k])
+    for k in range(0, brighter.shape[0], NUM_LANES):
+        here = load(path, k + 1)
+        noise = alpha * (load(work.noise, k) - 0.5)
+        moved = here + attraction * (load(brighter, k) - here) + noise  # eq. 15
+        store(path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
 @kernel
@@ -81,9 +76,9 @@ def iterate(
     """One iteration of swarm `b` (Algorithm 1); ends early where the evaluation budget is spent."""
     alpha, beta0, gamma = knobs[0], knobs[1], knobs[2]
     positions, fitness, collision = swarms.positions[b], swarms.fitness[b], swarms.collision[b]
-    size, n = swarms.size[b], positions.shape[1]
+    size, columns = swarms.size[b], positions.shape[1]
     for i in range(size):
-        for k in range(n):
+        for k in range(columns):
             work.path[k + 1] = positions[i, k]
         for j in range(size):
             if fitness[j] < fitness[i]:
@@ -94,7 +89,7 @@ def iterate(
                 if repair_degree > 0.0:
                     repair(table, work.path, repair_degree)
                 fitness[i], collision[i] = evaluate_path(swarms, b, table, work)
-        for k in range(n):
+        for k in range(columns):
             positions[i, k] = work.path[k + 1]
 
 

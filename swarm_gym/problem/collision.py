@@ -1,113 +1,123 @@
-"""How far a segment of a path must be shifted along y' to clear an obstacle.
+"""How far the segments of a path must be shifted along y' to clear obstacles.
 
-Source: SPSFA paper, section II; closed forms and the reading of the degree of collision in
-docs/readings.md. A segment is y'(t) = y0 + slope * t for t in [0, spacing], t measured from its left end.
+Source: SPSFA paper, section II; closed forms and the reading of the degree of collision in docs/readings.md.
 
-All functions here return the smallest shift of the whole segment along +y' and along -y', in map units.
-Segment and obstacle are in contact if and only if both are positive; where one is not, neither has a meaning.
+A block of eight segments is treated at once, one per lane (`swarm_gym.lanes`; `lane` is None), or a single
+one (`lane` is its number in the block): `left` is y' of the left end, `rise` the difference to the right end,
+`length` the length. Shifts are the smallest of the whole segment along +y' and along -y', in map units:
+segment and obstacle are in contact if and only if both are positive; where one is not, neither has a meaning.
 """
 
-import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.problem.waypoints import WaypointTable
+from swarm_gym.lanes import NUM_LANES, Lanes, broadcast, maximum, minimum, read, where
+from swarm_gym.problem.waypoints import (
+    BEGIN_CHORD,
+    BEGIN_SHARE,
+    CENTRE_SHARE,
+    CENTRE_Y,
+    CORNER_BOTTOM,
+    CORNER_ROWS,
+    CORNER_SHARE,
+    CORNER_TOP,
+    END_CHORD,
+    END_SHARE,
+    HIGHEST_SINE,
+    LOWEST_SINE,
+    RADIUS_SHARE,
+    WaypointTable,
+)
+
+Floats = NDArray[np.float64]
 
 
 @inlined_kernel
 def circle_shifts(
-    x: float,
-    y: float,
-    radius: float,
-    begin: float,
-    end: float,
-    y0: float,
-    slope: float,
-    cosine: float,
-) -> tuple[float, float]:
-    """Shifts that clear a circle.
+    rows: Floats, row: int, lane: int | None, left: Any, rise: Any, length: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear circles; their rows begin at `row`.
 
-    Args:
-        x: t of its centre.
-        y: y' of its centre.
-        radius: its radius.
-        begin: where the overlap of the x' extents begins, relative to the centre.
-        end: where it ends.
-        y0: y' of the segment's left end.
-        slope: slope of the segment.
-        cosine: 1 / sqrt(1 + slope^2).
+    The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
+    of the line: at r sin from the centre. That tangent passes r / cos above the centre, so no root is needed.
     """
-    height = y - (y0 + slope * x)
-    if height * height >= radius * radius * (1.0 + slope * slope):
-        return -1.0, -1.0  # the line of the segment misses the circle
-    touch = radius * slope * cosine  # where the tangent of the circle has the segment's slope
-    u = min(max(-touch, begin), end)
-    v = min(max(touch, begin), end)
-    up = y + math.sqrt(radius * radius - u * u) - (y0 + slope * (x + u))
-    down = (y0 + slope * (x + v)) - (y - math.sqrt(radius * radius - v * v))
+    from_centre = left - read(rows, row + CENTRE_Y, lane)
+    begin = from_centre + rise * read(rows, row + BEGIN_SHARE, lane)
+    end = from_centre + rise * read(rows, row + END_SHARE, lane)
+    middle = from_centre + rise * read(rows, row + CENTRE_SHARE, lane)
+    begin_chord, end_chord = read(rows, row + BEGIN_CHORD, lane), read(rows, row + END_CHORD, lane)
+    up = maximum(begin_chord - begin, end_chord - end)
+    down = maximum(begin_chord + begin, end_chord + end)
+    tangent = length * read(rows, row + RADIUS_SHARE, lane)
+    lowest, highest = (
+        length * read(rows, row + LOWEST_SINE, lane),
+        length * read(rows, row + HIGHEST_SINE, lane),
+    )
+    up = where((rise > lowest) & (rise < highest), tangent - middle, up)
+    fall = 0.0 - rise
+    down = where((fall > lowest) & (fall < highest), tangent + middle, down)
     return up, down
 
 
 @inlined_kernel
 def polygon_shifts(
-    corner: NDArray[np.float64], first: int, stop: int, y0: float, slope: float
-) -> tuple[float, float]:
-    """Shifts that clear a convex polygon.
+    rows: Floats, row: int, num_corners: int, lane: int | None, left: Any, rise: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear convex polygons; the rows of their corners begin at `row`.
 
-    Its top is concave and its bottom convex, so each differs most from a line at a corner or at an end of
-    the overlap: rows first to stop - 1 of `corner`, shape (Q, 3), hold t, top and bottom there.
+    The top of a polygon is concave and its bottom convex, so each differs most from a line at a corner or at
+    an end of the overlap.
     """
-    up, down = -math.inf, -math.inf
-    for k in range(first, stop):
-        height = y0 + slope * corner[k, 0]
-        up = max(up, corner[k, 1] - height)
-        down = max(down, height - corner[k, 2])
+    height = left + rise * read(rows, row + CORNER_SHARE, lane)
+    up, down = read(rows, row + CORNER_TOP, lane) - height, height - read(rows, row + CORNER_BOTTOM, lane)
+    for corner in range(row + CORNER_ROWS, row + num_corners * CORNER_ROWS, CORNER_ROWS):
+        height = left + rise * read(rows, corner + CORNER_SHARE, lane)
+        up = maximum(up, read(rows, corner + CORNER_TOP, lane) - height)
+        down = maximum(down, height - read(rows, corner + CORNER_BOTTOM, lane))
     return up, down
 
 
 @inlined_kernel
 def clearing_shifts(
-    table: WaypointTable, pair: int, y0: float, slope: float, cosine: float
-) -> tuple[float, float]:
-    """Shifts of the segment of a tabulated pair that clear the obstacle of that pair."""
-    first, stop = table.first_corner[pair], table.first_corner[pair + 1]
-    if first < stop:
-        return polygon_shifts(table.corner, first, stop, y0, slope)
-    return circle_shifts(
-        table.pair_circle[pair, 0],
-        table.pair_circle[pair, 1],
-        table.pair_circle[pair, 2],
-        table.pair_circle[pair, 3],
-        table.pair_circle[pair, 4],
-        y0,
-        slope,
-        cosine,
-    )
+    table: WaypointTable, tile: int, lane: int | None, left: Any, rise: Any, length: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear the obstacles of a tile."""
+    if table.num_corners[tile] > 0:
+        return polygon_shifts(table.rows, table.first_row[tile], table.num_corners[tile], lane, left, rise)
+    return circle_shifts(table.rows, table.first_row[tile], lane, left, rise, length)
+
+
+@inlined_kernel
+def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, length: Lanes) -> Lanes:
+    """For each segment of a block, the sum of its smaller shifts over all obstacles in contact.
+
+    Times the cosine of its slope it is the segment's degree of collision: for each obstacle the distance
+    between the segment and its nearer cleared parallel.
+    """
+    shifts = broadcast(0.0)
+    for tile in range(table.first_tile[block], table.first_tile[block + 1]):
+        up, down = clearing_shifts(table, tile, None, left, rise, length)
+        shifts = shifts + maximum(minimum(up, down), broadcast(0.0))
+    return shifts
 
 
 @inlined_kernel
 def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
-    """Degree of collision of one segment with all obstacles, in map units.
-
-    For each obstacle in contact it is the distance between the segment and its nearer cleared parallel: the
-    smaller shift times the cosine of the slope.
+    """Degree of collision of one segment, 0 to n, with all obstacles, in map units.
 
     Args:
         table: the problem.
-        segment: its number, 0 to n.
+        segment: its number.
         left: y' of its left end.
         right: y' of its right end.
         length: its length.
     """
-    collision = 0.0
-    low, high = min(left, right), max(left, right)
-    for pair in range(table.first_pair[segment], table.first_pair[segment + 1]):
-        if low < table.pair_top[pair] and high > table.pair_bottom[pair]:
-            slope = (right - left) / table.spacing
-            cosine = table.spacing / length
-            up, down = clearing_shifts(table, pair, left, slope, cosine)
-            if up > 0.0 and down > 0.0:
-                collision += min(up, down) * cosine
-    return collision
+    block, lane = segment // NUM_LANES, segment % NUM_LANES
+    shifts = 0.0
+    for tile in range(table.first_tile[block], table.first_tile[block + 1]):
+        up, down = clearing_shifts(table, tile, lane, left, right - left, length)
+        shifts += maximum(minimum(up, down), 0.0)
+    return shifts * (table.spacing / length)

@@ -4,13 +4,12 @@ Source: SPSFA paper, section II: `f = mu * Length + (1 - mu) * Collis`. The prin
 paper's tables; the default is 0.3, see docs/readings.md.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.problem.collision import segment_collision
+from swarm_gym.lanes import NUM_LANES, broadcast, load, square_root, total
+from swarm_gym.problem.collision import smaller_shifts
 from swarm_gym.problem.waypoints import WaypointTable
 
 # A member whose degree of collision is no larger is feasible (map units).
@@ -18,34 +17,20 @@ FEASIBILITY_TOLERANCE = 1e-9
 
 
 @inlined_kernel
-def evaluate(
-    table: WaypointTable, path: NDArray[np.float64], lengths: NDArray[np.float64]
-) -> tuple[float, float]:
+def evaluate(table: WaypointTable, path: NDArray[np.float64]) -> tuple[float, float]:
     """Fitness (minimised) and degree of collision of a path, both in map units.
 
     Args:
-        table: the problem, with n waypoints.
-        path: shape (n + 2,), the offsets with the zeros of start and target at both ends.
-        lengths: shape (n + 1,), a workspace that receives the lengths of the segments.
+        table: the problem, with n waypoints and C columns.
+        path: shape (C + 1,), a zero for the start, the offsets, and zeros from the target on.
     """
-    spacing = table.spacing
-    segments = lengths.shape[0]
-    for j in range(segments):
-        rise = path[j + 1] - path[j]
-        lengths[j] = math.sqrt(spacing * spacing + rise * rise)
-    # Four accumulators: a fixed order of summation that the processor can overlap.
-    sum0, sum1, sum2, sum3 = 0.0, 0.0, 0.0, 0.0
-    whole = segments - segments % 4
-    for j in range(0, whole, 4):
-        sum0 += lengths[j]
-        sum1 += lengths[j + 1]
-        sum2 += lengths[j + 2]
-        sum3 += lengths[j + 3]
-    for j in range(whole, segments):
-        sum0 += lengths[j]
-    length = (sum0 + sum1) + (sum2 + sum3)
-
-    collision = 0.0
-    for j in range(segments):
-        collision += segment_collision(table, j, path[j], path[j + 1], lengths[j])
-    return table.length_weight * length + (1.0 - table.length_weight) * collision, collision
+    lengths, cleared = broadcast(0.0), broadcast(0.0)
+    for block in range(table.squared_spacing.shape[0] // NUM_LANES):
+        first = block * NUM_LANES
+        left = load(path, first)
+        rise = load(path, first + 1) - left
+        length = square_root(load(table.squared_spacing, first) + rise * rise)
+        lengths = lengths + length
+        cleared = cleared + smaller_shifts(table, block, left, rise, length) / length
+    collision = total(cleared) * table.spacing
+    return table.length_weight * total(lengths) + (1.0 - table.length_weight) * collision, collision

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.problem import waypoints
 from swarm_gym.problem.cost import evaluate
+from swarm_gym.problem.frame import Frame
+from swarm_gym.problem.pairs import Pair, list_pairs, shapes_in_frame
 from swarm_gym.problem.repair import repair
-from swarm_gym.problem.waypoints import Frame, WaypointTable
+from swarm_gym.problem.waypoints import WaypointTable, tabulate
 from swarm_gym.scenarios import Scenario
 
 Floats = NDArray[np.float64]
@@ -38,7 +39,24 @@ class Problem:
     @cached_property
     def table(self) -> WaypointTable:
         """The problem as the kernels read it."""
-        return waypoints.tabulate(self.scenario, self.num_waypoints, self.length_weight)
+        return tabulate(self.scenario, self.num_waypoints, self.length_weight)
+
+    @cached_property
+    def pairs(self) -> list[Pair]:
+        """Segments of a path and the obstacles over them."""
+        segments = self.num_waypoints + 1
+        return list_pairs(shapes_in_frame(self.scenario), segments, self.scenario.straight_line / segments)
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of the offsets, (num_waypoints,) each: the workspace."""
+        return self.table.lower[: self.num_waypoints], self.table.upper[: self.num_waypoints]
+
+    @property
+    def initial_bounds(self) -> tuple[Floats, Floats]:
+        """Bounds of the first population, (num_waypoints,) each."""
+        n = self.num_waypoints
+        return self.table.initial_lower[:n], self.table.initial_upper[:n]
 
     @property
     def lower_bound(self) -> float:
@@ -48,22 +66,22 @@ class Problem:
     @property
     def collision_bound(self) -> float:
         """A degree of collision that no path inside the workspace can exceed."""
-        table = self.table
+        lower, upper = self.bounds
         # The smaller of two shifts is at most half their sum, which the heights bound.
-        reach = table.upper.max() - table.lower.min()
-        return float((reach + table.pair_top - table.pair_bottom).sum() / 2.0)
+        reach = float(upper.max() - lower.min())
+        return sum(reach + pair.top - pair.bottom for pair in self.pairs) / 2.0
 
     def evaluate(self, offsets: ArrayLike) -> tuple[float, float]:
         """Fitness and degree of collision of one decision vector."""
         path = self._path(offsets)
-        return evaluate(self.table, path, np.empty(self.num_waypoints + 1))
+        return evaluate(self.table, path)
 
     def repaired(self, offsets: ArrayLike, repair_degree: float) -> Floats:
         """A decision vector after one repair pass of degree phi."""
         require_number("repair_degree", repair_degree, 0.0, 1.0)
         path = self._path(offsets)
         repair(self.table, path, repair_degree)
-        return path[1:-1]
+        return path[1 : self.num_waypoints + 1]
 
     def points(self, offsets: ArrayLike) -> Floats:
         """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
@@ -79,4 +97,6 @@ class Problem:
             raise ValueError(f"expected {self.num_waypoints} offsets, got shape {offsets.shape}")
         if not np.isfinite(offsets).all():
             raise ValueError(f"offsets must be finite, got {offsets.tolist()}")
-        return np.concatenate([[0.0], offsets, [0.0]])
+        path = np.zeros(len(self.table.lower) + 1)
+        path[1 : self.num_waypoints + 1] = offsets
+        return path

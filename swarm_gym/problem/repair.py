@@ -11,30 +11,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.problem.collision import clearing_shifts
-from swarm_gym.problem.waypoints import WaypointTable
+from swarm_gym.lanes import NUM_LANES, bits, load, square_root
+from swarm_gym.problem.collision import clearing_shifts, smaller_shifts
+from swarm_gym.problem.waypoints import HEIGHT, WaypointTable
+
+Floats = NDArray[np.float64]
 
 
 @inlined_kernel
-def repair(table: WaypointTable, path: NDArray[np.float64], repair_degree: float) -> None:
-    """One pass over all segments; changes `path`, shape (n + 2,), in place, but not its ends.
+def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degree: float) -> bool:
+    """Push one segment out of one obstacle after the other; returns whether its right end moved."""
+    block, lane = segment // NUM_LANES, segment % NUM_LANES
+    left, right = path[segment], path[segment + 1]
+    before = right
+    for tile in range(table.first_tile[block], table.first_tile[block + 1]):
+        if table.rows[table.first_row[tile] + HEIGHT, lane] == -math.inf:
+            continue  # no obstacle of this tile is over this segment
+        rise = right - left
+        length = math.sqrt(table.squared_spacing[segment] + rise * rise)
+        up, down = clearing_shifts(table, tile, lane, left, rise, length)
+        if up > 0.0 and down > 0.0:
+            shift = repair_degree * (up if up <= down else -down)
+            if segment > 0:
+                left = min(max(left + shift, table.lower[segment - 1]), table.upper[segment - 1])
+            # Beyond the last waypoint both bounds are zero: the target stays.
+            right = min(max(right + shift, table.lower[segment]), table.upper[segment])
+    path[segment], path[segment + 1] = left, right
+    return right != before
+
+
+@inlined_kernel
+def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
+    """One pass over all segments; changes `path` as in `cost.evaluate`, in place, but not its ends.
 
     A segment in contact moves along y' by `repair_degree` (phi in [0, 1]) times the smaller of its two
     clearing shifts, to that side, and not out of the workspace.
     """
-    spacing = table.spacing
-    last = path.shape[0] - 1
-    for j in range(last):
-        for pair in range(table.first_pair[j], table.first_pair[j + 1]):
-            left, right = path[j], path[j + 1]
-            if not (min(left, right) < table.pair_top[pair] and max(left, right) > table.pair_bottom[pair]):
-                continue
-            slope = (right - left) / spacing
-            cosine = spacing / math.sqrt(spacing * spacing + (right - left) * (right - left))
-            up, down = clearing_shifts(table, pair, left, slope, cosine)
-            if up > 0.0 and down > 0.0:
-                shift = repair_degree * (up if up <= down else -down)
-                if j > 0:
-                    path[j] = min(max(left + shift, table.lower[j - 1]), table.upper[j - 1])
-                if j + 1 < last:
-                    path[j + 1] = min(max(right + shift, table.lower[j]), table.upper[j])
+    for block in range(table.squared_spacing.shape[0] // NUM_LANES):
+        first = block * NUM_LANES
+        left = load(path, first)
+        rise = load(path, first + 1) - left
+        length = square_root(load(table.squared_spacing, first) + rise * rise)
+        contacts = bits(smaller_shifts(table, block, left, rise, length) > 0.0)
+        if contacts == 0:
+            continue
+        moved = False
+        for lane in range(NUM_LANES):
+            # What was seen of a segment holds as long as the one before it stays.
+            if moved or (contacts >> lane) & 1:
+                moved = repair_segment(table, first + lane, path, repair_degree)

@@ -2,14 +2,16 @@
 
 Source: SPSFA paper, section II, eq. 1. The map is rotated so that the start is the origin and the line to
 the target the x' axis. `num_waypoints` waypoints stand evenly spaced on that axis; a decision vector holds
-their offsets y'. Since the spacing never changes, which obstacles can touch which segment is known
-beforehand: those pairs are tabulated here once, for the kernels of `collision`, `cost` and `repair`.
+their offsets y'.
+
+Eight segments are one block, and kernels work on a block at once. What the obstacles over a block look like
+is laid out in tiles: a tile holds at most one obstacle for each of the eight segments, all circles or all
+polygons.
 
 `num_waypoints` is not printed in the paper; see docs/readings.md.
 """
 
 import math
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,73 +19,50 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.jit import kernel
-from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario
-
-# Extents in x' that overlap by no more (map units) only touch: an edge on the line of a waypoint stays there
-# when the rotation rounds.
-OVERLAP_TOLERANCE = 1e-9
-
-# An obstacle in the frame: a circle, or the vertices of a polygon. The latter need not be strictly convex any
-# more, since the rotation rounds.
-_Shape = Circle | list[Point]
+from swarm_gym.lanes import NUM_LANES, padded
+from swarm_gym.problem.frame import Frame
+from swarm_gym.problem.pairs import Pair, Shape, extent_of_all, list_pairs, shapes_in_frame
+from swarm_gym.scenarios import Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# Rows of a tile of circles. A share is a part of the segment, from its left end on; the chords are half those
+# of the circle at both ends of its overlap with the segment; a sine is the rise of a segment over its length.
+CENTRE_Y, BEGIN_CHORD, BEGIN_SHARE, END_SHARE, END_CHORD = range(5)
+CENTRE_SHARE, RADIUS_SHARE, LOWEST_SINE, HIGHEST_SINE = range(5, 9)
+CIRCLE_ROWS = 9
+# Rows of a corner of a tile of polygons.
+CORNER_SHARE, CORNER_TOP, CORNER_BOTTOM = range(3)
+CORNER_ROWS = 3
+# The row that is -inf, in tiles of both kinds, where a segment has no obstacle: nothing is low enough for it.
+HEIGHT = BEGIN_CHORD
+assert HEIGHT == CORNER_TOP
 
-class Frame(NamedTuple):
-    """The rotated map of eq. 1: its origin is the start, its x' axis points to the target."""
 
-    origin: Point
-    cosine: float
-    sine: float
-
-    @classmethod
-    def of(cls, scenario: Scenario) -> "Frame":
-        """The frame in which the scenario's start-target line is the x' axis."""
-        length = scenario.straight_line
-        return cls(
-            scenario.start,
-            (scenario.target[0] - scenario.start[0]) / length,
-            (scenario.target[1] - scenario.start[1]) / length,
-        )
-
-    def from_map(self, point: Point) -> Point:
-        """Map coordinates to (x', y')."""
-        x, y = point[0] - self.origin[0], point[1] - self.origin[1]
-        return x * self.cosine + y * self.sine, y * self.cosine - x * self.sine
-
-    def to_map(self, x: Floats, y: Floats) -> Floats:
-        """Coordinates (x', y'), arrays of one shape, to map coordinates, shape (..., 2)."""
-        return np.stack(
-            [
-                self.origin[0] + x * self.cosine - y * self.sine,
-                self.origin[1] + x * self.sine + y * self.cosine,
-            ],
-            axis=-1,
-        )
+def columns(num_waypoints: int) -> int:
+    """Columns of arrays over waypoints or segments: n + 1 segments, padded to whole blocks."""
+    return padded(num_waypoints + 1)
 
 
 class WaypointTable(NamedTuple):
-    """What the kernels need of one problem, with n waypoints, P pairs and Q corner points.
+    """What the kernels need of one problem, with n waypoints, C = `columns(n)`, T tiles and R rows.
 
-    A pair is a segment (0..n) and an obstacle whose x' extents overlap. Its geometry is given relative to
-    the left end of the segment. A polygon is the list of the corner points inside the overlap; a circle
-    has an empty list. In a stacked table every field has a leading problem axis.
+    Entries beyond n waypoints or n + 1 segments are such that they change nothing. In a stacked table every
+    field has a leading problem axis.
     """
 
     spacing: Any  # x' distance between waypoints: a number, in a stacked table an array
     length_weight: Any  # mu, likewise
-    lower: Floats  # (n,) bounds of the offsets: the workspace
-    upper: Floats  # (n,)
-    initial_lower: Floats  # (n,) where the first population is drawn
-    initial_upper: Floats  # (n,)
-    first_pair: Integers  # (n + 2,) pairs of segment j: first_pair[j] .. first_pair[j + 1] - 1
-    pair_bottom: Floats  # (P,) extent in y' of the obstacle over the overlap
-    pair_top: Floats  # (P,)
-    pair_circle: Floats  # (P, 5) centre x', centre y', radius, overlap relative to the centre (2)
-    first_corner: Integers  # (P + 1,)
-    corner: Floats  # (Q, 3) x', top and bottom of the polygon there
+    lower: Floats  # (C,) bounds of the offsets: the workspace
+    upper: Floats  # (C,)
+    initial_lower: Floats  # (C,) where the first population is drawn
+    initial_upper: Floats  # (C,)
+    squared_spacing: Floats  # (C,) of segments; next to nothing beyond them
+    first_tile: Integers  # (C / 8 + 1,) tiles of block b: first_tile[b] .. first_tile[b + 1] - 1
+    first_row: Integers  # (T,) where the rows of a tile begin
+    num_corners: Integers  # (T,) of polygons; 0 for circles
+    rows: Floats  # (R, 8) tiles: CIRCLE_ROWS, or num_corners times CORNER_ROWS
 
 
 @kernel
@@ -96,58 +75,48 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
         tables.upper[index],
         tables.initial_lower[index],
         tables.initial_upper[index],
-        tables.first_pair[index],
-        tables.pair_bottom[index],
-        tables.pair_top[index],
-        tables.pair_circle[index],
-        tables.first_corner[index],
-        tables.corner[index],
+        tables.squared_spacing[index],
+        tables.first_tile[index],
+        tables.first_row[index],
+        tables.num_corners[index],
+        tables.rows[index],
     )
 
 
 def stack(tables: list[WaypointTable]) -> WaypointTable:
-    """Tables of equal n as one table with a leading axis; shorter pair lists are padded with zeros."""
+    """Tables of equal n as one table with a leading axis; shorter lists of tiles are padded with zeros."""
     return WaypointTable._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
 
 
 def tabulate(scenario: Scenario, num_waypoints: int, length_weight: float) -> WaypointTable:
     """The table of a scenario for a number of waypoints and a weight mu of the length."""
-    frame = Frame.of(scenario)
     spacing = scenario.straight_line / (num_waypoints + 1)
-    lower, upper = _bounds(scenario, frame, spacing * np.arange(1.0, num_waypoints + 1))
-    shapes = [_in_frame(obstacle, frame) for obstacle in scenario.obstacles]
+    shapes = shapes_in_frame(scenario)
+    lower, upper = _bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1))
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
-
-    first_pair, extents, circles, first_corner, corners = [0], [], [], [0], []
-    for segment in range(num_waypoints + 1):
-        for shape in shapes:
-            pair = _pair(shape, segment * spacing, (segment + 1) * spacing)
-            if pair is not None:
-                extent, circle, corner = pair
-                extents.append(extent)
-                circles.append(circle)
-                corners.extend(corner)
-                first_corner.append(len(corners))
-        first_pair.append(len(extents))
-    extent_table = np.array(extents, dtype=np.float64).reshape(-1, 2)
+    # The smallest length is lost in any sum of lengths, and can still be divided by.
+    squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
+    squared_spacing[: num_waypoints + 1] = spacing**2
+    pairs = list_pairs(shapes, num_waypoints + 1, spacing)
+    first_tile, first_row, num_corners, rows = _lay_out(pairs, columns(num_waypoints) // NUM_LANES, spacing)
     return WaypointTable(
         float(spacing),
         float(length_weight),
-        lower,
-        upper,
-        initial_lower,
-        initial_upper,
-        np.array(first_pair, dtype=np.int64),
-        np.ascontiguousarray(extent_table[:, 0]),
-        np.ascontiguousarray(extent_table[:, 1]),
-        np.array(circles, dtype=np.float64).reshape(-1, 5),
-        np.array(first_corner, dtype=np.int64),
-        np.array(corners, dtype=np.float64).reshape(-1, 3),
+        _pad(lower, num_waypoints),
+        _pad(upper, num_waypoints),
+        _pad(initial_lower, num_waypoints),
+        _pad(initial_upper, num_waypoints),
+        squared_spacing,
+        first_tile,
+        first_row,
+        num_corners,
+        rows,
     )
 
 
-def _bounds(scenario: Scenario, frame: Frame, x: Floats) -> tuple[Floats, Floats]:
+def _bounds(scenario: Scenario, x: Floats) -> tuple[Floats, Floats]:
     """The interval of y' inside the workspace, on the line of each waypoint."""
+    frame = Frame.of(scenario)
     x_min, y_min, x_max, y_max = scenario.workspace
     lower, upper = np.full(len(x), -np.inf), np.full(len(x), np.inf)
     foot = frame.to_map(x, np.zeros_like(x))
@@ -161,9 +130,9 @@ def _bounds(scenario: Scenario, frame: Frame, x: Floats) -> tuple[Floats, Floats
 
 
 def _initial_range(
-    scenario: Scenario, shapes: list[_Shape], lower: Floats, upper: Floats
+    scenario: Scenario, shapes: list[Shape], lower: Floats, upper: Floats
 ) -> tuple[Floats, Floats]:
-    low, high = scenario.initial_range or _extent_of_all(shapes)
+    low, high = scenario.initial_range or extent_of_all(shapes)
     initial_lower, initial_upper = np.maximum(lower, low), np.minimum(upper, high)
     empty = initial_lower >= initial_upper
     if scenario.initial_range is None:
@@ -177,61 +146,80 @@ def _initial_range(
     return initial_lower, initial_upper
 
 
-def _in_frame(obstacle: Obstacle, frame: Frame) -> _Shape:
-    if isinstance(obstacle, Circle):
-        return Circle(*frame.from_map((obstacle.x, obstacle.y)), obstacle.radius)
-    return [frame.from_map(vertex) for vertex in obstacle.vertices]
+def _pad(values: Floats, num_waypoints: int) -> Floats:
+    out = np.zeros(columns(num_waypoints))
+    out[:num_waypoints] = values
+    return out
 
 
-def _extent_of_all(shapes: list[_Shape]) -> tuple[float, float]:
-    """The extent in y' of all obstacles; unbounded without any."""
-    lows, highs = [], []
-    for shape in shapes:
-        if isinstance(shape, Circle):
-            lows.append(shape.y - shape.radius)
-            highs.append(shape.y + shape.radius)
-        else:
-            lows.append(min(y for _, y in shape))
-            highs.append(max(y for _, y in shape))
-    return min(lows, default=-math.inf), max(highs, default=math.inf)
+class _Tile:
+    """Pairs of one block, at most one for each lane, of one kind."""
+
+    def __init__(self, is_circle: bool) -> None:
+        self.is_circle = is_circle
+        self.pairs: dict[int, Pair] = {}
+
+    @property
+    def num_corners(self) -> int:
+        return max(len(pair.corners) for pair in self.pairs.values())
+
+    def rows(self, spacing: float) -> Floats:
+        if self.is_circle:
+            rows = np.zeros((CIRCLE_ROWS, NUM_LANES))
+            rows[[BEGIN_CHORD, END_CHORD]] = -np.inf  # without an obstacle there is nothing to clear
+            rows[LOWEST_SINE], rows[HIGHEST_SINE] = np.inf, -np.inf
+            for lane, pair in self.pairs.items():
+                rows[:, lane] = _circle_column(pair, spacing)
+            return rows
+        rows = np.zeros((self.num_corners, CORNER_ROWS, NUM_LANES))
+        rows[:, CORNER_TOP], rows[:, CORNER_BOTTOM] = -np.inf, np.inf
+        for lane, pair in self.pairs.items():
+            for k, (x, top, bottom) in enumerate(pair.corners):
+                rows[k, :, lane] = x / spacing, top, bottom
+        return rows.reshape(-1, NUM_LANES)
 
 
-_Pair = tuple[tuple[float, float], tuple[float, ...], list[tuple[float, float, float]]]
+def _circle_column(pair: Pair, spacing: float) -> tuple[float, ...]:
+    assert pair.circle is not None
+    x, y, radius, begin, end = pair.circle
+    return (
+        y,
+        math.sqrt(max(radius**2 - begin**2, 0.0)),
+        (x + begin) / spacing,
+        (x + end) / spacing,
+        math.sqrt(max(radius**2 - end**2, 0.0)),
+        x / spacing,
+        radius / spacing,
+        -end / radius,
+        -begin / radius,
+    )
 
 
-def _pair(shape: _Shape, left: float, right: float) -> _Pair | None:
-    """Extent, circle and corner points of an obstacle over [left, right]; None without an overlap."""
-    if isinstance(shape, Circle):
-        x, y, radius = shape.x, shape.y, shape.radius
-        begin, end = max(left, x - radius), min(right, x + radius)
-        if end - begin <= OVERLAP_TOLERANCE:
-            return None
-        nearest = min(max(x, begin), end) - x
-        height = math.sqrt(max(radius**2 - nearest**2, 0.0))
-        # Clamped, since (x - radius) - x may be a last bit outside the circle.
-        overlap = (max(begin - x, -radius), min(end - x, radius))
-        return (y - height, y + height), (x - left, y, radius, *overlap), []
-    xs = [x for x, _ in shape]
-    begin, end = max(left, min(xs)), min(right, max(xs))
-    if end - begin <= OVERLAP_TOLERANCE:
-        return None
-    # Top is concave and bottom convex: both differ most from a line at a break or an end.
-    breaks = sorted({begin, end, *(x for x in xs if begin < x < end)})
-    points = [(x - left, *_top_and_bottom(shape, x)) for x in breaks]
-    extent = (min(bottom for _, _, bottom in points), max(top for _, top, _ in points))
-    return extent, (0.0,) * 5, points
-
-
-def _top_and_bottom(vertices: list[Point], x: float) -> tuple[float, float]:
-    """Largest and smallest y of a polygon at x inside its x extent."""
-    heights = []
-    for (x0, y0), (x1, y1) in pairwise([*vertices, vertices[0]]):
-        if x0 == x1:
-            if x == x0:
-                heights += [y0, y1]
-        elif min(x0, x1) <= x <= max(x0, x1):
-            heights.append(y0 + (y1 - y0) * ((x - x0) / (x1 - x0)))
-    return max(heights), min(heights)
+def _lay_out(
+    pairs: list[Pair], num_blocks: int, spacing: float
+) -> tuple[Integers, Integers, Integers, Floats]:
+    """`first_tile`, `first_row`, `num_corners` and `rows`; the pairs of a segment keep their order."""
+    blocks: list[list[_Tile]] = [[] for _ in range(num_blocks)]
+    next_tile = [0] * (num_blocks * NUM_LANES)  # of each segment
+    for pair in pairs:
+        tiles, lane = blocks[pair.segment // NUM_LANES], pair.segment % NUM_LANES
+        is_circle = pair.circle is not None
+        number = next_tile[pair.segment]
+        while number < len(tiles) and tiles[number].is_circle != is_circle:
+            number += 1
+        if number == len(tiles):
+            tiles.append(_Tile(is_circle))
+        tiles[number].pairs[lane] = pair
+        next_tile[pair.segment] = number + 1
+    all_tiles = [tile for tiles in blocks for tile in tiles]
+    rows = [tile.rows(spacing) for tile in all_tiles]
+    ends = np.cumsum([0, *map(len, rows)])
+    return (
+        np.cumsum([0, *map(len, blocks)], dtype=np.int64),
+        ends[:-1].astype(np.int64),
+        np.array([tile.num_corners for tile in all_tiles], dtype=np.int64),
+        np.concatenate([np.empty((0, NUM_LANES)), *rows]),
+    )
 
 
 def _pad_and_stack(values: tuple) -> NDArray:

@@ -41,9 +41,9 @@ def optimum(problem: Problem, coarse_step: float = 0.5) -> tuple[float, Floats]:
         coarse_step: of the grid over the whole workspace, in map units. The result is a local
             optimum, and the global one unless the best path of this grid is in another corridor.
     """
-    table = problem.table
-    middle = (table.lower + table.upper) / 2.0
-    reach = math.ceil((table.upper - table.lower).max() / 2.0 / coarse_step)
+    lower, upper = problem.bounds
+    middle = (lower + upper) / 2.0
+    reach = math.ceil((upper - lower).max() / 2.0 / coarse_step)
     offsets = _best_on_grid(problem, middle, coarse_step, reach)
     best, step = problem.evaluate(offsets)[0], coarse_step
     while step > FINEST_STEP:
@@ -58,10 +58,10 @@ def optimum(problem: Problem, coarse_step: float = 0.5) -> tuple[float, Floats]:
 
 def _best_on_grid(problem: Problem, middle: Floats, step: float, reach: int) -> Floats:
     """Best decision vector with offsets `middle` (n,) plus -reach .. reach steps, in the bounds."""
-    table = problem.table
+    lower, upper = problem.bounds
     grid = middle[:, np.newaxis] + step * np.arange(-reach, reach + 1)
-    grid = np.clip(grid, table.lower[:, np.newaxis], table.upper[:, np.newaxis])
-    return best_path(table, np.pad(grid, ((1, 1), (0, 0))))[1:-1]
+    grid = np.clip(grid, lower[:, np.newaxis], upper[:, np.newaxis])
+    return best_path(problem.table, np.pad(grid, ((1, 1), (0, 0))))[1:-1]
 
 
 @kernel

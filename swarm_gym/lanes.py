@@ -1,0 +1,326 @@
+"""Eight numbers at once: what lets kernels use the vector instructions of a processor.
+
+A value of lanes holds eight float64, uint64 or truth values. Arithmetic and comparisons are written as for
+plain numbers (`left + rise * share`, also with a number on one side) and act on each lane alone. LLVM turns
+them into vector instructions of whatever width the processor has. Since nothing is left to a vectorising
+compiler, the bits are the same on all of them, and sums have the order of `total`.
+
+Inside kernels only. Arrays that are padded to a multiple of eight need no loops over a remainder. With the
+JIT off, lanes are NumPy arrays of length eight and each function is what it says in Python; its compiled form
+is registered below.
+"""
+
+import operator
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, models, overload, register_model
+from numpy.typing import NDArray
+
+NUM_LANES = 8
+
+Lanes = NDArray[Any]  # shape (8,)
+
+
+def padded(length: int) -> int:
+    """The least multiple of eight that is no less."""
+    return -(-length // NUM_LANES) * NUM_LANES
+
+
+def load(array: NDArray, index: int) -> Lanes:
+    """Eight neighbours of a one-dimensional array from `index` on, or a row of a (rows, 8) array."""
+    return array[index : index + NUM_LANES].copy() if array.ndim == 1 else array[index].copy()
+
+
+def read(rows: NDArray, row: int, lane: int | None) -> Any:
+    """A row of a (rows, 8) array as lanes where `lane` is None, else one number of it."""
+    return rows[row].copy() if lane is None else rows[row, lane]
+
+
+def store(array: NDArray, index: int, lanes: Lanes) -> None:
+    """Write what `load` reads."""
+    if array.ndim == 1:
+        array[index : index + NUM_LANES] = lanes
+    else:
+        array[index] = lanes
+
+
+def broadcast(value: float) -> Lanes:
+    """The same number in all lanes."""
+    return np.full(NUM_LANES, value)
+
+
+def where(mask: Any, yes: Any, no: Any) -> Any:
+    """Lanes of `yes` where the mask is true, else of `no`; or the same of three single values."""
+    return np.where(mask, yes, no)
+
+
+def maximum(a: Any, b: Any) -> Any:
+    """The larger of each pair, or of two numbers; `b` where they are equal."""
+    return where(a > b, a, b)
+
+
+def minimum(a: Any, b: Any) -> Any:
+    """The smaller of each pair, or of two numbers; `b` where they are equal."""
+    return where(a < b, a, b)
+
+
+def square_root(lanes: Lanes) -> Lanes:
+    """Correctly rounded square roots."""
+    return np.sqrt(lanes)
+
+
+def as_float(words: Lanes) -> Lanes:
+    """Words below 2^63 as float64."""
+    return words.astype(np.float64)
+
+
+def total(lanes: Lanes) -> float:
+    """Sum of all lanes, by halves: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
+    while len(lanes) > 1:
+        half = len(lanes) // 2
+        lanes = lanes[:half] + lanes[half:]
+    return lanes[0]
+
+
+def bits(mask: Lanes) -> int:
+    """A mask as an integer: lane k is bit k."""
+    return int(np.packbits(mask, bitorder="little")[0])
+
+
+# The compiled forms. A value of lanes is one LLVM vector.
+
+
+class LanesType(types.Type):
+    """Numba's type of lanes of a dtype."""
+
+    def __init__(self, dtype: types.Type):
+        self.dtype = dtype
+        super().__init__(name=f"Lanes({dtype})")
+
+
+FLOATS = LanesType(types.float64)
+MASK = LanesType(types.boolean)
+
+_ELEMENTS = {types.float64: ir.DoubleType(), types.uint64: ir.IntType(64), types.boolean: ir.IntType(1)}
+_INDEX = ir.IntType(32)
+
+
+def _vector(lanes: LanesType) -> ir.VectorType:
+    return ir.VectorType(_ELEMENTS[lanes.dtype], NUM_LANES)
+
+
+@register_model(LanesType)
+class LanesModel(models.PrimitiveModel):
+    """Lanes as LLVM sees them."""
+
+    def __init__(self, manager: Any, lanes: LanesType):
+        super().__init__(manager, lanes, _vector(lanes))
+
+
+def _lane_numbers(*lanes: int) -> ir.Constant:
+    return ir.Constant(ir.VectorType(_INDEX, len(lanes)), list(lanes))
+
+
+def _splat(builder: Any, value: Any, lanes: LanesType) -> Any:
+    one = builder.insert_element(ir.Constant(_vector(lanes), ir.Undefined), value, _INDEX(0))
+    return builder.shuffle_vector(one, one, _lane_numbers(*[0] * NUM_LANES))
+
+
+def _compile(function: Callable, compiled: Callable, accepts: Callable[..., bool] = lambda *_: True) -> None:
+    """Register the compiled form of a function for the types that it accepts."""
+    overload(function, strict=False, jit_options={"forceinline": True})(
+        lambda *kinds: compiled if accepts(*kinds) else None
+    )
+
+
+def _any_lanes(*kinds: Any) -> bool:
+    return any(isinstance(kind, LanesType) for kind in kinds)
+
+
+def _binary(emit: Callable[[Any, bool], Callable], result: LanesType | None = None) -> Any:
+    """The intrinsic of an operator; `emit(builder, is_float)` is the instruction."""
+
+    @intrinsic
+    def instruction(context: Any, a: Any, b: Any) -> Any:
+        lanes = a if isinstance(a, LanesType) else b
+
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            vectors = [
+                value
+                if isinstance(kind, LanesType)
+                else _splat(builder, context.cast(builder, value, kind, lanes.dtype), lanes)
+                for value, kind in zip(arguments, signature.args, strict=True)
+            ]
+            return emit(builder, lanes.dtype is types.float64)(*vectors)
+
+        return (result or lanes)(a, b), generate
+
+    return instruction
+
+
+def _overload_operator(function: Callable, instruction: Any) -> None:
+    _compile(function, lambda a, b: instruction(a, b), _any_lanes)
+
+
+_ARITHMETIC: dict[Callable, tuple[str, str]] = {  # instructions for floats and for words
+    operator.add: ("fadd", "add"),
+    operator.sub: ("fsub", "sub"),
+    operator.mul: ("fmul", "mul"),
+    operator.truediv: ("fdiv", "udiv"),
+    operator.and_: ("and_", "and_"),
+    operator.or_: ("or_", "or_"),
+    operator.xor: ("xor", "xor"),
+    operator.lshift: ("shl", "shl"),
+    operator.rshift: ("lshr", "lshr"),
+}
+_COMPARISONS: dict[Callable, str] = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
+
+
+def _arithmetic(of_floats: str, of_words: str) -> Callable[[Any, bool], Callable]:
+    return lambda builder, is_float: getattr(builder, of_floats if is_float else of_words)
+
+
+def _comparison(sign: str) -> Callable[[Any, bool], Callable]:
+    return lambda builder, is_float: partial(
+        builder.fcmp_ordered if is_float else builder.icmp_unsigned, sign
+    )
+
+
+for _function, _names in _ARITHMETIC.items():
+    _overload_operator(_function, _binary(_arithmetic(*_names)))
+for _function, _sign in _COMPARISONS.items():
+    _overload_operator(_function, _binary(_comparison(_sign), MASK))
+
+
+def _pointer(context: Any, builder: Any, kind: Any, array: Any, index: Any, lanes: LanesType) -> Any:
+    """Where the eight elements of `load` and `store` begin; checked where bounds checks are on."""
+    struct = context.make_array(kind)(context, builder, array)
+    length = builder.extract_value(struct.shape, 0)
+    if context.enable_boundscheck:
+        cgutils.do_boundscheck(context, builder, index, length)
+        if kind.ndim == 1:
+            last = builder.add(index, index.type(NUM_LANES - 1))
+            cgutils.do_boundscheck(context, builder, last, length)
+    if kind.ndim == 2:
+        index = builder.mul(index, index.type(NUM_LANES))
+    return builder.bitcast(builder.gep(struct.data, [index]), _vector(lanes).as_pointer())
+
+
+def _holds_lanes(array: Any, *_: Any) -> bool:
+    return isinstance(array, types.Array) and array.layout == "C" and array.ndim in (1, 2)
+
+
+@intrinsic
+def _load(context: Any, array: Any, index: Any) -> Any:
+    lanes = LanesType(array.dtype)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = _pointer(context, builder, array, arguments[0], arguments[1], lanes)
+        loaded = builder.load(pointer)
+        loaded.align = 8
+        return loaded
+
+    return lanes(array, types.intp), generate
+
+
+_compile(load, lambda array, index: _load(array, index), _holds_lanes)
+_compile(read, lambda rows, row, lane: _load(rows, row), lambda *kinds: kinds[2] == types.none)
+_compile(read, lambda rows, row, lane: rows[row, lane], lambda *kinds: kinds[2] != types.none)
+
+
+@intrinsic
+def _store(context: Any, array: Any, index: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = _pointer(context, builder, array, arguments[0], arguments[1], lanes)
+        builder.store(arguments[2], pointer).align = 8
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, lanes), generate
+
+
+_compile(store, lambda array, index, lanes: _store(array, index, lanes), _holds_lanes)
+
+
+@intrinsic
+def _broadcast(context: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return _splat(builder, arguments[0], FLOATS)
+
+    return FLOATS(types.float64), generate
+
+
+_compile(broadcast, lambda value: _broadcast(value))
+
+
+@intrinsic
+def _where(context: Any, mask: Any, yes: Any, no: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.select(*arguments)
+
+    return yes(mask, yes, no), generate
+
+
+_compile(where, lambda mask, yes, no: _where(mask, yes, no))
+_compile(maximum, lambda a, b: where(a > b, a, b))
+_compile(minimum, lambda a, b: where(a < b, a, b))
+
+
+@intrinsic
+def _square_root(context: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        vector = _vector(FLOATS)
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(vector, [vector]), f"llvm.sqrt.v{NUM_LANES}f64"
+        )
+        return builder.call(function, arguments)
+
+    return lanes(lanes), generate
+
+
+_compile(square_root, lambda lanes: _square_root(lanes))
+
+
+@intrinsic
+def _as_float(context: Any, words: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        # Signed, since that is one instruction.
+        return builder.sitofp(arguments[0], _vector(FLOATS))
+
+    return FLOATS(words), generate
+
+
+_compile(as_float, lambda words: _as_float(words))
+
+
+@intrinsic
+def _total(context: Any, lanes: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        vector, half = arguments[0], NUM_LANES // 2
+        while half > 0:
+            low = builder.shuffle_vector(vector, vector, _lane_numbers(*range(half)))
+            high = builder.shuffle_vector(vector, vector, _lane_numbers(*range(half, 2 * half)))
+            vector, half = builder.fadd(low, high), half // 2
+        return builder.extract_element(vector, _INDEX(0))
+
+    return types.float64(lanes), generate
+
+
+_compile(total, lambda lanes: _total(lanes))
+
+
+@intrinsic
+def _bits(context: Any, mask: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        byte = builder.bitcast(arguments[0], ir.IntType(NUM_LANES))
+        return builder.zext(byte, ir.IntType(64))
+
+    return types.int64(mask), generate
+
+
+_compile(bits, lambda mask: _bits(mask))
