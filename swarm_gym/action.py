@@ -59,17 +59,22 @@ class Action(ABC):
                 f"got {given.shape}"
             )
         values = given.astype(np.float64)
-        valid = np.isfinite(values) & (values >= space.low) & (values <= space.high)
-        wrong = chosen & ~valid.all(axis=1)
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            raise ActionError(
-                f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action "
-                f"space [{space.low.tolist()}, {space.high.tolist()}] (population size, repair degree)"
-            )
-        sizes, repair_degrees = self._decode(np.where(chosen[:, None], values, space.low))
-        rounded = np.floor(np.clip(sizes, self.smallest, self.largest) + 0.5).astype(np.int64)
-        return rounded, np.clip(repair_degrees, 0.0, 1.0)
+        valid = (values >= space.low) & (values <= space.high)  # not a number is neither
+        if not valid.all():
+            wrong = chosen & ~valid.all(axis=1)
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                raise ActionError(
+                    f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action "
+                    f"space [{space.low.tolist()}, {space.high.tolist()}] (population size, repair degree)"
+                )
+            values = np.where(chosen[:, None], values, space.low)
+        sizes, repair_degrees = self._decode(values)
+        within = np.minimum(np.maximum(sizes, self.smallest), self.largest)
+        return (
+            np.floor(within + 0.5).astype(np.int64),
+            np.minimum(np.maximum(repair_degrees, 0.0), 1.0),
+        )
 
 
 class Natural(Action):

@@ -45,6 +45,9 @@ class SwarmBatch:
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
         self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
+        self._scenario_names = np.array(
+            [problem.scenario.name for problem in self.simulation.problems], dtype=object
+        )
         self.action_space: Box = self._action.space
         self.observation_space: Box = self._observation.space(self.simulation)
 
@@ -91,7 +94,7 @@ class SwarmBatch:
     def observe(self) -> NDArray:
         """Observations of all swarms, (B, k), a new array."""
         space = self.observation_space
-        return np.clip(self._observation.observe(self.simulation), space.low, space.high)
+        return np.minimum(np.maximum(self._observation.observe(self.simulation), space.low), space.high)
 
     def info(self) -> dict[str, NDArray]:
         """Information on all swarms, arrays with a leading axis of length B, new at each call.
@@ -100,7 +103,6 @@ class SwarmBatch:
         """
         simulation, swarms = self.simulation, self.simulation.swarms
         rows = np.arange(simulation.num_swarms)
-        names = np.array([problem.scenario.name for problem in simulation.problems], dtype=object)
         return {
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
@@ -109,7 +111,7 @@ class SwarmBatch:
             "population_size": swarms.size.copy(),
             "feasible_share": swarms.summary[:, 3].copy(),
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
-            "scenario": names[swarms.problem],
+            "scenario": self._scenario_names[swarms.problem],
             "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
         }
 

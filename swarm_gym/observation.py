@@ -44,8 +44,10 @@ class Observation:
 
     def observe(self, simulation: Simulation) -> NDArray:
         """Observations (B, number of features), a new array, up to rounding inside the bounds."""
-        columns = [feature.values(simulation) for feature in self.features]
-        return np.stack(columns, axis=1).astype(self.dtype)
+        out = np.empty((simulation.num_swarms, len(self.features)), dtype=self.dtype)
+        for column, feature in enumerate(self.features):
+            out[:, column] = feature.values(simulation)
+        return out
 
     def __reduce__(self) -> tuple[Callable[[str], "Observation"], tuple[str]]:
         # Pickled by name: features are functions.

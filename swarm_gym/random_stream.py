@@ -19,22 +19,18 @@ _ROTATE_LEFT = np.uint64(24)
 _ROTATE_RIGHT = np.uint64(40)
 _ONE = np.uint64(1)
 _UNIT = 2.0**-53
+_DISCARDED = 12  # numbers of a lane that NumPy does not use when it seeds an SFC64
 
 
 def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
-    """Words of a stream, shape (4, 8): column k is the state in which `SFC64(child k of sequence)` starts.
+    """Words of a stream, shape (4, 8): column k is the state of an `SFC64` seeded with three words.
 
-    The children are those of `sequence.spawn(8)` when it is new; the sequence itself is left as it is.
+    These are words 3 k to 3 k + 2, of 64 bits, of those that the sequence generates.
     """
-    lanes = [
-        np.random.SFC64(
-            np.random.SeedSequence(
-                sequence.entropy, spawn_key=(*sequence.spawn_key, lane), pool_size=sequence.pool_size
-            )
-        )
-        for lane in range(NUM_LANES)
-    ]
-    return np.stack([lane.state["state"]["state"] for lane in lanes], axis=1).astype(np.uint64)
+    stream = np.ones(STREAM_SHAPE, dtype=np.uint64)  # the last row counts from one
+    stream[:3] = sequence.generate_state(3 * NUM_LANES, np.uint64).reshape(NUM_LANES, 3).T
+    fill_uniform(stream, np.empty(_DISCARDED * NUM_LANES))
+    return stream
 
 
 @inlined_kernel

@@ -69,6 +69,8 @@ class Simulation:
         ]
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
+        self._lines = np.stack([problem.line for problem in self.problems])
+        self._across = np.stack([problem.across for problem in self.problems])
         self.tables = stack([problem.table for problem in self.problems])
         self.swarms = Swarms.allocate(num_swarms, settings.max_population_size, settings.num_waypoints)
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
@@ -151,11 +153,11 @@ class Simulation:
 
     def best_paths(self) -> Floats:
         """(B, n + 2, 2) best paths so far in map coordinates."""
-        paths = np.empty((self.num_swarms, self.settings.num_waypoints + 2, 2))
-        for number, problem in enumerate(self.problems):
-            rows = self.swarms.problem == number
-            paths[rows] = problem.points(self.swarms.best_position[rows, : self.settings.num_waypoints])
-        return paths
+        n = self.settings.num_waypoints
+        offsets = np.zeros((self.num_swarms, n + 2, 1))
+        offsets[:, 1:-1, 0] = self.swarms.best_position[:, :n]
+        lines, across = self._lines[self.swarms.problem], self._across[self.swarms.problem]
+        return lines + offsets * across
 
     def positions(self, row: int) -> Floats:
         """Positions of the living members of a swarm, (size, n), a view."""
@@ -171,16 +173,13 @@ class Simulation:
 
     def _record(self, rows: Integers, repair_degrees: Floats) -> None:
         swarms = self.swarms
-        self.history[rows, self.iteration[rows]] = np.stack(
-            [
-                swarms.summary[:, 0],
-                swarms.size,
-                repair_degrees,
-                swarms.best_fitness,
-                swarms.evaluations,
-            ],
-            axis=1,
-        )[rows]
+        record = np.empty((self.num_swarms, len(HISTORY)))
+        record[:, 0] = swarms.summary[:, 0]
+        record[:, 1] = swarms.size
+        record[:, 2] = repair_degrees
+        record[:, 3] = swarms.best_fitness
+        record[:, 4] = swarms.evaluations
+        self.history[rows, self.iteration[rows]] = record[rows]
 
     def _read_options(self, options: Mapping[str, Any]) -> tuple[int, Floats | None, int | None]:
         for name in options:

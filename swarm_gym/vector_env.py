@@ -131,7 +131,11 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     def _infos(self, rows: Flags) -> dict[str, Any]:
         """Infos of these swarms; the entries of the others are zero or None, and masked."""
         infos: dict[str, Any] = {}
+        everyone = bool(rows.all())
         for name, values in self._batch.info().items():
+            if everyone and name != "optimality_gap":
+                infos[name], infos[f"_{name}"] = values, rows.copy()
+                continue
             there = rows & ~np.isnan(values) if name == "optimality_gap" else rows
             if there.any():
                 blank = np.zeros_like(values) if values.dtype != object else np.full_like(values, None)

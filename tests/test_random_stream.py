@@ -3,14 +3,27 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.random.bit_generator import ISeedSequence
 
 from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform, seed_stream
 
 SEEDS = st.integers(0, 2**64 - 1)
 
 
+class Words(ISeedSequence):
+    """Hands NumPy's generator the words that it is seeded with."""
+
+    def __init__(self, words):
+        self.words = words
+
+    def generate_state(self, n_words, dtype=np.uint32):
+        assert (n_words, dtype) == (3, np.uint64)
+        return self.words
+
+
 def numpy_lanes(seed):
-    return [np.random.SFC64(child) for child in np.random.SeedSequence(seed).spawn(8)]
+    words = np.random.SeedSequence(seed).generate_state(24, np.uint64)
+    return [np.random.SFC64(Words(words[3 * lane : 3 * lane + 3])) for lane in range(8)]
 
 
 def numpy_words(lanes):

@@ -58,6 +58,18 @@ class Problem:
         n = self.num_waypoints
         return self.table.initial_lower[:n], self.table.initial_upper[:n]
 
+    @cached_property
+    def line(self) -> Floats:
+        """Map coordinates of start, waypoints of offset 0, and target, shape (num_waypoints + 2, 2)."""
+        x = self.table.spacing * np.arange(self.num_waypoints + 2)
+        return Frame.of(self.scenario).to_map(x, np.zeros_like(x))
+
+    @property
+    def across(self) -> Floats:
+        """By how much the map coordinates of a waypoint change with its offset, (1, 2)."""
+        frame = Frame.of(self.scenario)
+        return np.array([[-frame.sine, frame.cosine]])
+
     @property
     def lower_bound(self) -> float:
         """A fitness that no path can be below: mu times the straight line."""
@@ -86,10 +98,9 @@ class Problem:
     def points(self, offsets: ArrayLike) -> Floats:
         """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
         offsets = np.asarray(offsets, dtype=np.float64)
-        y = np.zeros((*offsets.shape[:-1], self.num_waypoints + 2))
-        y[..., 1:-1] = offsets
-        x = np.broadcast_to(self.table.spacing * np.arange(self.num_waypoints + 2), y.shape)
-        return Frame.of(self.scenario).to_map(x, y)
+        y = np.zeros((*offsets.shape[:-1], self.num_waypoints + 2, 1))
+        y[..., 1:-1, 0] = offsets
+        return self.line + y * self.across
 
     def _path(self, offsets: ArrayLike) -> Floats:
         offsets = np.asarray(offsets, dtype=np.float64)
