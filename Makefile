@@ -6,7 +6,8 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 
 .DEFAULT_GOAL := help
-.PHONY: help install study test test-slow test-lowest check format benchmark docs-results clean
+.PHONY: help install study test test-slow test-checked test-lowest check format benchmark benchmark-peers \
+    docs-results clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-14s %s\n", $$1, $$2}'
@@ -35,6 +36,16 @@ test-slow: $(INSTALLED) ## run the tests that take minutes
 	@echo "== running the slow tests"
 	$(BIN)/python -m pytest -n auto -m slow
 
+KERNEL_TESTS = $(addprefix tests/test_,lanes.py random_stream.py geometry.py problem.py population.py firefly.py)
+
+test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, then with bounds checks on
+	@echo "== kernels as plain Python"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS)
+	@echo "== compiling the kernels with bounds checks"
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS) \
+	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
+
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"
 	$(PYTHON) -m venv .venv-lowest
@@ -54,16 +65,28 @@ format: $(INSTALLED) ## format the sources
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-benchmark: $(INSTALLED) ## measure speed, write results/benchmark.json and a table
+benchmark: $(INSTALLED) ## measure speed, write results/benchmark (about four minutes)
 	@echo "== benchmark (keep the machine quiet)"
 	$(BIN)/python -m experiments.benchmark
 
-docs-results: $(INSTALLED) benchmark ## regenerate what the documents show: 100 seeds, benchmark, picture
+benchmark-peers: .venv-peers/.installed ## the same beside niapy, in an environment of its own
+	@echo "== benchmark beside niapy (keep the machine quiet)"
+	.venv-peers/bin/python -m swarm_gym.warm_up
+	.venv-peers/bin/python -m experiments.speed.peers
+
+.venv-peers/.installed: pyproject.toml constraints.txt
+	@echo "== installing niapy into .venv-peers"
+	$(PYTHON) -m venv .venv-peers
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check \
+	    --constraint constraints.txt --editable '.[peers]'
+	@touch $@
+
+docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 100 seeds, speed, picture
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 100 --output results/docs
-	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark.md
+	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark
 	$(BIN)/python -m experiments.frame docs/results/frame.png
 
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
 	    .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

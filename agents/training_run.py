@@ -39,6 +39,45 @@ _LOCATION = ("runs", "name", "resume")
 _NOT_COMPARED = (*_LOCATION, "total_steps")
 
 
+def make_env(config: TrainConfig) -> SB3VecEnv:
+    """The swarms that a run trains on."""
+    return SB3VecEnv(
+        gymnasium.make_vec(
+            environment_id(config.optimizer),
+            num_envs=config.num_swarms,
+            scenario=list(config.scenarios),
+            observation=config.observation,
+            action="normalised",
+            initial_population_size=config.initial_population_size,
+            autoreset_mode=AutoresetMode.SAME_STEP,
+            **config.env_options(),
+        )
+    )
+
+
+def make_model(config: TrainConfig, env: SB3VecEnv) -> PPO:
+    """PPO as a run begins with it; one rollout is one episode of every swarm."""
+    return PPO(
+        "MlpPolicy",
+        env,
+        learning_rate=config.learning_rate,
+        n_steps=env.get_attr("settings")[0].iterations,
+        batch_size=config.batch_size,
+        n_epochs=config.epochs,
+        gamma=config.discount,
+        gae_lambda=config.gae_lambda,
+        clip_range=config.clip_range,
+        ent_coef=config.entropy_weight,
+        target_kl=config.target_kl,
+        policy_kwargs={
+            "net_arch": list(config.hidden_layers),
+            "log_std_init": config.log_std,
+        },
+        seed=config.seed,
+        device="cpu",
+    )
+
+
 class TrainingRun:
     """A run on disk: configuration, checkpoint, TensorBoard events, latest and best policy."""
 
@@ -55,37 +94,8 @@ class TrainingRun:
             self.teacher = make_controller(config.warm_start, config.limits)
         torch.set_num_threads(1)
         set_random_seed(config.seed)
-        self.env = SB3VecEnv(
-            gymnasium.make_vec(
-                environment_id(config.optimizer),
-                num_envs=config.num_swarms,
-                scenario=list(config.scenarios),
-                observation=config.observation,
-                action="normalised",
-                initial_population_size=config.initial_population_size,
-                autoreset_mode=AutoresetMode.SAME_STEP,
-                **config.env_options(),
-            )
-        )
-        self.model = PPO(
-            "MlpPolicy",
-            self.env,
-            learning_rate=config.learning_rate,
-            n_steps=self.env.get_attr("settings")[0].iterations,
-            batch_size=config.batch_size,
-            n_epochs=config.epochs,
-            gamma=config.discount,
-            gae_lambda=config.gae_lambda,
-            clip_range=config.clip_range,
-            ent_coef=config.entropy_weight,
-            target_kl=config.target_kl,
-            policy_kwargs={
-                "net_arch": list(config.hidden_layers),
-                "log_std_init": config.log_std,
-            },
-            seed=config.seed,
-            device="cpu",
-        )
+        self.env = make_env(config)
+        self.model = make_model(config, self.env)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
         self._prepare_folder()
         self.model.set_logger(configure(str(self.folder), ["tensorboard"]))

@@ -1,7 +1,7 @@
-"""Put results into the documents: `python -m experiments.publish SUITE_FOLDER BENCHMARK_TABLE`.
+"""Put results into the documents: `python -m experiments.publish SUITE_FOLDER BENCHMARK_FOLDER`.
 
-Copies a suite's page and its SVG figures to docs/results, and replaces the marked blocks of README.md by the
-suite's summary and the benchmark's table, so that no number there is typed by hand.
+Copies a suite's page and the SVG figures to docs/results, and replaces the marked blocks of README.md and
+docs/performance.md by the suite's summary and the benchmark's tables: no number there is typed by hand.
 """
 
 import re
@@ -9,10 +9,12 @@ import shutil
 import sys
 from pathlib import Path
 
+from experiments.speed.page import CAPTIONS, headline, read_folder, table
 from swarm_gym.files import write_atomically
 
 DOCS = Path("docs/results")
 README = Path("README.md")
+PERFORMANCE = Path("docs/performance.md")
 
 
 def replace_block(text: str, name: str, content: str) -> str:
@@ -23,25 +25,39 @@ def replace_block(text: str, name: str, content: str) -> str:
     """
     block = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
     if not block.search(text):
-        raise ValueError(f"{README} has no block {name!r}")
+        raise ValueError(f"there is no block {name!r} to replace")
     return block.sub(lambda match: f"{match[1]}{content.strip()}\n{match[2]}", text)
 
 
 def publish(suite: Path, benchmark: Path) -> None:
-    """Copy page and figures of a suite, and fill the blocks of the README."""
-    text = README.read_text(encoding="utf-8")
-    text = replace_block(text, "results", (suite / "summary.md").read_text(encoding="utf-8"))
-    text = replace_block(text, "speed", benchmark.read_text(encoding="utf-8"))
+    """Copy page and figures, and fill the blocks of both documents.
+
+    Raises:
+        OSError: if something is missing.
+        ValueError: if a block or a group of the benchmark is missing.
+    """
+    machine, groups = read_folder(benchmark)
+    missing = set(CAPTIONS) - set(groups)
+    if missing:
+        raise ValueError(f"{benchmark}: {', '.join(sorted(missing))} was not measured")
+    speed = headline(machine, groups).markdown()
+    readme = README.read_text(encoding="utf-8")
+    readme = replace_block(readme, "results", (suite / "summary.md").read_text(encoding="utf-8"))
+    readme = replace_block(readme, "speed", speed)
+    performance = replace_block(PERFORMANCE.read_text(encoding="utf-8"), "headline", speed)
+    for name, measurements in groups.items():
+        performance = replace_block(performance, name, table(name, measurements).markdown())
     DOCS.mkdir(parents=True, exist_ok=True)
-    for file in (suite / "README.md", *sorted(suite.glob("*.svg"))):
+    for file in (suite / "README.md", *sorted(suite.glob("*.svg")), benchmark / "growth.svg"):
         shutil.copyfile(file, DOCS / file.name)
-    write_atomically(README, text)
+    write_atomically(README, readme)
+    write_atomically(PERFORMANCE, performance)
 
 
 def main() -> None:
     """Publish what the command line names."""
     if len(sys.argv) != 3:
-        sys.exit("usage: python -m experiments.publish SUITE_FOLDER BENCHMARK_TABLE")
+        sys.exit("usage: python -m experiments.publish SUITE_FOLDER BENCHMARK_FOLDER")
     try:
         publish(Path(sys.argv[1]), Path(sys.argv[2]))
     except (OSError, ValueError) as error:

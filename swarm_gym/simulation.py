@@ -125,21 +125,25 @@ class Simulation:
 
     def step(self, chosen: Flags, sizes: Integers, repair_degrees: Floats) -> None:
         """Advance the chosen swarms by one iteration with these population sizes and phi, each (B,)."""
-        arguments = (self.swarms, self.tables, chosen, sizes, repair_degrees, self.knobs)
-        if self.num_threads is None or not self.parallel:
-            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
-        else:
-            previous = numba.get_num_threads()
-            numba.set_num_threads(self.num_threads)
-            try:
-                self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
-            finally:
-                numba.set_num_threads(previous)
+        self.advance(chosen, sizes, repair_degrees)
         rows = np.flatnonzero(chosen)
         self.iteration[rows] += 1
         self._record(rows, repair_degrees)
         ended = (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
         self.running[rows] = ~ended[rows]
+
+    def advance(self, chosen: Flags, sizes: Integers, repair_degrees: Floats) -> None:
+        """The compiled part of a step."""
+        arguments = (self.swarms, self.tables, chosen, sizes, repair_degrees, self.knobs)
+        if self.num_threads is None or not self.parallel:
+            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
+            return
+        previous = numba.get_num_threads()
+        numba.set_num_threads(self.num_threads)
+        try:
+            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
+        finally:
+            numba.set_num_threads(previous)
 
     def gap(self) -> Floats:
         """(B,) best fitness so far above the lower bound; kept positive, so that it has a logarithm."""

@@ -1,12 +1,27 @@
-"""The benchmark measures what it says: same problem, same moves."""
+"""The benchmark measures what it says: same problem, same moves; and its page shows what was measured."""
+
+import re
 
 import numpy as np
 import pytest
 
-from experiments.benchmark import CASES, measure
-from experiments.numpy_firefly import NumpyFirefly
+from experiments.benchmark import GROUPS, BenchmarkConfig, run_benchmark
+from experiments.speed import growth, moves, training
+from experiments.speed.measurement import (
+    ALL_THREADS,
+    CASES,
+    Measurement,
+    Quantity,
+    measure,
+    read_measurements,
+    write_measurements,
+)
+from experiments.speed.numpy_firefly import NumpyFirefly
+from experiments.speed.page import write_page
+from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import Problem
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.vector_env import SwarmVectorEnv
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -31,5 +46,104 @@ def test_the_numpy_version_converges_like_the_kernels():
 
 def test_a_figure_is_the_median_after_a_run_that_is_thrown_away():
     values = iter([100.0, 3.0, 1.0, 2.0])
-    figure = measure("x", "s", 3, lambda: next(values))
-    assert (figure.median, figure.low, figure.high) == (2.0, 1.0, 3.0)
+    figure = measure(Quantity("x", "s", lambda: next(values)), 3)
+    assert figure == Measurement("x", "s", 2.0, 1.0, 3.0)
+
+
+def test_what_takes_long_is_measured_once():
+    values = iter([5.0])
+    assert measure(Quantity("x", "s", lambda: next(values), repeats=1), 3).median == 5.0
+
+
+@pytest.mark.parametrize("part", moves.PARTS)
+def test_a_part_of_a_move_takes_some_time_and_less_than_a_move_in_numpy(part):
+    assert 1.0 < moves.part_nanoseconds("case1", moves.PARTS[part])() < 1e5
+
+
+@pytest.mark.parametrize("axis", growth.AXES, ids=lambda axis: axis.name)
+def test_every_value_of_an_axis_is_an_environment(axis):
+    env = SwarmVectorEnv(**axis.options(axis.values[0]))
+    env.reset(seed=0)
+    assert growth.megabytes(axis, axis.values[0])() > 0.01
+
+
+@pytest.mark.parametrize("number", [4, 32])
+def test_every_bar_is_near_every_segment(number):
+    problem = Problem(growth.bars(number))
+    assert np.bincount([pair.segment for pair in problem.pairs]).tolist() == [number] * 32
+
+
+def test_the_exponent_is_that_of_the_power():
+    values = (10, 20, 40)
+    results = [3.0 * value**1.7 for value in values]
+    assert growth.exponent(values, results) == pytest.approx(1.7)
+    assert growth.fitted_line(values, results) == pytest.approx(results)
+
+
+def test_the_stopwatch_of_training_adds_up_what_a_method_takes():
+    watch = training.Stopwatch(lambda a, b: a + b)
+    assert watch(1, b=2) == 3
+    first = watch.seconds
+    watch(1, 2)
+    assert watch.seconds > first > 0
+
+
+def test_a_group_that_is_not_there_is_refused_before_anything_is_measured(tmp_path):
+    with pytest.raises(UnknownNameError, match="nonsense"):
+        run_benchmark(BenchmarkConfig(output=tmp_path, groups=("moves", "nonsense")))
+
+
+# The page.
+
+
+def counted(group):
+    """A measurement for each quantity of a group, no two alike."""
+    quantities = list(GROUPS[group].quantities())
+    made = [Measurement(q.name, q.unit, n + 1.0, n + 0.5, n + 2.0) for n, q in enumerate(quantities)]
+    return made + GROUPS[group].summary(made)
+
+
+@pytest.mark.parametrize("with_peers", [False, True])
+def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, with_peers):
+    groups = {name: counted(name) for name in GROUPS}
+    write_measurements(tmp_path / "benchmark.json", groups)
+    if with_peers:
+        ratios = [
+            Measurement(f"{case}: {peer} / swarm_gym", "times", 7.0, 7.0, 7.0)
+            for case in CASES
+            for peer in ("niapy, cost in NumPy", "niapy, our compiled cost")
+        ]
+        write_measurements(tmp_path / "peers.json", {"peers": ratios})
+    page = write_page(tmp_path).read_text()
+    for measurements in groups.values():
+        for m in measurements:
+            assert f"| {m.name} |" in page
+    assert ("| niapy, cost in NumPy: its time per evaluation over ours, least | 7 |" in page) == with_peers
+    found = {m.name: m.median for m in groups["environments"]}
+    expected = found[f"64 swarms of 60 members, {ALL_THREADS} threads"]
+    assert re.search(rf"\| 64 swarms of 60 members, {ALL_THREADS} threads \| {expected:.3g} ", page)
+    assert (tmp_path / "growth.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_a_page_of_some_groups_has_no_headline(tmp_path):
+    write_measurements(tmp_path / "benchmark.json", {"start": counted("start")})
+    page = write_page(tmp_path).read_text()
+    assert "Import, first step, memory" in page
+    assert "Speed on" not in page
+    assert not (tmp_path / "growth.svg").exists()
+
+
+def test_measurements_come_back_as_they_were_stored(tmp_path):
+    groups = {"moves": counted("moves")}
+    write_measurements(tmp_path / "x.json", groups)
+    machine, found = read_measurements(tmp_path / "x.json")
+    assert found == groups
+    assert machine["threads"] == ALL_THREADS
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"machine": {}, "groups": {"moves": [{"name": 1}]}}'])
+def test_a_file_of_something_else_is_refused_by_name(tmp_path, content):
+    file = tmp_path / "x.json"
+    file.write_text(content)
+    with pytest.raises(ValueError, match=re.escape(str(file))):
+        read_measurements(file)

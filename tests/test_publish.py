@@ -2,9 +2,14 @@
 
 import pytest
 
+from experiments.benchmark import GROUPS
 from experiments.publish import publish, replace_block
+from experiments.speed.measurement import Measurement, write_measurements
+from experiments.speed.page import write_page
 
 TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
+BLOCKS = ("headline", *GROUPS, "peers")
+PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
 
 def test_a_block_is_replaced_and_the_rest_left_alone():
@@ -18,24 +23,49 @@ def test_a_missing_block_is_refused():
         replace_block(TEXT, "tables", "new")
 
 
-def test_publishing_copies_the_page_and_fills_the_readme(tmp_path, monkeypatch):
+@pytest.fixture
+def documents(tmp_path, monkeypatch):
+    """A checkout with empty blocks, a suite and a benchmark."""
     monkeypatch.chdir(tmp_path)
-    suite = tmp_path / "suite"
-    suite.mkdir()
+    for folder in ("suite", "docs", "speed"):
+        (tmp_path / folder).mkdir()
     (tmp_path / "README.md").write_text(TEXT)
+    (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
     for name in ("README.md", "summary.md", "a.svg", "a.png"):
-        (suite / name).write_text(f"content of {name}")
-    (suite / "speed.md").write_text("fast")
-    publish(suite, suite / "speed.md")
-    assert "content of summary.md" in (tmp_path / "README.md").read_text()
-    assert "fast" in (tmp_path / "README.md").read_text()
-    assert {p.name for p in (tmp_path / "docs/results").iterdir()} == {"README.md", "a.svg"}
+        (tmp_path / "suite" / name).write_text(f"content of {name}")
+    groups = {}
+    for name, group in GROUPS.items():
+        measured = [Measurement(q.name, q.unit, 1.5, 1.0, 2.0) for q in group.quantities()]
+        groups[name] = measured + group.summary(measured)
+    write_measurements(tmp_path / "speed/benchmark.json", groups)
+    ratios = [
+        Measurement(f"case{k}: niapy, {cost} / swarm_gym", "times", 1.5, 1.0, 2.0)
+        for k in (1, 2, 3)
+        for cost in ("cost in NumPy", "our compiled cost")
+    ]
+    write_measurements(tmp_path / "speed/peers.json", {"peers": ratios})
+    write_page(tmp_path / "speed")
+    return tmp_path
 
 
-def test_nothing_is_written_where_something_is_missing(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "README.md").write_text(TEXT)
-    with pytest.raises(OSError, match="summary"):
-        publish(tmp_path, tmp_path / "speed.md")
-    assert (tmp_path / "README.md").read_text() == TEXT
-    assert not (tmp_path / "docs").exists()
+def test_publishing_copies_the_page_and_fills_both_documents(documents):
+    publish(documents / "suite", documents / "speed")
+    readme = (documents / "README.md").read_text()
+    assert "content of summary.md" in readme
+    assert "| single environment, 60 members" not in readme
+    assert "| one environment of 60 members | 1.5 |" in readme
+    performance = (documents / "docs/performance.md").read_text()
+    assert "| single environment, 60 members | 1.5 | 1 to 2 |" in performance
+    assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
+    published = {p.name for p in (documents / "docs/results").iterdir()}
+    assert published == {"README.md", "a.svg", "growth.svg"}
+
+
+@pytest.mark.parametrize("missing", ["suite/summary.md", "speed/benchmark.json", "speed/peers.json"])
+def test_nothing_is_written_where_something_is_missing(documents, missing):
+    (documents / missing).unlink()
+    with pytest.raises((OSError, ValueError), match=r"summary|benchmark|peers"):
+        publish(documents / "suite", documents / "speed")
+    assert (documents / "README.md").read_text() == TEXT
+    assert (documents / "docs/performance.md").read_text() == PERFORMANCE
+    assert not (documents / "docs/results").exists()

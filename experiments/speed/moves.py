@@ -1,0 +1,157 @@
+"""Time of a firefly move with evaluation, of its parts, of whole runs, and of the same in NumPy."""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from experiments.speed.measurement import CASES, Measurement, Quantity, derived, medians, seconds_of
+from experiments.speed.numpy_firefly import NumpyFirefly
+from swarm_gym.env import SwarmEnv
+from swarm_gym.jit import kernel
+from swarm_gym.optimizers.firefly import move_towards, squared_distance
+from swarm_gym.population import Workspace, make_workspace
+from swarm_gym.problem import Problem
+from swarm_gym.problem.cost import evaluate
+from swarm_gym.problem.waypoints import WaypointTable, columns
+from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
+from swarm_gym.scenarios import make_scenario
+
+SIZE = 60
+REPAIR_DEGREE = 0.2
+CALLS = 20_000
+
+
+def quantities() -> Iterator[Quantity]:
+    """All of this group."""
+    for case in CASES:
+        yield Quantity(f"{case}: move with evaluation", "us", per_move(case, 0.0))
+        yield Quantity(f"{case}: move with repair and evaluation", "us", per_move(case, REPAIR_DEGREE))
+        yield Quantity(f"{case}: the same move in NumPy, without repair", "us", numpy_per_move(case))
+        yield Quantity(f"{case}: FA-60 run of 100 iterations", "ms", run_milliseconds(case))
+        for name, part in PARTS.items():
+            yield Quantity(f"{case}: {name}", "ns", part_nanoseconds(case, part))
+
+
+def summary(measurements: list[Measurement]) -> list[Measurement]:
+    """Means over the cases and ratios, from the medians."""
+    found = medians(measurements)
+    ours = [found[f"{case}: move with evaluation"] for case in CASES]
+    theirs = [found[f"{case}: the same move in NumPy, without repair"] for case in CASES]
+    ratios = [
+        derived(f"{case}: NumPy / swarm_gym", "times", b / a)
+        for case, a, b in zip(CASES, ours, theirs, strict=True)
+    ]
+    return [*ratios, derived("move with evaluation, mean of the cases", "us", float(np.mean(ours)))]
+
+
+def per_move(case: str, repair_degree: float) -> Callable[[], float]:
+    """A whole FA-60 run of 100 iterations in a single environment, per firefly move with evaluation."""
+    env = SwarmEnv(scenario=case, initial_population_size=SIZE)
+
+    def once() -> float:
+        _, first = env.reset(seed=0)
+        begin = time.perf_counter()
+        info = run_episode(env, np.array([SIZE, repair_degree]))
+        spent = time.perf_counter() - begin
+        return spent / (info["evaluations"] - first["evaluations"]) * 1e6
+
+    return once
+
+
+def numpy_per_move(case: str) -> Callable[[], float]:
+    """The same moves in NumPy, over one iteration of 60 fireflies."""
+
+    def once() -> float:
+        swarm = NumpyFirefly(Problem(make_scenario(case)), SIZE, seed=0)
+        before, begin = swarm.evaluations, time.perf_counter()
+        swarm.iterate()
+        return (time.perf_counter() - begin) / (swarm.evaluations - before) * 1e6
+
+    return once
+
+
+def run_milliseconds(case: str) -> Callable[[], float]:
+    """A whole FA-60 run, reset included."""
+    env = SwarmEnv(scenario=case, initial_population_size=SIZE)
+
+    def once() -> float:
+        begin = time.perf_counter()
+        env.reset(seed=0)
+        run_episode(env, np.array([SIZE, 0.0]))
+        return (time.perf_counter() - begin) * 1e3
+
+    return once
+
+
+def run_episode(env: gymnasium.Env, action: np.ndarray) -> dict[str, Any]:
+    """Repeat an action to the end of the episode; returns the last info."""
+    ended = False
+    while not ended:
+        _, _, ended, _, info = env.step(action)
+    return info
+
+
+# The parts of a move, each by itself, over and over. What they return depends on what they did, so that none
+# of it can be left out; what they change is too small to matter.
+
+
+@kernel
+def _random_numbers(table: WaypointTable, work: Workspace, calls: int) -> float:
+    stream = np.ones(STREAM_SHAPE, dtype=np.uint64)
+    for _ in range(calls):
+        fill_uniform(stream, work.noise)
+    return work.noise[0] + table.spacing
+
+
+@kernel
+def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
+    other, total = np.ones_like(work.noise), table.spacing
+    for _ in range(calls):
+        total += squared_distance(work.path, other)
+        other[0] += 1e-9
+    return total
+
+
+@kernel
+def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
+    other = np.ones_like(work.noise)
+    for _ in range(calls):
+        move_towards(table, work, other, 2.0, 0.1, 5e-6)
+    return work.path[1]
+
+
+@kernel
+def _evaluation(table: WaypointTable, work: Workspace, calls: int) -> float:
+    total = 0.0
+    for _ in range(calls):
+        total += evaluate(table, work.path)[0]
+        work.path[1] += 1e-9
+    return total
+
+
+PARTS: dict[str, Callable[[WaypointTable, Workspace, int], float]] = {
+    "random numbers of a move": _random_numbers,
+    "distance to another": _distance,
+    "distance, attraction and move": _move,
+    "evaluation": _evaluation,
+}
+
+
+def part_nanoseconds(
+    case: str, part: Callable[[WaypointTable, Workspace, int], float]
+) -> Callable[[], float]:
+    """One part of a move on a path between the obstacles."""
+    problem = Problem(make_scenario(case))
+    n = problem.num_waypoints
+    work = make_workspace(columns(n))
+    rng = np.random.default_rng(0)
+
+    def once() -> float:
+        work.path[1 : n + 1] = np.cumsum(rng.normal(0.0, 3.0, n))
+        work.noise[:] = rng.random(len(work.noise))
+        return seconds_of(lambda: part(problem.table, work, CALLS)) / CALLS * 1e9
+
+    return once

@@ -1,0 +1,154 @@
+"""Tables and the figure of a benchmark, from its stored measurements."""
+
+from pathlib import Path
+from typing import Any
+
+from experiments.figure_style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
+from experiments.speed import growth
+from experiments.speed.environments import name as vector_name
+from experiments.speed.measurement import CASES, Measurement, medians, read_measurements
+from experiments.speed.start import CAPACITY, MANY_SWARMS
+from experiments.speed.threads import against_processes_name, thread_name
+from experiments.tables import Table
+from swarm_gym.files import write_atomically
+
+CAPTIONS = {
+    "moves": "A move, a whole run, and the parts of a move",
+    "environments": "Steps per second",
+    "threads": "Parallel efficiency: all threads over one, runs taking turns",
+    "growth": "Time and memory as things grow",
+    "start": "Import, first step, memory",
+    "training": "PPO training",
+    "peers": "The same FA-60 run beside others, per evaluation",
+}
+
+
+def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
+    """Machine and groups of a benchmark, with those of the peers where they were measured.
+
+    Raises:
+        OSError: if there is no benchmark in the folder.
+        ValueError: if a file there is not a benchmark's.
+    """
+    machine, groups = read_measurements(folder / "benchmark.json")
+    peers = folder / "peers.json"
+    if peers.exists():
+        groups |= read_measurements(peers)[1]
+    return machine, groups
+
+
+def write_page(folder: Path) -> Path:
+    """Write README.md with all tables, and growth.svg and .png, from what is stored in the folder."""
+    machine, groups = read_folder(folder)
+    parts = [f"# Benchmark\n\n{describe(machine)}\n"]
+    if set(CAPTIONS) - {"peers"} <= set(groups):
+        parts.append(headline(machine, groups).markdown())
+    parts += [table(name, measurements).markdown() for name, measurements in groups.items()]
+    if "growth" in groups:
+        parts.append("![growth](growth.svg)\n")
+        for form, content in growth_figure(groups["growth"]).items():
+            write_atomically(folder / f"growth.{form}", content)
+    page = folder / "README.md"
+    write_atomically(page, "\n".join(parts))
+    return page
+
+
+def describe(machine: dict[str, Any]) -> str:
+    """The machine in a sentence."""
+    return (
+        f"{machine['processor']} ({machine['machine']}), {machine['threads']} threads; "
+        f"Python {machine['python']}, Numba {machine['numba']}, NumPy {machine['numpy']}"
+    )
+
+
+def table(group: str, measurements: list[Measurement]) -> Table:
+    """All quantities of a group."""
+    rows = [
+        (
+            m.name,
+            number(m.median),
+            "" if m.low == m.high else f"{number(m.low)} to {number(m.high)}",
+            m.unit,
+        )
+        for m in measurements
+    ]
+    return Table(group, CAPTIONS[group], ("quantity", "median", "range", "unit"), rows)
+
+
+def number(value: float) -> str:
+    """Three digits, or all before the point."""
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:
+    """The few quantities that tell most."""
+    found = medians(m for measurements in groups.values() for m in measurements)
+
+    def worst(pattern: str) -> float:
+        return max(found[pattern.format(case)] for case in CASES)
+
+    def least(pattern: str) -> float:
+        return min(found[pattern.format(case)] for case in CASES)
+
+    threads = machine["threads"]
+    memory = f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints"
+    rows = [
+        ("move with evaluation, mean of the cases", found["move with evaluation, mean of the cases"], "us"),
+        ("NumPy's time per move over ours, least of the cases", least("{}: NumPy / swarm_gym"), "times"),
+    ]
+    if "peers" in groups:
+        rows += [
+            (f"{peer}: its time per evaluation over ours, least", least(f"{{}}: {peer} / swarm_gym"), "times")
+            for peer in ("niapy, cost in NumPy", "niapy, our compiled cost")
+        ]
+    rows += [
+        ("FA-60 run of 100 iterations, slowest case", worst("{}: FA-60 run of 100 iterations"), "ms"),
+        ("one environment of 60 members", found["single environment, 60 members"], "steps/s"),
+    ]
+    rows += [
+        (
+            f"{width} swarms of 60 members, {threads} threads",
+            found[vector_name(width, 60, threads)],
+            "steps/s",
+        )
+        for width in (64, 4096)
+    ]
+    if threads > 1:
+        rows += [(name, found[name], "%") for name in (thread_name(), against_processes_name())]
+    rows += [
+        (name, found[name], unit)
+        for name, unit in (
+            (memory, "MiB"),
+            ("import swarm_gym", "s"),
+            ("import and first step, single, kernels cached", "s"),
+            ("import and first step, single, nothing cached", "s"),
+            ("PPO training, 64 swarms of 60 members", "steps/s"),
+            ("share of the time in the environment, kernels included", "%"),
+        )
+    ]
+    cells = [(name, number(value), unit) for name, value, unit in rows]
+    return Table("headline", f"Speed on {describe(machine)}", ("quantity", "median", "unit"), cells)
+
+
+def growth_figure(measurements: list[Measurement]) -> dict[str, bytes]:
+    """Time (above) and memory (below) on every axis, with fitted powers; by file format."""
+    found = medians(measurements)
+    with settings():
+        figure = new_figure(11.0, 5.0)
+        panels = figure.subplots(2, len(growth.AXES))
+        for axis, column in zip(growth.AXES, panels.T, strict=True):
+            for panel, kind, name, label, colour in (
+                (column[0], "time", axis.name_of_time, f"microseconds per {axis.measured}", BLUE),
+                (column[1], "memory", axis.name_of_memory, "MB", RED),
+            ):
+                results = [found[name(value)] for value in axis.values]
+                panel.loglog(axis.values, results, "o", color=colour)
+                fitted = growth.fitted_line(axis.values, results)
+                panel.loglog(axis.values, fitted, color=BLACK, linewidth=0.8)
+                slope = found[f"exponent of {kind} in {axis.name}"]
+                panel.set_title(f"{kind}: exponent {slope:.2f}")
+                panel.set_xticks(axis.values, [str(value) for value in axis.values])
+                panel.minorticks_off()
+                panel.set_xlabel(axis.name)
+                panel.set_ylabel(label)
+        return {form: render(figure, form) for form in FORMATS}

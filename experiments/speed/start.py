@@ -1,0 +1,98 @@
+"""What a user waits for: the import, the first step with kernels cached or not; and memory of many swarms."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from experiments.speed.measurement import Measurement, Quantity, run_python, seconds_of
+
+FIRST_STEP = """
+import time
+begin = time.perf_counter()
+import gymnasium, numpy as np, swarm_gym
+env = gymnasium.make("swarm_gym/Firefly-v0")
+env.reset(seed=0)
+env.step(np.array([60.0, 0.0]))
+print(time.perf_counter() - begin)
+"""
+FIRST_VECTOR_STEP = """
+import time
+begin = time.perf_counter()
+import gymnasium, numpy as np, swarm_gym
+env = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=8)
+env.reset(seed=0)
+env.step(np.tile([60.0, 0.0], (8, 1)))
+print(time.perf_counter() - begin)
+"""
+HEAVY = ("torch", "stable_baselines3", "matplotlib", "pandas", "scipy", "pygame")
+IMPORTED = f"import sys, swarm_gym; print(sum(name in sys.modules for name in {HEAVY!r}))"
+MANY_SWARMS, CAPACITY = 4096, 200
+PEAK_MEMORY = f"""
+import numpy as np
+from experiments.speed.start import peak_bytes
+from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.warm_up import warm_up
+warm_up()
+before = peak_bytes()
+env = SwarmVectorEnv({MANY_SWARMS}, scenario=["case1", "case2", "case3"], max_population_size={CAPACITY},
+                     initial_population_size={CAPACITY})
+env.reset(seed=0)
+env.step(np.tile([2.0, 0.5], ({MANY_SWARMS}, 1)))
+print(peak_bytes() - before)
+"""
+
+
+def quantities() -> Iterator[Quantity]:
+    """All of this group."""
+    yield Quantity("import swarm_gym", "s", import_seconds)
+    yield Quantity(f"of {', '.join(HEAVY)}, imported with it", "", lambda: float(run_python(IMPORTED)), 1)
+    yield Quantity("import and first step, single, kernels cached", "s", first_step(FIRST_STEP, cold=False))
+    yield Quantity("import and first step, single, nothing cached", "s", first_step(FIRST_STEP, cold=True), 1)
+    yield Quantity(
+        "import and first step, vector, kernels cached", "s", first_step(FIRST_VECTOR_STEP, cold=False)
+    )
+    yield Quantity(
+        "import and first step, vector, nothing cached", "s", first_step(FIRST_VECTOR_STEP, cold=True), 1
+    )
+    yield Quantity(
+        f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints", "MiB", peak_mebibytes, 1
+    )
+
+
+def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
+    """Nothing follows."""
+    return []
+
+
+def import_seconds() -> float:
+    """`import swarm_gym` in a fresh interpreter, less the start of that interpreter."""
+    return seconds_of(lambda: run_python("import swarm_gym")) - seconds_of(lambda: run_python("pass"))
+
+
+def first_step(program: str, cold: bool) -> Callable[[], float]:
+    """From the first import to the end of the first step, in a fresh interpreter."""
+
+    def once() -> float:
+        if not cold:
+            return float(run_python(program))
+        with tempfile.TemporaryDirectory() as cache:
+            return float(run_python(program, {**os.environ, "SWARM_GYM_CACHE": cache}))
+
+    return once
+
+
+def peak_bytes() -> int:
+    """The most memory that this process ever held."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+    except OSError:  # not Linux
+        import resource
+
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(status.split("VmHWM:")[1].split()[0]) * 1024
+
+
+def peak_mebibytes() -> float:
+    """Growth of a process when many large swarms are made, reset and stepped."""
+    return float(run_python(PEAK_MEMORY)) / 2**20

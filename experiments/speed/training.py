@@ -1,0 +1,87 @@
+"""Where the time of PPO training goes: kernels, the environment around them, the adapter, the network."""
+
+import time
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from experiments.speed.measurement import Measurement, Quantity
+
+PARTS = (
+    "kernels",
+    "environment around the kernels",
+    "adapter to stable-baselines3",
+    "network while playing",
+    "network while learning",
+)
+ROLLOUTS = 3
+
+
+def quantities() -> Iterator[Quantity]:
+    """All of this group."""
+    yield Quantity("PPO training, 64 swarms of 60 members", "steps/s", lambda: _shares()[0], 1)
+    for number, part in enumerate(PARTS):
+        yield Quantity(f"share of the time in: {part}", "%", _share(number), 1)
+    yield Quantity("share of the time in the environment, kernels included", "%", _environment_share, 1)
+
+
+def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
+    """Nothing follows."""
+    return []
+
+
+def _share(number: int) -> Callable[[], float]:
+    return lambda: _shares()[1][number]
+
+
+def _environment_share() -> float:
+    shares = _shares()[1]
+    return shares[0] + shares[1]
+
+
+class Stopwatch:
+    """Stands in for a function and adds up the time that it takes."""
+
+    def __init__(self, function: Callable) -> None:
+        self.function = function
+        self.seconds = 0.0
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """Call the function."""
+        begin = time.perf_counter()
+        try:
+            return self.function(*arguments, **options)
+        finally:
+            self.seconds += time.perf_counter() - begin
+
+
+@cache
+def _shares() -> tuple[float, tuple[float, ...]]:
+    """Steps per second, and the share of each of `PARTS` in percent, over a few rollouts."""
+    from agents.train_config import TrainConfig
+    from agents.training_run import make_env, make_model
+
+    # From scratch and without a price, so that populations stay large as long as it is measured.
+    config = TrainConfig(initial_population_size=60, max_population_size=120, min_population_size=30)
+    env = make_env(config)
+    model = make_model(config, env)
+    steps = model.n_steps * config.num_swarms
+    model.learn(steps)  # everything compiled and allocated
+    vector: Any = env.env
+    watches = []
+    for owner, method in (
+        (vector.unwrapped.simulation, "advance"),
+        (vector, "step"),
+        (env, "step_wait"),
+        (model, "collect_rollouts"),
+    ):
+        watches.append(Stopwatch(getattr(owner, method)))
+        setattr(owner, method, watches[-1])
+    begin = time.perf_counter()
+    model.learn(ROLLOUTS * steps)
+    spent = time.perf_counter() - begin
+    kernels, environment, adapter, playing = (watch.seconds for watch in watches)
+    inner = np.array([0.0, kernels, environment, adapter, playing, spent])
+    return ROLLOUTS * steps / spent, tuple((100.0 * np.diff(inner) / spent).tolist())
