@@ -81,8 +81,8 @@ benchmark-peers: .venv-peers/.installed ## the same beside niapy, in an environm
 	    --constraint constraints.txt --editable '.[peers]'
 	@touch $@
 
-docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 100 seeds, speed, picture
-	$(BIN)/python -m experiments.evaluate --suite paper --seeds 100 --output results/docs
+docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 1000 seeds, speed, picture (15 minutes)
+	$(BIN)/python -m experiments.evaluate --suite paper --seeds 1000 --output results/docs
 	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark
 	$(BIN)/python -m experiments.frame docs/results/frame.png
 

@@ -25,6 +25,7 @@ from swarm_gym.scenarios import Scenario, make_scenario
 
 COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
 # Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
+MOST_POINTS = 100  # drawn for each box; more would only cover each other
 FITNESS_MARGIN = 0.01
 # Iterations up to which an axis is linear, where the first few matter most.
 LINEAR_ITERATIONS = 10
@@ -167,7 +168,7 @@ def draw_best_paths(case: Case) -> Figure:
 
 
 def draw_box_plots(case: Case) -> Figure:
-    """Final fitness and evaluations of every run, by controller."""
+    """Final fitness and evaluations of the runs, by controller."""
     figure = new_figure(10.0, 4.2)
     fitness, evaluations = figure.subplots(1, 2)
     groups = case.runs.values()
@@ -177,7 +178,9 @@ def draw_box_plots(case: Case) -> Figure:
     _scale_fitness(fitness, case, "final fitness")
     evaluations.set(ylim=(0.0, None), ylabel="fitness evaluations")
     evaluations.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
-    figure.suptitle(f"Final fitness and cost on {case.title}: quartiles, and every run")
+    number = max(map(len, groups))
+    shown = "every run" if number <= MOST_POINTS else f"{MOST_POINTS} of {number} runs"
+    figure.suptitle(f"Final fitness and cost on {case.title}: quartiles, and {shown}")
     legend_below(figure)
     return figure
 
@@ -243,7 +246,7 @@ def _draw_course(
 
 
 def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
-    """Draw quartiles, whiskers within 1.5 times their range, and all values of a sample per controller."""
+    """Draw quartiles, whiskers within 1.5 times their range, and first values of a sample per controller."""
     # `Axes.boxplot` looks up all settings, the backend too, and so would import pyplot.
     boxes = zip(case.runs, samples, boxplot_stats(samples), strict=True)
     for place, (controller, values, box) in enumerate(boxes, start=1):
@@ -253,8 +256,9 @@ def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
         axes.bar(place, high - low, 0.55, low, color=face, edgecolor=ink, linewidth=0.8)
         axes.vlines([place] * 2, [box["whislo"], high], [low, box["whishi"]], colors=ink, linewidth=0.8)
         axes.hlines(box["med"], place - 0.275, place + 0.275, colors="black", linewidth=1.6)
-        x = place + np.linspace(-0.2, 0.2, len(values))
-        axes.plot(x, values, style.marker, color=style.colour, markersize=3, alpha=0.8, zorder=3)
+        points = values[:MOST_POINTS]
+        x = place + np.linspace(-0.2, 0.2, len(points))
+        axes.plot(x, points, style.marker, color=style.colour, markersize=3, alpha=0.8, zorder=3)
     names = [label(controller) for controller in case.runs]
     axes.set_xticks(range(1, len(names) + 1), names, rotation=30, rotation_mode="anchor", ha="right")
     axes.grid(axis="x", visible=False)

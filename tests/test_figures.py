@@ -277,6 +277,17 @@ def test_box_plots_show_every_run(cases):
     ]
 
 
+def test_box_plots_of_many_runs_show_some_of_them_and_say_so(cases, monkeypatch):
+    monkeypatch.setattr("experiments.drawings.MOST_POINTS", 3)
+    case = cases["case2"]
+    figure = draw_box_plots(case)
+    values = [run.final_fitness for run in case.runs[CONTROLLERS[0]]]
+    assert list(figure.axes[0].lines[0].get_ydata()) == values[:3]
+    box = figure.axes[0].patches[0].get_bbox()
+    assert (box.y0, box.y1) == pytest.approx(tuple(np.quantile(values, [0.25, 0.75])))
+    assert f"3 of {NUM_SEEDS} runs" in figure.get_suptitle()
+
+
 def test_snapshots_show_every_member_and_tell_the_colliding_ones_apart(results):
     snapshots = load_snapshots(SUITE, results)
     ((key, kept),) = snapshots.items()
