@@ -2,7 +2,9 @@
 
 import copy
 import hashlib
+import os
 import pickle
+import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -109,16 +111,32 @@ def fingerprint():
     return digest.hexdigest()
 
 
-def test_in_a_subprocess():
+def fingerprint_elsewhere(**environment):
     code = "from test_determinism import fingerprint; print(fingerprint())"
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=Path(__file__).parent,
+        env={**os.environ, **environment},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert done.stdout.strip() == fingerprint()
+    return done.stdout.strip()
+
+
+def test_in_a_subprocess():
+    assert fingerprint_elsewhere() == fingerprint()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
+@pytest.mark.parametrize("processor", ["x86-64", "haswell"])
+def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
+    # Two and four lanes at a time instead of, perhaps, eight; whatever the processor here is called.
+    found = fingerprint_elsewhere(
+        NUMBA_CPU_NAME=processor, NUMBA_CPU_FEATURES="", SWARM_GYM_CACHE=str(tmp_path)
+    )
+    assert found == fingerprint()
 
 
 def test_different_seeds_differ(singles):
