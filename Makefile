@@ -6,6 +6,7 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 
 .DEFAULT_GOAL := help
+.NOTPARALLEL:
 .PHONY: help install study test test-slow test-checked test-lowest check format benchmark benchmark-peers \
     docs-results clean
 

@@ -13,7 +13,14 @@ import tyro
 from tqdm import tqdm
 
 from experiments.speed import environments, growth, moves, start, threads, training
-from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
+from experiments.speed.measurement import (
+    Measurement,
+    Quantity,
+    machine,
+    measure,
+    read_measurements,
+    write_measurements,
+)
 from experiments.speed.page import write_page
 from swarm_gym.checks import look_up
 from swarm_gym.errors import UnknownNameError
@@ -47,7 +54,7 @@ class BenchmarkConfig:
     output: Path = Path("results/benchmark")
     """Where benchmark.json, a page with all tables and the figure of growth go."""
     groups: tuple[str, ...] = tuple(GROUPS)
-    """What to measure."""
+    """What to measure; other groups that were measured with the same version are kept."""
     repeats: int = 5
     """Runs per figure."""
 
@@ -69,6 +76,14 @@ def run_benchmark(config: BenchmarkConfig) -> dict[str, list[Measurement]]:
     return {name: measured[name] + group.summary(measured[name]) for name, group in groups.items()}
 
 
+def measured_before(file: Path) -> dict[str, list[Measurement]]:
+    """Groups in the file, where they are of the same machine and version; they are kept."""
+    if not file.exists():
+        return {}
+    there, groups = read_measurements(file)
+    return groups if there == machine() else {}
+
+
 def main() -> None:
     """Measure, print and store."""
     config = tyro.cli(BenchmarkConfig, description=__doc__)
@@ -76,8 +91,12 @@ def main() -> None:
         measured = run_benchmark(config)
     except UnknownNameError as error:
         raise SystemExit(f"error: {error}") from error
-    write_measurements(config.output / "benchmark.json", measured)
-    page = write_page(config.output)
+    file = config.output / "benchmark.json"
+    write_measurements(file, measured_before(file) | measured)
+    try:
+        page = write_page(config.output)
+    except ValueError as error:
+        raise SystemExit(f"error: {error}") from error
     print(page.read_text(encoding="utf-8"))
     print(f"written: {page}")
 

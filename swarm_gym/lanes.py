@@ -1,7 +1,8 @@
 """Eight numbers at once: what lets kernels use the vector instructions of a processor.
 
-A value of lanes holds eight float64, uint64 or truth values. Arithmetic and comparisons are written as for
-plain numbers (`left + rise * share`, also with a number on one side) and act on each lane alone. LLVM turns
+A value of lanes holds eight float64 ("floats"), uint64 ("words") or truth values (a "mask"). Arithmetic and
+comparisons are written as for plain numbers (`left + rise * share`, also with a number on one side) and
+act on each lane alone. Lanes are values: `a = a + b`, not `a += b`. LLVM turns
 them into vector instructions of whatever width the processor has. Since nothing is left to a vectorising
 compiler, the bits are the same on all of them, and sums have the order of `total`.
 
@@ -33,7 +34,7 @@ def padded(length: int) -> int:
 
 
 def load(array: NDArray, index: int) -> Lanes:
-    """Eight neighbours of a one-dimensional array from `index` on, or a row of a (rows, 8) array."""
+    """Eight neighbours of a one-dimensional array from `index` (not negative) on, or a row of (rows, 8)."""
     return array[index : index + NUM_LANES].copy() if array.ndim == 1 else array[index].copy()
 
 
@@ -51,22 +52,22 @@ def store(array: NDArray, index: int, lanes: Lanes) -> None:
 
 
 def broadcast(value: float) -> Lanes:
-    """The same number in all lanes."""
-    return np.full(NUM_LANES, value)
+    """The same float in all lanes."""
+    return np.full(NUM_LANES, value, dtype=np.float64)
 
 
 def where(mask: Any, yes: Any, no: Any) -> Any:
-    """Lanes of `yes` where the mask is true, else of `no`; or the same of three single values."""
-    return np.where(mask, yes, no)
+    """Floats of `yes` where the mask is true, else of `no`, lanes or numbers; or the same of one number."""
+    return np.where(mask, yes, no)[()]
 
 
 def maximum(a: Any, b: Any) -> Any:
-    """The larger of each pair, or of two numbers; `b` where they are equal."""
+    """The larger of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
     return where(a > b, a, b)
 
 
 def minimum(a: Any, b: Any) -> Any:
-    """The smaller of each pair, or of two numbers; `b` where they are equal."""
+    """The smaller of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
     return where(a < b, a, b)
 
 
@@ -105,6 +106,7 @@ class LanesType(types.Type):
 
 
 FLOATS = LanesType(types.float64)
+WORDS = LanesType(types.uint64)
 MASK = LanesType(types.boolean)
 
 _ELEMENTS = {types.float64: ir.DoubleType(), types.uint64: ir.IntType(64), types.boolean: ir.IntType(1)}
@@ -132,15 +134,40 @@ def _splat(builder: Any, value: Any, lanes: LanesType) -> Any:
     return builder.shuffle_vector(one, one, _lane_numbers(*[0] * NUM_LANES))
 
 
-def _compile(function: Callable, compiled: Callable, accepts: Callable[..., bool] = lambda *_: True) -> None:
+def _compile(function: Callable, compiled: Callable, accepts: Callable[..., bool]) -> None:
     """Register the compiled form of a function for the types that it accepts."""
     overload(function, strict=False, jit_options={"forceinline": True})(
         lambda *kinds: compiled if accepts(*kinds) else None
     )
 
 
-def _any_lanes(*kinds: Any) -> bool:
-    return any(isinstance(kind, LanesType) for kind in kinds)
+def _are(*lanes: LanesType) -> Callable[..., bool]:
+    return lambda *kinds: kinds == lanes
+
+
+def _is_number(kind: Any) -> bool:
+    return isinstance(kind, types.Float | types.Integer)
+
+
+def _goes_with(lanes: LanesType, other: Any) -> bool:
+    """Whether an operand can stand beside lanes: lanes of the same kind, or a number that can be one."""
+    if other == lanes:
+        return True
+    return _is_number(other) if lanes == FLOATS else lanes == WORDS and other == types.uint64
+
+
+def _operands(*allowed: LanesType) -> Callable[[Any, Any], bool]:
+    def accepts(a: Any, b: Any) -> bool:
+        lanes, other = (a, b) if isinstance(a, LanesType) else (b, a)
+        return lanes in allowed and _goes_with(lanes, other)
+
+    return accepts
+
+
+def _as_lanes(context: Any, builder: Any, value: Any, kind: Any, lanes: LanesType) -> Any:
+    if isinstance(kind, LanesType):
+        return value
+    return _splat(builder, context.cast(builder, value, kind, lanes.dtype), lanes)
 
 
 def _binary(emit: Callable[[Any, bool], Callable], result: LanesType | None = None) -> Any:
@@ -152,34 +179,14 @@ def _binary(emit: Callable[[Any, bool], Callable], result: LanesType | None = No
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             vectors = [
-                value
-                if isinstance(kind, LanesType)
-                else _splat(builder, context.cast(builder, value, kind, lanes.dtype), lanes)
+                _as_lanes(context, builder, value, kind, lanes)
                 for value, kind in zip(arguments, signature.args, strict=True)
             ]
-            return emit(builder, lanes.dtype is types.float64)(*vectors)
+            return emit(builder, lanes == FLOATS)(*vectors)
 
         return (result or lanes)(a, b), generate
 
-    return instruction
-
-
-def _overload_operator(function: Callable, instruction: Any) -> None:
-    _compile(function, lambda a, b: instruction(a, b), _any_lanes)
-
-
-_ARITHMETIC: dict[Callable, tuple[str, str]] = {  # instructions for floats and for words
-    operator.add: ("fadd", "add"),
-    operator.sub: ("fsub", "sub"),
-    operator.mul: ("fmul", "mul"),
-    operator.truediv: ("fdiv", "udiv"),
-    operator.and_: ("and_", "and_"),
-    operator.or_: ("or_", "or_"),
-    operator.xor: ("xor", "xor"),
-    operator.lshift: ("shl", "shl"),
-    operator.rshift: ("lshr", "lshr"),
-}
-_COMPARISONS: dict[Callable, str] = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
+    return lambda a, b: instruction(a, b)
 
 
 def _arithmetic(of_floats: str, of_words: str) -> Callable[[Any, bool], Callable]:
@@ -192,28 +199,49 @@ def _comparison(sign: str) -> Callable[[Any, bool], Callable]:
     )
 
 
-for _function, _names in _ARITHMETIC.items():
-    _overload_operator(_function, _binary(_arithmetic(*_names)))
-for _function, _sign in _COMPARISONS.items():
-    _overload_operator(_function, _binary(_comparison(_sign), MASK))
+_compile(operator.truediv, _binary(_arithmetic("fdiv", "")), _operands(FLOATS))
+for _operator, _names in (
+    (operator.add, ("fadd", "add")),
+    (operator.sub, ("fsub", "sub")),
+    (operator.mul, ("fmul", "mul")),
+):
+    _compile(_operator, _binary(_arithmetic(*_names)), _operands(FLOATS, WORDS))
+for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operator.xor, "xor")):
+    _compile(_operator, _binary(_arithmetic("", _name)), _operands(WORDS, MASK))
+for _operator, _name in ((operator.lshift, "shl"), (operator.rshift, "lshr")):
+    _compile(_operator, _binary(_arithmetic("", _name)), _operands(WORDS))
+for _operator, _name in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+):
+    _compile(_operator, _binary(_comparison(_name), MASK), _operands(FLOATS, WORDS))
 
 
 def _pointer(context: Any, builder: Any, kind: Any, array: Any, index: Any, lanes: LanesType) -> Any:
     """Where the eight elements of `load` and `store` begin; checked where bounds checks are on."""
     struct = context.make_array(kind)(context, builder, array)
-    length = builder.extract_value(struct.shape, 0)
     if context.enable_boundscheck:
+        length = builder.extract_value(struct.shape, 0)
         cgutils.do_boundscheck(context, builder, index, length)
+        last = index.type(NUM_LANES - 1)
         if kind.ndim == 1:
-            last = builder.add(index, index.type(NUM_LANES - 1))
-            cgutils.do_boundscheck(context, builder, last, length)
+            cgutils.do_boundscheck(context, builder, builder.add(index, last), length)
+        else:
+            cgutils.do_boundscheck(context, builder, last, builder.extract_value(struct.shape, 1))
     if kind.ndim == 2:
-        index = builder.mul(index, index.type(NUM_LANES))
+        index = builder.mul(index, builder.extract_value(struct.shape, 1))
     return builder.bitcast(builder.gep(struct.data, [index]), _vector(lanes).as_pointer())
 
 
 def _holds_lanes(array: Any, *_: Any) -> bool:
-    return isinstance(array, types.Array) and array.layout == "C" and array.ndim in (1, 2)
+    return (
+        isinstance(array, types.Array)
+        and array.layout == "C"
+        and array.ndim in (1, 2)
+        and array.dtype in (types.float64, types.uint64)
+    )
 
 
 @intrinsic
@@ -230,8 +258,16 @@ def _load(context: Any, array: Any, index: Any) -> Any:
 
 
 _compile(load, lambda array, index: _load(array, index), _holds_lanes)
-_compile(read, lambda rows, row, lane: _load(rows, row), lambda *kinds: kinds[2] == types.none)
-_compile(read, lambda rows, row, lane: rows[row, lane], lambda *kinds: kinds[2] != types.none)
+_compile(
+    read,
+    lambda rows, row, lane: _load(rows, row),
+    lambda rows, row, lane: _holds_lanes(rows) and rows.ndim == 2 and lane == types.none,
+)
+_compile(
+    read,
+    lambda rows, row, lane: rows[row, lane],
+    lambda rows, row, lane: _holds_lanes(rows) and rows.ndim == 2 and lane != types.none,
+)
 
 
 @intrinsic
@@ -244,7 +280,11 @@ def _store(context: Any, array: Any, index: Any, lanes: Any) -> Any:
     return types.void(array, types.intp, lanes), generate
 
 
-_compile(store, lambda array, index, lanes: _store(array, index, lanes), _holds_lanes)
+_compile(
+    store,
+    lambda array, index, lanes: _store(array, index, lanes),
+    lambda array, index, lanes: _holds_lanes(array) and array.mutable and lanes == LanesType(array.dtype),
+)
 
 
 @intrinsic
@@ -255,20 +295,38 @@ def _broadcast(context: Any, value: Any) -> Any:
     return FLOATS(types.float64), generate
 
 
-_compile(broadcast, lambda value: _broadcast(value))
+_compile(broadcast, lambda value: _broadcast(value), _is_number)
 
 
 @intrinsic
 def _where(context: Any, mask: Any, yes: Any, no: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    lanes = next((kind for kind in (yes, no) if isinstance(kind, LanesType)), FLOATS)
+
+    def of_lanes(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        chosen = [_as_lanes(context, builder, arguments[k], signature.args[k], lanes) for k in (1, 2)]
+        return builder.select(arguments[0], *chosen)
+
+    def of_numbers(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.select(*arguments)
 
-    return yes(mask, yes, no), generate
+    if mask == MASK:
+        return lanes(mask, yes, no), of_lanes
+    return types.float64(types.boolean, types.float64, types.float64), of_numbers
 
 
-_compile(where, lambda mask, yes, no: _where(mask, yes, no))
-_compile(maximum, lambda a, b: where(a > b, a, b))
-_compile(minimum, lambda a, b: where(a < b, a, b))
+def _can_choose(mask: Any, yes: Any, no: Any) -> bool:
+    if mask == types.boolean:
+        return _is_number(yes) and _is_number(no)
+    lanes = next((kind for kind in (yes, no) if isinstance(kind, LanesType)), FLOATS)
+    return mask == MASK and lanes != MASK and _goes_with(lanes, yes) and _goes_with(lanes, no)
+
+
+_compile(where, lambda mask, yes, no: _where(mask, yes, no), _can_choose)
+for _function, _choose in (
+    (maximum, lambda a, b: where(a > b, a, b)),
+    (minimum, lambda a, b: where(a < b, a, b)),
+):
+    _compile(_function, _choose, lambda a, b: _operands(FLOATS)(a, b) or (_is_number(a) and _is_number(b)))
 
 
 @intrinsic
@@ -283,19 +341,19 @@ def _square_root(context: Any, lanes: Any) -> Any:
     return lanes(lanes), generate
 
 
-_compile(square_root, lambda lanes: _square_root(lanes))
+_compile(square_root, lambda lanes: _square_root(lanes), _are(FLOATS))
 
 
 @intrinsic
 def _as_float(context: Any, words: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        # Signed, since that is one instruction.
+        # Signed, for which some processors have one instruction for all lanes.
         return builder.sitofp(arguments[0], _vector(FLOATS))
 
     return FLOATS(words), generate
 
 
-_compile(as_float, lambda words: _as_float(words))
+_compile(as_float, lambda words: _as_float(words), _are(WORDS))
 
 
 @intrinsic
@@ -311,7 +369,7 @@ def _total(context: Any, lanes: Any) -> Any:
     return types.float64(lanes), generate
 
 
-_compile(total, lambda lanes: _total(lanes))
+_compile(total, lambda lanes: _total(lanes), _are(FLOATS))
 
 
 @intrinsic
@@ -323,4 +381,4 @@ def _bits(context: Any, mask: Any) -> Any:
     return types.int64(mask), generate
 
 
-_compile(bits, lambda mask: _bits(mask))
+_compile(bits, lambda mask: _bits(mask), _are(MASK))

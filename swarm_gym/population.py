@@ -95,12 +95,12 @@ def add_members(
     upper: Floats,
 ) -> None:
     """Append up to `count` members uniform in [lower, upper], shape (C,), while the budget lasts."""
-    n = lower.shape[0]
+    width = lower.shape[0]
     for _ in range(min(count, swarms.budget[b] - swarms.evaluations[b])):
         member = swarms.size[b]
         fill_uniform(swarms.stream[b], work.noise)
         position = swarms.positions[b, member]
-        for k in range(n):
+        for k in range(width):
             position[k] = lower[k] + (upper[k] - lower[k]) * work.noise[k]  # eq. 12
             work.path[k + 1] = position[k]
         fitness, collision = evaluate_path(swarms, b, table, work)
@@ -133,15 +133,15 @@ def grow(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_size
 
     Where the population has no extent in a component, the bounds of the workspace stand in.
     """
-    size, n = swarms.size[b], swarms.positions.shape[2]
-    lower, upper = np.empty(n), np.empty(n)
-    for k in range(n):
+    size, width = swarms.size[b], swarms.positions.shape[2]
+    lower, upper = np.empty(width), np.empty(width)
+    for k in range(width):
         lower[k], upper[k] = math.inf, -math.inf
     for i in range(size):
-        for k in range(n):
+        for k in range(width):
             lower[k] = min(lower[k], swarms.positions[b, i, k])
             upper[k] = max(upper[k], swarms.positions[b, i, k])
-    for k in range(n):
+    for k in range(width):
         if lower[k] >= upper[k]:
             lower[k], upper[k] = table.lower[k], table.upper[k]
     add_members(swarms, b, table, work, new_size - size, lower, upper)

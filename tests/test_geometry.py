@@ -19,7 +19,7 @@ from builders import (
 
 from swarm_gym.problem import Problem
 from swarm_gym.problem.collision import clearing_shifts
-from swarm_gym.problem.waypoints import HEIGHT
+from swarm_gym.problem.waypoints import PRESENCE
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
 # Two waypoints: the middle one of three segments spans x in [0, 100], far above the line from start
@@ -47,10 +47,10 @@ def kernel_shifts(problem, y0, y1):
     """(up, down) of the pairs of the middle segment."""
     table = problem.table
     tiles = range(table.first_tile[0], table.first_tile[1])
-    height = table.rows[table.first_row[tiles.start : tiles.stop] + HEIGHT, 1]
+    present = table.rows[table.first_row[tiles.start : tiles.stop] + PRESENCE, 1]
     length = math.hypot(SPACING, y1 - y0)
     return [
-        clearing_shifts(table, tile, 1, y0, y1 - y0, length) for tile in tiles if height[tile] > -math.inf
+        clearing_shifts(table, tile, 1, y0, y1 - y0, length) for tile in tiles if present[tile] > -math.inf
     ]
 
 

@@ -4,8 +4,10 @@ import os
 import subprocess
 import sys
 
+import numba
 import numpy as np
 import pytest
+from numba.core.errors import TypingError
 
 from swarm_gym.jit import kernel
 from swarm_gym.lanes import (
@@ -123,6 +125,48 @@ def test_compiled_words_wrap_as_those_of_numpy(seed):
     assert kernel(floats_of_words)(a).tolist() == floats_of_words(a).tolist()
 
 
+def mixed(a, b, c):
+    x, out = load(a, 0), np.empty((4, 8))
+    store(out, 0, maximum(x, 0.5))
+    store(out, 1, minimum(0, x))
+    store(out, 2, where(x > b[0], 1, x))
+    store(out, 3, broadcast(maximum(a[0], 2) + where(a[1] > 0.0, 1, 2.5)))
+    return out
+
+
+@pytest.mark.parametrize("seed", range(9))
+def test_numbers_stand_beside_lanes(seed):
+    arrays = inputs(seed)
+    np.testing.assert_array_equal(kernel(mixed)(*arrays), mixed(*arrays))
+
+
+FLOATS, WORDS = np.arange(8.0), np.arange(8, dtype=np.uint64)
+READ_ONLY = np.arange(8.0)
+READ_ONLY.flags.writeable = False
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        pytest.param(lambda a: total(load(a, 0)), (np.ones(8, dtype=np.float32),), id="float32"),
+        pytest.param(lambda a: bits(load(a, 0)), (np.ones(8, dtype=np.bool_),), id="bool"),
+        pytest.param(lambda a: total(load(a, 0)), (np.ones(16)[::2],), id="strided"),
+        pytest.param(lambda a: total(read(a, 1, None)), (np.ones((8, 8)).T,), id="transposed rows"),
+        pytest.param(lambda a, b: store(a, 0, load(b, 0)), (FLOATS, WORDS), id="words into floats"),
+        pytest.param(lambda a: store(a, 0, load(a, 0)), (READ_ONLY,), id="read-only"),
+        pytest.param(lambda a: where(True, a, a), (FLOATS,), id="where of arrays"),
+        pytest.param(lambda a: maximum(a, a), (FLOATS,), id="maximum of arrays"),
+        pytest.param(lambda a: as_float(load(a, 0) * 0.5), (WORDS,), id="words and a float"),
+        pytest.param(lambda a: as_float(load(a, 0) / np.uint64(2)), (WORDS,), id="division of words"),
+        pytest.param(lambda a: bits((load(a, 0) > 1.0) + (load(a, 0) > 2.0)), (FLOATS,), id="sum of masks"),
+    ],
+)
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
+def test_what_would_read_or_mean_something_else_does_not_compile(function, arguments):
+    with pytest.raises(TypingError):
+        numba.njit(function)(*arguments)
+
+
 def test_a_total_adds_by_halves():
     values = np.array([1e16, 1.0, -1e16, 1.0, 3.0, 1e-3, 7.0, -1.0])
     v = values.tolist()
@@ -154,9 +198,10 @@ def reach(array, index, write):
         store(array, index, load(array, 0))
     return total(load(array, index))
 
-for shape, last in (((12,), 4), ((3, 8), 2)):
+for shape, last in (((12,), 4), ((3, 8), 2), ((3, 4), -1)):
     for write in (False, True):
-        reach(np.ones(shape), last, write)
+        if last >= 0:
+            reach(np.ones(shape), last, write)
         try:
             reach(np.ones(shape), last + 1, write)
         except IndexError as error:
@@ -173,4 +218,4 @@ def test_with_bounds_checks_on_no_lane_is_beyond_an_array():
         text=True,
         check=True,
     )
-    assert found.stdout.splitlines() == ["index is out of bounds"] * 4, found.stderr
+    assert found.stdout.splitlines() == ["index is out of bounds"] * 6, found.stderr

@@ -52,10 +52,10 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     publish(documents / "suite", documents / "speed")
     readme = (documents / "README.md").read_text()
     assert "content of summary.md" in readme
-    assert "| single environment, 60 members" not in readme
-    assert "| one environment of 60 members | 1.5 |" in readme
+    assert "| single environment, 30 members" not in readme
+    assert "| case1: niapy, cost in NumPy / swarm_gym | 1.5 | 1 to 2 |" in readme
     performance = (documents / "docs/performance.md").read_text()
-    assert "| single environment, 60 members | 1.5 | 1 to 2 |" in performance
+    assert "| single environment, 30 members | 1.5 | 1 to 2 |" in performance
     assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
     published = {p.name for p in (documents / "docs/results").iterdir()}
     assert published == {"README.md", "a.svg", "growth.svg"}

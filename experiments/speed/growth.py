@@ -22,7 +22,6 @@ class Axis:
     name: str
     values: tuple[int, ...]  # so large that what does not grow is small beside
     measured: str  # "move" or "iteration": what the time is of
-    expected: int  # exponent of the time
     options: Callable[[int], dict[str, Any]]
 
     def name_of_time(self, value: int) -> str:
@@ -49,22 +48,18 @@ def _options(**changes: Any) -> dict[str, Any]:
 
 
 AXES = (
-    Axis("waypoints", (127, 255, 511, 1023, 2047), "move", 1, lambda n: _options(num_waypoints=n)),
-    Axis(
-        "obstacles near a segment", (32, 64, 128, 256, 512), "move", 1, lambda k: _options(scenario=bars(k))
-    ),
+    Axis("waypoints", (127, 255, 511, 1023, 2047), "move", lambda n: _options(num_waypoints=n)),
+    Axis("obstacles near a segment", (32, 64, 128, 256, 512), "move", lambda k: _options(scenario=bars(k))),
     Axis(
         "members",
         (192, 384, 768, 1536, 3072),
         "iteration",
-        2,
         lambda m: _options(initial_population_size=m, max_population_size=m),
     ),
     Axis(
         "swarms",
         (16, 64, 256, 1024, 4096),
         "iteration",
-        1,
         lambda b: _options(num_envs=b, initial_population_size=30),
     ),
 )

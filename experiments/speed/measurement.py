@@ -7,17 +7,18 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
 
+from agents.provenance import provenance
 from swarm_gym.files import write_atomically
 
 ALL_THREADS = numba.config.NUMBA_NUM_THREADS
 CASES = ("case1", "case2", "case3")
+NUMPY_COST = "niapy, cost in NumPy"
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def machine() -> dict[str, Any]:
         "processor": _processor(),
         "threads": ALL_THREADS,
         "python": platform.python_version(),
-        **{name: version(name) for name in ("numba", "numpy")},
+        **provenance("numba", "numpy"),
     }
 
 
@@ -117,5 +118,14 @@ def read_measurements(file: Path) -> tuple[dict[str, Any], dict[str, list[Measur
 
 
 def medians(measurements: Iterable[Measurement]) -> dict[str, float]:
-    """Medians by name."""
-    return {measurement.name: measurement.median for measurement in measurements}
+    """Medians by name.
+
+    Raises:
+        ValueError: if two have the same name.
+    """
+    found: dict[str, float] = {}
+    for measurement in measurements:
+        if measurement.name in found:
+            raise ValueError(f"{measurement.name!r} was measured twice")
+        found[measurement.name] = measurement.median
+    return found

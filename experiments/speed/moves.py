@@ -47,9 +47,9 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
     return [*ratios, derived("move with evaluation, mean of the cases", "us", float(np.mean(ours)))]
 
 
-def per_move(case: str, repair_degree: float) -> Callable[[], float]:
-    """A whole FA-60 run of 100 iterations in a single environment, per firefly move with evaluation."""
-    env = SwarmEnv(scenario=case, initial_population_size=SIZE)
+def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable[[], float]:
+    """The iterations of an FA-60 run in a single environment, per firefly move with evaluation."""
+    env = SwarmEnv(scenario=case, initial_population_size=SIZE, iterations=iterations)
 
     def once() -> float:
         _, first = env.reset(seed=0)
@@ -61,13 +61,14 @@ def per_move(case: str, repair_degree: float) -> Callable[[], float]:
     return once
 
 
-def numpy_per_move(case: str) -> Callable[[], float]:
-    """The same moves in NumPy, over one iteration of 60 fireflies."""
+def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
+    """The same in NumPy."""
 
     def once() -> float:
         swarm = NumpyFirefly(Problem(make_scenario(case)), SIZE, seed=0)
         before, begin = swarm.evaluations, time.perf_counter()
-        swarm.iterate()
+        for _ in range(iterations):
+            swarm.iterate()
         return (time.perf_counter() - begin) / (swarm.evaluations - before) * 1e6
 
     return once

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.problem import Problem
+from swarm_gym.problem.pairs import Pair
 
 Floats = NDArray[np.float64]
 
@@ -16,44 +17,56 @@ class NumpyFirefly:
     """FA with the SPSFA paper's parameters on circles and polygons, without repair."""
 
     def __init__(self, problem: Problem, size: int, seed: int):
-        self.table = problem.table
+        table = problem.table
+        self.spacing, self.length_weight = float(table.spacing), float(table.length_weight)
         self.lower, self.upper = problem.bounds
         self.generator = np.random.default_rng(seed)
-        pairs = problem.pairs
-        self.segment = np.array([pair.segment for pair in pairs], dtype=np.int64)
-        self.is_circle = np.array([pair.circle is not None for pair in pairs], dtype=np.bool_)
-        self.circle = np.array([pair.circle or (0.0,) * 5 for pair in pairs]).reshape(-1, 5)
-        # Corners as a rectangle (pairs, most, 3); the missing ones repeat the last.
-        most = max((len(pair.corners) for pair in pairs), default=0) or 1
-        corners = [(pair.corners or ((0.0,) * 3,)) for pair in pairs]
-        self.corner = np.array([[c[min(k, len(c) - 1)] for k in range(most)] for c in corners]).reshape(
-            -1, most, 3
-        )
+        self._tabulate([pair for pair in problem.pairs if pair.circle], problem.pairs)
+        self.path = np.zeros(problem.num_waypoints + 2)
         low, high = problem.initial_bounds
         self.positions = low + (high - low) * self.generator.random((size, len(low)))
         self.fitness = np.array([self.evaluate(x) for x in self.positions])
         self.evaluations = size
 
+    def _tabulate(self, circles: list[Pair], pairs: list[Pair]) -> None:
+        """Arrays over the pairs with circles, and over those with polygons: what does not change."""
+        polygons = [pair for pair in pairs if not pair.circle]
+        self.circle_segment = np.array([pair.segment for pair in circles], dtype=np.int64)
+        columns = np.array([pair.circle for pair in circles]).reshape(-1, 5).T
+        self.x, self.y, self.radius, self.begin, self.end = np.ascontiguousarray(columns)
+        self.squared_radius = self.radius**2
+        self.polygon_segment = np.array([pair.segment for pair in polygons], dtype=np.int64)
+        # Corners as a rectangle (3, pairs, most); the missing ones repeat the last.
+        most = max((len(pair.corners) for pair in polygons), default=1)
+        corners = [[p.corners[min(k, len(p.corners) - 1)] for k in range(most)] for p in polygons]
+        self.corner_x, self.corner_top, self.corner_bottom = (
+            np.array(corners).reshape(-1, most, 3).transpose(2, 0, 1).copy()
+        )
+
     def evaluate(self, position: Floats) -> float:
         """Fitness of one member, shape (n,)."""
-        table = self.table
-        path = np.concatenate([[0.0], position, [0.0]])
-        rise = np.diff(path)
-        lengths = np.sqrt(table.spacing**2 + rise**2)
-        left, slope = path[self.segment], rise[self.segment] / table.spacing
-        cosine = table.spacing / lengths[self.segment]
-        x, y, radius, begin, end = self.circle.T
-        touch = radius * slope * cosine
-        u, v = np.clip(-touch, begin, end), np.clip(touch, begin, end)
-        circle_up = y + np.sqrt(radius**2 - u**2) - (left + slope * (x + u))
-        circle_down = left + slope * (x + v) - (y - np.sqrt(radius**2 - v**2))
-        heights = left[:, None] + slope[:, None] * self.corner[..., 0]
-        polygon_up = (self.corner[..., 1] - heights).max(axis=1)
-        polygon_down = (heights - self.corner[..., 2]).max(axis=1)
-        up = np.where(self.is_circle, circle_up, polygon_up)
-        down = np.where(self.is_circle, circle_down, polygon_down)
-        collision = np.where((up > 0) & (down > 0), np.minimum(up, down) * cosine, 0.0).sum()
-        return float(table.length_weight * lengths.sum() + (1 - table.length_weight) * collision)
+        path = self.path
+        path[1:-1] = position
+        rise = path[1:] - path[:-1]
+        lengths = np.sqrt(self.spacing**2 + rise * rise)
+        slope, cosine = rise / self.spacing, self.spacing / lengths
+        collision = 0.0
+        if len(self.circle_segment):
+            segment = self.circle_segment
+            left, incline, c = path[segment], slope[segment], cosine[segment]
+            touch = self.radius * incline * c
+            u = np.minimum(np.maximum(-touch, self.begin), self.end)
+            v = np.minimum(np.maximum(touch, self.begin), self.end)
+            up = self.y + np.sqrt(self.squared_radius - u * u) - (left + incline * (self.x + u))
+            down = left + incline * (self.x + v) - (self.y - np.sqrt(self.squared_radius - v * v))
+            collision += np.maximum(np.minimum(up, down), 0.0) @ c
+        if len(self.polygon_segment):
+            segment = self.polygon_segment
+            heights = path[segment, None] + slope[segment, None] * self.corner_x
+            up = (self.corner_top - heights).max(axis=1)
+            down = (heights - self.corner_bottom).max(axis=1)
+            collision += np.maximum(np.minimum(up, down), 0.0) @ cosine[segment]
+        return float(self.length_weight * lengths.sum() + (1 - self.length_weight) * collision)
 
     def iterate(self) -> None:
         """One iteration: every firefly moves towards every brighter one and is evaluated at once."""
@@ -65,6 +78,6 @@ class NumpyFirefly:
                     attraction = 0.1 * np.exp(-5e-6 * (difference @ difference))
                     noise = 2.0 * (self.generator.random(len(difference)) - 0.5)
                     moved = positions[i] + attraction * difference + noise
-                    positions[i] = np.clip(moved, self.lower, self.upper)
+                    positions[i] = np.minimum(np.maximum(moved, self.lower), self.upper)
                     fitness[i] = self.evaluate(positions[i])
                     self.evaluations += 1

@@ -6,12 +6,13 @@ from typing import Any
 from experiments.figure_style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
 from experiments.speed import growth
 from experiments.speed.environments import name as vector_name
-from experiments.speed.measurement import CASES, Measurement, medians, read_measurements
-from experiments.speed.start import CAPACITY, MANY_SWARMS
-from experiments.speed.threads import against_processes_name, thread_name
+from experiments.speed.measurement import CASES, NUMPY_COST, Measurement, medians, read_measurements
+from experiments.speed.start import PEAK_OF_MANY
+from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table
 from swarm_gym.files import write_atomically
 
+COLUMNS = ("quantity", "median", "range", "unit")
 CAPTIONS = {
     "moves": "A move, a whole run, and the parts of a move",
     "environments": "Steps per second",
@@ -28,12 +29,15 @@ def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measuremen
 
     Raises:
         OSError: if there is no benchmark in the folder.
-        ValueError: if a file there is not a benchmark's.
+        ValueError: if a file there is not a benchmark's, or of another machine or version than the other.
     """
     machine, groups = read_measurements(folder / "benchmark.json")
     peers = folder / "peers.json"
     if peers.exists():
-        groups |= read_measurements(peers)[1]
+        theirs, measured = read_measurements(peers)
+        if theirs != machine:
+            raise ValueError(f"{peers} is of another machine or version: {theirs}, not {machine}")
+        groups |= measured
     return machine, groups
 
 
@@ -57,22 +61,19 @@ def describe(machine: dict[str, Any]) -> str:
     """The machine in a sentence."""
     return (
         f"{machine['processor']} ({machine['machine']}), {machine['threads']} threads; "
-        f"Python {machine['python']}, Numba {machine['numba']}, NumPy {machine['numpy']}"
+        f"Python {machine['python']}, Numba {machine['numba']}, NumPy {machine['numpy']}, "
+        f"commit {machine['commit'][:7]}"
     )
 
 
 def table(group: str, measurements: list[Measurement]) -> Table:
     """All quantities of a group."""
-    rows = [
-        (
-            m.name,
-            number(m.median),
-            "" if m.low == m.high else f"{number(m.low)} to {number(m.high)}",
-            m.unit,
-        )
-        for m in measurements
-    ]
-    return Table(group, CAPTIONS[group], ("quantity", "median", "range", "unit"), rows)
+    return Table(group, CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements])
+
+
+def _row(m: Measurement) -> tuple[str, ...]:
+    spread = "" if m.low == m.high else f"{number(m.low)} to {number(m.high)}"
+    return m.name, number(m.median), spread, m.unit
 
 
 def number(value: float) -> str:
@@ -81,53 +82,28 @@ def number(value: float) -> str:
 
 
 def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:
-    """The few quantities that tell most."""
-    found = medians(m for measurements in groups.values() for m in measurements)
-
-    def worst(pattern: str) -> float:
-        return max(found[pattern.format(case)] for case in CASES)
-
-    def least(pattern: str) -> float:
-        return min(found[pattern.format(case)] for case in CASES)
-
+    """The few quantities that tell most, each with the group that it is of."""
+    moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
+    peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
     threads = machine["threads"]
-    memory = f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints"
-    rows = [
-        ("move with evaluation, mean of the cases", found["move with evaluation, mean of the cases"], "us"),
-        ("NumPy's time per move over ours, least of the cases", least("{}: NumPy / swarm_gym"), "times"),
+    chosen = [
+        ("moves", "move with evaluation, mean of the cases"),
+        *moves,
+        *peers,
+        *(("moves", f"{case}: FA-60 run of 100 iterations") for case in CASES),
+        ("environments", "single environment, 60 members"),
+        *(("environments", vector_name(width, 60, threads)) for width in (64, 4096)),
+        *(("threads", m.name) for m in groups["threads"]),
+        ("start", PEAK_OF_MANY),
+        ("start", "import swarm_gym"),
+        ("start", "import and first step, single, kernels cached"),
+        ("start", "import and first step, single, nothing cached"),
+        ("training", PACE),
+        ("training", ENVIRONMENT),
     ]
-    if "peers" in groups:
-        rows += [
-            (f"{peer}: its time per evaluation over ours, least", least(f"{{}}: {peer} / swarm_gym"), "times")
-            for peer in ("niapy, cost in NumPy", "niapy, our compiled cost")
-        ]
-    rows += [
-        ("FA-60 run of 100 iterations, slowest case", worst("{}: FA-60 run of 100 iterations"), "ms"),
-        ("one environment of 60 members", found["single environment, 60 members"], "steps/s"),
-    ]
-    rows += [
-        (
-            f"{width} swarms of 60 members, {threads} threads",
-            found[vector_name(width, 60, threads)],
-            "steps/s",
-        )
-        for width in (64, 4096)
-    ]
-    if threads > 1:
-        rows += [(name, found[name], "%") for name in (thread_name(), against_processes_name())]
-    rows += [
-        (name, found[name], unit)
-        for name, unit in (
-            (memory, "MiB"),
-            ("import swarm_gym", "s"),
-            ("import and first step, single, kernels cached", "s"),
-            ("import and first step, single, nothing cached", "s"),
-            ("PPO training, 64 swarms of 60 members", "steps/s"),
-            ("share of the time in the environment, kernels included", "%"),
-        )
-    ]
-    cells = [(name, number(value), unit) for name, value, unit in rows]
-    return Table("headline", f"Speed on {describe(machine)}", ("quantity", "median", "unit"), cells)
+    by_name = {(group, m.name): m for group, measurements in groups.items() for m in measurements}
+    rows = [_row(by_name[key]) for key in chosen]
+    return Table("headline", f"Speed on {describe(machine)}", COLUMNS, rows)
 
 
 def growth_figure(measurements: list[Measurement]) -> dict[str, bytes]:

@@ -6,11 +6,13 @@ included. It runs with a cost function in NumPy, as a user would write it, and w
 asks for a NumPy below 1.27, which is older than what swarm_gym runs with.)
 """
 
-import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import tyro
 from niapy.algorithms.basic import FireflyAlgorithm
 from niapy.problems import Problem as NiapyProblem
 from niapy.task import Task
@@ -18,21 +20,33 @@ from tqdm import tqdm
 
 from experiments.speed.measurement import (
     CASES,
+    NUMPY_COST,
     Measurement,
     Quantity,
     derived,
     measure,
     medians,
+    seconds_of,
     write_measurements,
 )
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly
 from swarm_gym.problem import Problem
+from swarm_gym.problem.cost import evaluate
 from swarm_gym.scenarios import make_scenario
 
-OUTPUT = Path("results/benchmark/peers.json")
-REPEATS = 5
-NUMPY_COST, COMPILED_COST = "niapy, cost in NumPy", "niapy, our compiled cost"
+COMPILED_COST = "niapy, our compiled cost"
+ITERATIONS = 2
+
+
+@dataclass(frozen=True)
+class PeersConfig:
+    """Options of the comparison."""
+
+    output: Path = Path("results/benchmark")
+    """peers.json goes there."""
+    repeats: int = 5
+    """Runs per figure."""
 
 
 class PathProblem(NiapyProblem):
@@ -47,22 +61,50 @@ class PathProblem(NiapyProblem):
         return self.cost(x)
 
 
+def compiled_cost(problem: Problem) -> Callable[[Any], float]:
+    """The kernel, with as little Python around it as can be."""
+    path = np.zeros(len(problem.table.lower) + 1)
+    offsets, table = path[1 : problem.num_waypoints + 1], problem.table
+
+    def cost(x: Any) -> float:
+        offsets[:] = x
+        return evaluate(table, path)[0]
+
+    return cost
+
+
 def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
-    """Two iterations of FA-60 with the paper's parameters, per evaluation."""
+    """FA-60 with the paper's parameters and first population, per evaluation."""
     problem = Problem(make_scenario(case))
-    cost: Callable[[Any], float] = (
-        (lambda x: problem.evaluate(x)[0]) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
-    )
+    cost = compiled_cost(problem) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
+
+    def first_population(task: Any, population_size: int, rng: Any, **_: Any) -> Any:
+        population = rng.uniform(*problem.initial_bounds, (population_size, problem.num_waypoints))
+        return population, np.apply_along_axis(task.eval, 1, population)
 
     def once() -> float:
-        task = Task(PathProblem(problem, cost), max_iters=2)
-        width = task.range
+        task = Task(PathProblem(problem, cost), max_iters=ITERATIONS)
         algorithm = FireflyAlgorithm(
-            population_size=SIZE, alpha=2.0 / width, beta0=0.1, gamma=5e-6, theta=1.0, seed=0
+            population_size=SIZE,
+            alpha=2.0 / task.range,
+            beta0=0.1,
+            gamma=5e-6,
+            theta=1.0,
+            seed=0,
+            initialization_function=first_population,
         )
-        begin = time.perf_counter()
-        algorithm.run(task)
-        return (time.perf_counter() - begin) / task.evals * 1e6
+        return seconds_of(lambda: algorithm.run(task)) / task.evals * 1e6
+
+    return once
+
+
+def compiled_call(case: str) -> Callable[[], float]:
+    """What calling the compiled cost takes by itself, most of it the passage from Python."""
+    problem = Problem(make_scenario(case))
+    cost, x = compiled_cost(problem), np.zeros(problem.num_waypoints)
+
+    def once() -> float:
+        return seconds_of(lambda: [cost(x) for _ in range(10_000)]) / 10_000 * 1e6
 
     return once
 
@@ -70,10 +112,11 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
 def quantities() -> Iterator[Quantity]:
     """All of this group."""
     for case in CASES:
-        yield Quantity(f"{case}: swarm_gym", "us", per_move(case, 0.0))
-        yield Quantity(f"{case}: NumPy", "us", numpy_per_move(case))
+        yield Quantity(f"{case}: swarm_gym", "us", per_move(case, 0.0, ITERATIONS))
+        yield Quantity(f"{case}: NumPy", "us", numpy_per_move(case, ITERATIONS))
         yield Quantity(f"{case}: {NUMPY_COST}", "us", niapy_per_evaluation(case, compiled=False))
         yield Quantity(f"{case}: {COMPILED_COST}", "us", niapy_per_evaluation(case, compiled=True))
+        yield Quantity(f"{case}: of that, the call of the cost", "us", compiled_call(case))
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:
@@ -90,12 +133,14 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
 
 def main() -> None:
     """Measure, print and store."""
-    measured = [measure(q, REPEATS) for q in tqdm(list(quantities()), unit="quantity", desc="peers")]
+    config = tyro.cli(PeersConfig, description=__doc__)
+    measured = [measure(q, config.repeats) for q in tqdm(list(quantities()), unit="quantity", desc="peers")]
     measured += summary(measured)
-    write_measurements(OUTPUT, {"peers": measured})
+    file = config.output / "peers.json"
+    write_measurements(file, {"peers": measured})
     for m in measured:
         print(f"{m.name:45} {m.median:10.4g} {m.unit}")
-    print(f"written: {OUTPUT}")
+    print(f"written: {file}")
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ print(time.perf_counter() - begin)
 HEAVY = ("torch", "stable_baselines3", "matplotlib", "pandas", "scipy", "pygame")
 IMPORTED = f"import sys, swarm_gym; print(sum(name in sys.modules for name in {HEAVY!r}))"
 MANY_SWARMS, CAPACITY = 4096, 200
+PEAK_OF_MANY = f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints"
 PEAK_MEMORY = f"""
 import numpy as np
 from experiments.speed.start import peak_bytes
@@ -55,9 +56,7 @@ def quantities() -> Iterator[Quantity]:
     yield Quantity(
         "import and first step, vector, nothing cached", "s", first_step(FIRST_VECTOR_STEP, cold=True), 1
     )
-    yield Quantity(
-        f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints", "MiB", peak_mebibytes, 1
-    )
+    yield Quantity(PEAK_OF_MANY, "MiB", peak_mebibytes, 1)
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from multiprocessing.connection import Connection
+from multiprocessing.synchronize import Barrier
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from experiments.speed.environments import vector
 from experiments.speed.measurement import ALL_THREADS, Measurement, Quantity
 
 SIZE = 60
-WIDTH = 64
+SHARE = max(1, 64 // ALL_THREADS)  # swarms of a process
+WIDTH = SHARE * ALL_THREADS
 TURNS = 25
 
 Rates = np.ndarray  # (TURNS,) steps per second
@@ -25,11 +27,9 @@ Rates = np.ndarray  # (TURNS,) steps per second
 def quantities() -> Iterator[Quantity]:
     """All of this group; nothing where there is one core only."""
     if ALL_THREADS > 1:
-        yield Quantity(thread_name(), "%", lambda: _efficiency(_turns()[1]), 1)
-        yield Quantity(
-            f"the same of {ALL_THREADS} independent processes", "%", lambda: _efficiency(_turns()[2]), 1
-        )
-        yield Quantity(against_processes_name(), "%", _against_processes, 1)
+        yield Quantity(THREADS_OVER_ONE, "%", lambda: _efficiency(_turns()[1]), 1)
+        yield Quantity(PROCESSES_OVER_ONE, "%", lambda: _efficiency(_turns()[2]), 1)
+        yield Quantity(THREADS_OVER_PROCESSES, "%", _against_processes, 1)
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
@@ -37,14 +37,9 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG0
     return []
 
 
-def thread_name() -> str:
-    """Of the efficiency of threads against one thread."""
-    return f"parallel efficiency of {ALL_THREADS} threads, {WIDTH} swarms of {SIZE} members"
-
-
-def against_processes_name() -> str:
-    """Of the efficiency of threads against independent processes."""
-    return f"{ALL_THREADS} threads beside {ALL_THREADS} independent processes of half the swarms each"
+THREADS_OVER_ONE = f"parallel efficiency of {ALL_THREADS} threads, {WIDTH} swarms of {SIZE} members"
+PROCESSES_OVER_ONE = f"the same of {ALL_THREADS} independent processes of {SHARE} swarms each"
+THREADS_OVER_PROCESSES = "those threads over those processes"
 
 
 def _efficiency(together: Rates) -> list[float]:
@@ -60,20 +55,21 @@ def _against_processes() -> list[float]:
 def _turns() -> tuple[Rates, Rates, Rates]:
     """Steps per second of one thread, of all threads, and of all processes together."""
     one, threads = vector(WIDTH, SIZE, 1), vector(WIDTH, SIZE, ALL_THREADS)
-    with _processes() as together:
-        rates = np.array([(one(), threads(), together(), one()) for _ in range(TURNS)])
+    with processes(ALL_THREADS, SHARE, SIZE) as together:
+        rates = np.array([(one(), threads(), together(), one()) for _ in range(TURNS + 1)])[1:]
     return (rates[:, 0] + rates[:, 3]) / 2, rates[:, 1], rates[:, 2]
 
 
 @contextmanager
-def _processes() -> Iterator[Callable[[], float]]:
-    """A function that lets all processes run at the same time, and returns the sum of their rates."""
+def processes(number: int, width: int, size: int) -> Iterator[Callable[[], float]]:
+    """A function that lets so many processes run at the same time, and returns the sum of their rates."""
     context = multiprocessing.get_context("spawn")
-    pipes, processes = [], []
-    for _ in range(ALL_THREADS):
+    barrier = context.Barrier(number)
+    pipes, children = [], []
+    for _ in range(number):
         here, there = context.Pipe()
-        processes.append(context.Process(target=_run_on_demand, args=(there,)))
-        processes[-1].start()
+        children.append(context.Process(target=_run_on_demand, args=(there, barrier, width, size)))
+        children[-1].start()
         pipes.append(here)
 
     def together() -> float:
@@ -81,16 +77,18 @@ def _processes() -> Iterator[Callable[[], float]]:
             pipe.send(True)
         return sum(pipe.recv() for pipe in pipes)
 
-    together()  # now all are ready
     try:
         yield together
     finally:
-        for pipe, process in zip(pipes, processes, strict=True):
+        for pipe, child in zip(pipes, children, strict=True):
             pipe.send(False)
-            process.join()
+            child.join()
 
 
-def _run_on_demand(pipe: Connection) -> None:
-    once = vector(WIDTH // ALL_THREADS, SIZE, 1)
+def _run_on_demand(pipe: Connection, barrier: Barrier, width: int, size: int) -> None:
+    """Measure whenever asked to; all processes begin at the same time."""
+    once = vector(width, size, 1)
+    once()  # past the first steps of an episode
     while pipe.recv():
+        barrier.wait()
         pipe.send(once())

@@ -76,7 +76,7 @@ def iterate(
     """One iteration of swarm `b` (Algorithm 1); ends early where the evaluation budget is spent."""
     alpha, beta0, gamma = knobs[0], knobs[1], knobs[2]
     positions, fitness, collision = swarms.positions[b], swarms.fitness[b], swarms.collision[b]
-    size, columns = swarms.size[b], positions.shape[1]
+    stream, size, columns = swarms.stream[b], swarms.size[b], positions.shape[1]
     for i in range(size):
         for k in range(columns):
             work.path[k + 1] = positions[i, k]
@@ -84,7 +84,7 @@ def iterate(
             if fitness[j] < fitness[i]:
                 if swarms.evaluations[b] >= swarms.budget[b]:
                     break
-                fill_uniform(swarms.stream[b], work.noise)
+                fill_uniform(stream, work.noise)
                 move_towards(table, work, positions[j], alpha, beta0, gamma)
                 if repair_degree > 0.0:
                     repair(table, work.path, repair_degree)

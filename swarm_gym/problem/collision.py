@@ -42,7 +42,7 @@ def circle_shifts(
     """Shifts that clear circles; their rows begin at `row`.
 
     The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
-    of the line: at r sin from the centre. That tangent passes r / cos above the centre, so no root is needed.
+    of the line: at -r sin from the centre. That tangent passes r / cos above the centre: no root is needed.
     """
     from_centre = left - read(rows, row + CENTRE_Y, lane)
     begin = from_centre + rise * read(rows, row + BEGIN_SHARE, lane)
@@ -100,7 +100,7 @@ def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, l
     shifts = broadcast(0.0)
     for tile in range(table.first_tile[block], table.first_tile[block + 1]):
         up, down = clearing_shifts(table, tile, None, left, rise, length)
-        shifts = shifts + maximum(minimum(up, down), broadcast(0.0))
+        shifts = shifts + maximum(minimum(up, down), 0.0)
     return shifts
 
 

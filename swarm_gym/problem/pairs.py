@@ -53,8 +53,8 @@ def list_pairs(shapes: list[Shape], num_segments: int, spacing: float) -> list[P
     """All pairs, by segment and then in the order of the shapes."""
     pairs = []
     for segment in range(num_segments):
+        left, right = segment * spacing, (segment + 1) * spacing
         for shape in shapes:
-            left, right = segment * spacing, (segment + 1) * spacing
             pair = (
                 _with_circle(shape, segment, left, right)
                 if isinstance(shape, Circle)

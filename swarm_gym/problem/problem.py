@@ -12,7 +12,7 @@ from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.frame import Frame
 from swarm_gym.problem.pairs import Pair, list_pairs, shapes_in_frame
 from swarm_gym.problem.repair import repair
-from swarm_gym.problem.waypoints import WaypointTable, tabulate
+from swarm_gym.problem.waypoints import WaypointTable, spacing_of, tabulate
 from swarm_gym.scenarios import Scenario
 
 Floats = NDArray[np.float64]
@@ -39,13 +39,13 @@ class Problem:
     @cached_property
     def table(self) -> WaypointTable:
         """The problem as the kernels read it."""
-        return tabulate(self.scenario, self.num_waypoints, self.length_weight)
+        return tabulate(self.scenario, self.pairs, self.num_waypoints, self.length_weight)
 
     @cached_property
     def pairs(self) -> list[Pair]:
         """Segments of a path and the obstacles over them."""
-        segments = self.num_waypoints + 1
-        return list_pairs(shapes_in_frame(self.scenario), segments, self.scenario.straight_line / segments)
+        spacing = spacing_of(self.scenario, self.num_waypoints)
+        return list_pairs(shapes_in_frame(self.scenario), self.num_waypoints + 1, spacing)
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inlined_kernel
 from swarm_gym.lanes import NUM_LANES, bits, load, square_root
 from swarm_gym.problem.collision import clearing_shifts, smaller_shifts
-from swarm_gym.problem.waypoints import HEIGHT, WaypointTable
+from swarm_gym.problem.waypoints import PRESENCE, WaypointTable
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +25,8 @@ def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degr
     left, right = path[segment], path[segment + 1]
     before = right
     for tile in range(table.first_tile[block], table.first_tile[block + 1]):
-        if table.rows[table.first_row[tile] + HEIGHT, lane] == -math.inf:
-            continue  # no obstacle of this tile is over this segment
+        if table.rows[table.first_row[tile] + PRESENCE, lane] == -math.inf:
+            continue
         rise = right - left
         length = math.sqrt(table.squared_spacing[segment] + rise * rise)
         up, down = clearing_shifts(table, tile, lane, left, rise, length)

@@ -21,23 +21,25 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.jit import kernel
 from swarm_gym.lanes import NUM_LANES, padded
 from swarm_gym.problem.frame import Frame
-from swarm_gym.problem.pairs import Pair, Shape, extent_of_all, list_pairs, shapes_in_frame
+from swarm_gym.problem.pairs import Pair, Shape, extent_of_all, shapes_in_frame
 from swarm_gym.scenarios import Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Rows of a tile of circles. A share is a part of the segment, from its left end on; the chords are half those
-# of the circle at both ends of its overlap with the segment; a sine is the rise of a segment over its length.
+# of the circle at both ends of its overlap with the segment. A sine is the rise of a segment over its length:
+# between the lowest and the highest, the tangent at the top touches over the overlap (for the one at the
+# bottom, that of the mirrored segment).
 CENTRE_Y, BEGIN_CHORD, BEGIN_SHARE, END_SHARE, END_CHORD = range(5)
 CENTRE_SHARE, RADIUS_SHARE, LOWEST_SINE, HIGHEST_SINE = range(5, 9)
 CIRCLE_ROWS = 9
 # Rows of a corner of a tile of polygons.
 CORNER_SHARE, CORNER_TOP, CORNER_BOTTOM = range(3)
 CORNER_ROWS = 3
-# The row that is -inf, in tiles of both kinds, where a segment has no obstacle: nothing is low enough for it.
-HEIGHT = BEGIN_CHORD
-assert HEIGHT == CORNER_TOP
+# In tiles of both kinds, -inf in this row marks a segment without an obstacle.
+PRESENCE = BEGIN_CHORD
+assert PRESENCE == CORNER_TOP
 
 
 def columns(num_waypoints: int) -> int:
@@ -88,16 +90,22 @@ def stack(tables: list[WaypointTable]) -> WaypointTable:
     return WaypointTable._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
 
 
-def tabulate(scenario: Scenario, num_waypoints: int, length_weight: float) -> WaypointTable:
-    """The table of a scenario for a number of waypoints and a weight mu of the length."""
-    spacing = scenario.straight_line / (num_waypoints + 1)
+def spacing_of(scenario: Scenario, num_waypoints: int) -> float:
+    """The x' distance between waypoints."""
+    return scenario.straight_line / (num_waypoints + 1)
+
+
+def tabulate(
+    scenario: Scenario, pairs: list[Pair], num_waypoints: int, length_weight: float
+) -> WaypointTable:
+    """The table of a scenario, with its pairs, for a number of waypoints and a weight mu of the length."""
+    spacing = spacing_of(scenario, num_waypoints)
     shapes = shapes_in_frame(scenario)
     lower, upper = _bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1))
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
-    # The smallest length is lost in any sum of lengths, and can still be divided by.
+    # Beyond the path a length is not 0 but 1.5e-154: lost in the sum, and can be divided by.
     squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
     squared_spacing[: num_waypoints + 1] = spacing**2
-    pairs = list_pairs(shapes, num_waypoints + 1, spacing)
     first_tile, first_row, num_corners, rows = _lay_out(pairs, columns(num_waypoints) // NUM_LANES, spacing)
     return WaypointTable(
         float(spacing),
