@@ -1,14 +1,6 @@
-"""Eight numbers at once: what lets kernels use the vector instructions of a processor.
+"""The compiled forms of `functions` and of operators on lanes: a value of lanes is one LLVM vector.
 
-A value of lanes holds eight float64 ("floats"), uint64 ("words") or truth values (a "mask"). Arithmetic and
-comparisons are written as for plain numbers (`left + rise * share`, also with a number on one side) and
-act on each lane alone. Lanes are values: `a = a + b`, not `a += b`. LLVM turns
-them into vector instructions of whatever width the processor has. Since nothing is left to a vectorising
-compiler, the bits are the same on all of them, and sums have the order of `total`.
-
-Inside kernels only. Arrays that are padded to a multiple of eight need no loops over a remainder. With the
-JIT off, lanes are NumPy arrays of length eight and each function is what it says in Python; its compiled form
-is registered below.
+A function is registered for exactly those types for which its compiled form does what the Python form does.
 """
 
 import operator
@@ -16,85 +8,25 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
-from numpy.typing import NDArray
 
-NUM_LANES = 8
-
-Lanes = NDArray[Any]  # shape (8,)
-
-
-def padded(length: int) -> int:
-    """The least multiple of eight that is no less."""
-    return -(-length // NUM_LANES) * NUM_LANES
-
-
-def load(array: NDArray, index: int) -> Lanes:
-    """Eight neighbours of a one-dimensional array from `index` (not negative) on, or a row of (rows, 8)."""
-    return array[index : index + NUM_LANES].copy() if array.ndim == 1 else array[index].copy()
-
-
-def read(rows: NDArray, row: int, lane: int | None) -> Any:
-    """A row of a (rows, 8) array as lanes where `lane` is None, else one number of it."""
-    return rows[row].copy() if lane is None else rows[row, lane]
-
-
-def store(array: NDArray, index: int, lanes: Lanes) -> None:
-    """Write what `load` reads."""
-    if array.ndim == 1:
-        array[index : index + NUM_LANES] = lanes
-    else:
-        array[index] = lanes
-
-
-def broadcast(value: float) -> Lanes:
-    """The same float in all lanes."""
-    return np.full(NUM_LANES, value, dtype=np.float64)
-
-
-def where(mask: Any, yes: Any, no: Any) -> Any:
-    """Floats of `yes` where the mask is true, else of `no`, lanes or numbers; or the same of one number."""
-    return np.where(mask, yes, no)[()]
-
-
-def maximum(a: Any, b: Any) -> Any:
-    """The larger of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
-    return where(a > b, a, b)
-
-
-def minimum(a: Any, b: Any) -> Any:
-    """The smaller of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
-    return where(a < b, a, b)
-
-
-def square_root(lanes: Lanes) -> Lanes:
-    """Correctly rounded square roots."""
-    return np.sqrt(lanes)
-
-
-def as_float(words: Lanes) -> Lanes:
-    """Words below 2^63 as float64."""
-    return words.astype(np.float64)
-
-
-def total(lanes: Lanes) -> float:
-    """Sum of all lanes, by halves: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
-    while len(lanes) > 1:
-        half = len(lanes) // 2
-        lanes = lanes[:half] + lanes[half:]
-    return lanes[0]
-
-
-def bits(mask: Lanes) -> int:
-    """A mask as an integer: lane k is bit k."""
-    return int(np.packbits(mask, bitorder="little")[0])
-
-
-# The compiled forms. A value of lanes is one LLVM vector.
+from swarm_gym.lanes.functions import (
+    NUM_LANES,
+    as_float,
+    bits,
+    broadcast,
+    load,
+    maximum,
+    minimum,
+    read,
+    square_root,
+    store,
+    total,
+    where,
+)
 
 
 class LanesType(types.Type):
