@@ -93,7 +93,7 @@ def test_a_vector_is_measured_past_the_ends_of_episodes():
 
 
 def test_processes_run_side_by_side_and_end():
-    with threads.processes(2, 2, 4) as together:
+    with threads.processes(2, 2, 4, 100) as together:
         assert together() > 0
         assert together() > 0
     assert multiprocessing.active_children() == []

@@ -54,11 +54,14 @@ def single(size: int) -> Callable[[], float]:
     return once
 
 
-def vector(width: int, size: int, threads: int) -> Callable[[], float]:
-    """A native vector environment over the three cases; each call goes on where the last one ended."""
+def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Callable[[], float]:
+    """A native vector environment over the three cases; each call goes on where the last one ended.
+
+    A call takes as many steps as make about so many moves, and not more than an episode has.
+    """
     env: SwarmVectorEnv | None = None  # made when it is needed: some are large
     actions = np.tile([float(size), 0.0], (width, 1))
-    steps = int(min(LAST_STEP - FIRST_STEP, max(2, SHORT_RUN / (width * size**2 / 2))))
+    steps = int(min(LAST_STEP - FIRST_STEP, max(2, moves / (width * size**2 / 2))))
     done = LAST_STEP
 
     def once() -> float:

@@ -19,7 +19,8 @@ from experiments.speed.measurement import ALL_THREADS, Measurement, Quantity
 SIZE = 60
 SHARE = max(1, 64 // ALL_THREADS)  # swarms of a process
 WIDTH = SHARE * ALL_THREADS
-TURNS = 25
+TURNS = 15
+LONG_RUN = 5e6  # moves of a measurement: what disturbs a core for milliseconds shall not decide
 
 Rates = np.ndarray  # (TURNS,) steps per second
 
@@ -54,21 +55,21 @@ def _against_processes() -> list[float]:
 @cache
 def _turns() -> tuple[Rates, Rates, Rates]:
     """Steps per second of one thread, of all threads, and of all processes together."""
-    one, threads = vector(WIDTH, SIZE, 1), vector(WIDTH, SIZE, ALL_THREADS)
-    with processes(ALL_THREADS, SHARE, SIZE) as together:
+    one, threads = vector(WIDTH, SIZE, 1, LONG_RUN), vector(WIDTH, SIZE, ALL_THREADS, LONG_RUN)
+    with processes(ALL_THREADS, SHARE, SIZE, LONG_RUN / ALL_THREADS) as together:
         rates = np.array([(one(), threads(), together(), one()) for _ in range(TURNS + 1)])[1:]
     return (rates[:, 0] + rates[:, 3]) / 2, rates[:, 1], rates[:, 2]
 
 
 @contextmanager
-def processes(number: int, width: int, size: int) -> Iterator[Callable[[], float]]:
+def processes(number: int, width: int, size: int, moves: float) -> Iterator[Callable[[], float]]:
     """A function that lets so many processes run at the same time, and returns the sum of their rates."""
     context = multiprocessing.get_context("spawn")
     barrier = context.Barrier(number)
     pipes, children = [], []
     for _ in range(number):
         here, there = context.Pipe()
-        children.append(context.Process(target=_run_on_demand, args=(there, barrier, width, size)))
+        children.append(context.Process(target=_run_on_demand, args=(there, barrier, width, size, moves)))
         children[-1].start()
         pipes.append(here)
 
@@ -85,9 +86,9 @@ def processes(number: int, width: int, size: int) -> Iterator[Callable[[], float
             child.join()
 
 
-def _run_on_demand(pipe: Connection, barrier: Barrier, width: int, size: int) -> None:
+def _run_on_demand(pipe: Connection, barrier: Barrier, width: int, size: int, moves: float) -> None:
     """Measure whenever asked to; all processes begin at the same time."""
-    once = vector(width, size, 1)
+    once = vector(width, size, 1, moves)
     once()  # past the first steps of an episode
     while pipe.recv():
         barrier.wait()
