@@ -4,10 +4,9 @@ Every figure is the median of repeated runs, with the smallest and the largest b
 runs of one call of this program.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import tyro
 from tqdm import tqdm
@@ -27,23 +26,21 @@ from swarm_gym.errors import UnknownNameError
 from swarm_gym.warm_up import warm_up
 
 
-class Group(Protocol):
-    """What a file of `experiments.speed` offers."""
+@dataclass(frozen=True)
+class Group:
+    """What a file of `experiments.speed` measures, and what follows from that."""
 
-    def quantities(self) -> Iterator[Quantity]:
-        """What is to be measured."""
-
-    def summary(self, measurements: list[Measurement]) -> list[Measurement]:
-        """What follows from that."""
+    quantities: Callable[[], Iterator[Quantity]]
+    summary: Callable[[list[Measurement]], list[Measurement]] = lambda _: []
 
 
 GROUPS: dict[str, Group] = {
-    "moves": moves,
-    "environments": environments,
-    "threads": threads,
-    "growth": growth,
-    "start": start,
-    "training": training,
+    "moves": Group(moves.quantities, moves.summary),
+    "environments": Group(environments.quantities),
+    "threads": Group(threads.quantities),
+    "growth": Group(growth.quantities, growth.summary),
+    "start": Group(start.quantities),
+    "training": Group(training.quantities),
 }
 
 

@@ -13,6 +13,7 @@ from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms, adopt_population
 from swarm_gym.problem import Problem
+from swarm_gym.problem.problem import points_beside
 from swarm_gym.problem.waypoints import stack
 from swarm_gym.random_stream import seed_stream
 from swarm_gym.reference import known_optimum
@@ -157,11 +158,8 @@ class Simulation:
 
     def best_paths(self) -> Floats:
         """(B, n + 2, 2) best paths so far in map coordinates."""
-        n = self.settings.num_waypoints
-        offsets = np.zeros((self.num_swarms, n + 2, 1))
-        offsets[:, 1:-1, 0] = self.swarms.best_position[:, :n]
         lines, across = self._lines[self.swarms.problem], self._across[self.swarms.problem]
-        return lines + offsets * across
+        return points_beside(lines, across, self.swarms.best_position[:, : self.settings.num_waypoints])
 
     def positions(self, row: int) -> Floats:
         """Positions of the living members of a swarm, (size, n), a view."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import gymnasium
 import numpy as np
 
-from experiments.speed.measurement import ALL_THREADS, CASES, Measurement, Quantity
+from experiments.speed.measurement import ALL_THREADS, CASES, Quantity
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SIZES = (30, 60, 100)
@@ -24,11 +24,6 @@ def quantities() -> Iterator[Quantity]:
         for width in WIDTHS:
             for threads in THREADS:
                 yield Quantity(name(width, size, threads), "steps/s", vector(width, size, threads))
-
-
-def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
-    """Nothing follows."""
-    return []
 
 
 def name(width: int, size: int, threads: int) -> str:

@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from experiments.speed.measurement import Measurement, Quantity, run_python, seconds_of
+from experiments.speed.measurement import Quantity, run_python, seconds_of
 
 FIRST_STEP = """
 import time
@@ -57,11 +57,6 @@ def quantities() -> Iterator[Quantity]:
         "import and first step, vector, nothing cached", "s", first_step(FIRST_VECTOR_STEP, cold=True), 1
     )
     yield Quantity(PEAK_OF_MANY, "MiB", peak_mebibytes, 1)
-
-
-def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
-    """Nothing follows."""
-    return []
 
 
 def import_seconds() -> float:

@@ -14,7 +14,7 @@ from multiprocessing.synchronize import Barrier
 import numpy as np
 
 from experiments.speed.environments import vector
-from experiments.speed.measurement import ALL_THREADS, Measurement, Quantity
+from experiments.speed.measurement import ALL_THREADS, Quantity
 
 SIZE = 60
 SHARE = max(1, 64 // ALL_THREADS)  # swarms of a process
@@ -31,11 +31,6 @@ def quantities() -> Iterator[Quantity]:
         yield Quantity(THREADS_OVER_ONE, "%", lambda: _efficiency(_turns()[1]), 1)
         yield Quantity(PROCESSES_OVER_ONE, "%", lambda: _efficiency(_turns()[2]), 1)
         yield Quantity(THREADS_OVER_PROCESSES, "%", _against_processes, 1)
-
-
-def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
-    """Nothing follows."""
-    return []
 
 
 THREADS_OVER_ONE = f"parallel efficiency of {ALL_THREADS} threads, {WIDTH} swarms of {SIZE} members"

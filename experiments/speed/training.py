@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.speed.measurement import Measurement, Quantity
+from experiments.speed.measurement import Quantity
 
 PARTS = (
     "kernels",
@@ -27,11 +27,6 @@ def quantities() -> Iterator[Quantity]:
     for number, part in enumerate(PARTS):
         yield Quantity(f"share of the time in: {part}", "%", _share(number), 1)
     yield Quantity(ENVIRONMENT, "%", _environment_share, 1)
-
-
-def summary(measurements: list[Measurement]) -> list[Measurement]:  # noqa: ARG001
-    """Nothing follows."""
-    return []
 
 
 def _share(number: int) -> Callable[[], float]:

@@ -14,7 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.lanes import NUM_LANES, Lanes, broadcast, maximum, minimum, read, where
+from swarm_gym.lanes import (
+    NUM_LANES,
+    Lanes,
+    broadcast,
+    load,
+    maximum,
+    minimum,
+    read,
+    square_root,
+    where,
+)
 from swarm_gym.problem.waypoints import (
     BEGIN_CHORD,
     BEGIN_SHARE,
@@ -33,6 +43,15 @@ from swarm_gym.problem.waypoints import (
 )
 
 Floats = NDArray[np.float64]
+
+
+@inlined_kernel
+def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, Lanes, Lanes]:
+    """`left`, `rise` and `length` of the segments of a block; `path` as in `cost.evaluate`."""
+    first = block * NUM_LANES
+    left = load(path, first)
+    rise = load(path, first + 1) - left
+    return left, rise, square_root(load(table.squared_spacing, first) + rise * rise)
 
 
 @inlined_kernel

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.lanes import NUM_LANES, broadcast, load, square_root, total
-from swarm_gym.problem.collision import smaller_shifts
+from swarm_gym.lanes import NUM_LANES, broadcast, total
+from swarm_gym.problem.collision import segments_of, smaller_shifts
 from swarm_gym.problem.waypoints import WaypointTable
 
 # A member whose degree of collision is no larger is feasible (map units).
@@ -26,10 +26,7 @@ def evaluate(table: WaypointTable, path: NDArray[np.float64]) -> tuple[float, fl
     """
     lengths, cleared = broadcast(0.0), broadcast(0.0)
     for block in range(table.squared_spacing.shape[0] // NUM_LANES):
-        first = block * NUM_LANES
-        left = load(path, first)
-        rise = load(path, first + 1) - left
-        length = square_root(load(table.squared_spacing, first) + rise * rise)
+        left, rise, length = segments_of(table, path, block)
         lengths = lengths + length
         cleared = cleared + smaller_shifts(table, block, left, rise, length) / length
     collision = total(cleared) * table.spacing

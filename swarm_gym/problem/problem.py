@@ -18,6 +18,19 @@ from swarm_gym.scenarios import Scenario
 Floats = NDArray[np.float64]
 
 
+def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
+    """Paths (..., n + 2, 2) in map coordinates.
+
+    Args:
+        line: `Problem.line`, or an array of them with the leading axes of the offsets.
+        across: `Problem.across`, likewise.
+        offsets: decision vectors, shape (..., n).
+    """
+    y = np.zeros((*offsets.shape[:-1], line.shape[-2], 1))
+    y[..., 1:-1, 0] = offsets
+    return line + y * across
+
+
 @dataclass(frozen=True)
 class Problem:
     """Find the waypoint offsets, shape (num_waypoints,), of least fitness on a scenario.
@@ -97,10 +110,7 @@ class Problem:
 
     def points(self, offsets: ArrayLike) -> Floats:
         """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
-        offsets = np.asarray(offsets, dtype=np.float64)
-        y = np.zeros((*offsets.shape[:-1], self.num_waypoints + 2, 1))
-        y[..., 1:-1, 0] = offsets
-        return self.line + y * self.across
+        return points_beside(self.line, self.across, np.asarray(offsets, dtype=np.float64))
 
     def _path(self, offsets: ArrayLike) -> Floats:
         offsets = np.asarray(offsets, dtype=np.float64)

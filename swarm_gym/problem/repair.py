@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel
-from swarm_gym.lanes import NUM_LANES, bits, load, square_root
-from swarm_gym.problem.collision import clearing_shifts, smaller_shifts
+from swarm_gym.lanes import NUM_LANES, bits
+from swarm_gym.problem.collision import clearing_shifts, segments_of, smaller_shifts
 from swarm_gym.problem.waypoints import PRESENCE, WaypointTable
 
 Floats = NDArray[np.float64]
@@ -48,10 +48,7 @@ def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
     clearing shifts, to that side, and not out of the workspace.
     """
     for block in range(table.squared_spacing.shape[0] // NUM_LANES):
-        first = block * NUM_LANES
-        left = load(path, first)
-        rise = load(path, first + 1) - left
-        length = square_root(load(table.squared_spacing, first) + rise * rise)
+        left, rise, length = segments_of(table, path, block)
         contacts = bits(smaller_shifts(table, block, left, rise, length) > 0.0)
         if contacts == 0:
             continue
@@ -59,4 +56,4 @@ def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
         for lane in range(NUM_LANES):
             # What was seen of a segment holds as long as the one before it stays.
             if moved or (contacts >> lane) & 1:
-                moved = repair_segment(table, first + lane, path, repair_degree)
+                moved = repair_segment(table, block * NUM_LANES + lane, path, repair_degree)
