@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from agents.controller import Controller, SizeLimits
 from agents.fixed import Fixed, Random
+from agents.open_loop import load_open_loop
 from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
 from swarm_gym.checks import look_up
@@ -38,6 +39,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
         lambda limits: SelfAdaptiveSchedule(treats_infeasible_paths=True, limits=limits)
     ),
     "random": _no_argument(Random),
+    "open-loop": load_open_loop,
     "ppo": PPOController,
 }
 

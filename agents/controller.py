@@ -1,7 +1,8 @@
 """A controller: from what is seen of a swarm to its next population size and repair degree."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,24 +29,44 @@ class SizeLimits:
         return min(max(size, self.smallest), self.largest)
 
 
-@runtime_checkable
-class Controller(Protocol):
+class Controller(ABC):
     """Decides for many swarms at once; decisions for a swarm do not depend on the others.
 
     Attributes:
         observation: name of the observation layout that `act` expects.
+        action: name of the action layout that `act` answers in.
         initial_population_size: PS(0), to be given to the environment.
+        max_evaluations: evaluation budget of an episode, where the controller needs one.
+        price: what evaluations cost, where the controller sees it.
     """
 
-    observation: str
+    observation: str = "paper"
+    action: str = "natural"
     initial_population_size: int
+    max_evaluations: int | None = None
+    price: float | None = None
 
+    @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes of this many swarms; the random decisions of swarm b are seeded with seed + b."""
 
-    def act(self, observations: NDArray) -> Floats:
-        """Actions (num_swarms, 2), population size and phi in natural units.
+    @abstractmethod
+    def act(self, observations: NDArray) -> NDArray:
+        """Actions (num_swarms, number of decisions), in the layout `action`.
 
         Args:
             observations: shape (num_swarms, k), in the layout `observation`.
         """
+
+    def env_options(self) -> dict[str, Any]:
+        """What the environment has to be made with for this controller."""
+        options: dict[str, Any] = {
+            "observation": self.observation,
+            "action": self.action,
+            "initial_population_size": self.initial_population_size,
+        }
+        if self.max_evaluations is not None:
+            options["max_evaluations"] = self.max_evaluations
+        if self.price is not None:
+            options["price"] = self.price
+        return options

@@ -3,13 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Floats, SizeLimits
+from agents.controller import Controller, Floats, SizeLimits
 
 
-class Fixed:
+class Fixed(Controller):
     """A constant population size without repair: FA-60, FA-80 and FA-100 of the SPSFA paper."""
-
-    observation = "paper"
 
     def __init__(self, population_size: int, limits: SizeLimits = SizeLimits()):  # noqa: B008
         if not limits.smallest <= population_size <= limits.largest:
@@ -27,10 +25,8 @@ class Fixed:
         return np.tile([float(self.initial_population_size), 0.0], (len(observations), 1))
 
 
-class Random:
+class Random(Controller):
     """Uniform over all population sizes and phi: the floor of every comparison."""
-
-    observation = "paper"
 
     def __init__(self, limits: SizeLimits = SizeLimits()):  # noqa: B008
         self.limits = limits

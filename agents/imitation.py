@@ -1,17 +1,17 @@
 """Behaviour cloning: a policy learns a controller's decisions, and the value of following them."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from tqdm import trange
 
 from agents.controller import Controller
+from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TRAINING_START
-from swarm_gym.action import Normalised
+from swarm_gym.action import make_action
 from swarm_gym.observation import make_observation
 
 ROLLOUTS = 4
@@ -20,13 +20,22 @@ BATCH_SIZE = 512
 LEARNING_RATE = 1e-3
 
 
-def imitate(model: PPO, controller: Controller, env: VectorEnv) -> None:
+class Demonstration(NamedTuple):
+    """N steps of episodes."""
+
+    observations: NDArray  # (N, number of features)
+    actions: NDArray  # (N, k) without the noise
+    returns: NDArray  # (N,) rewards to come
+
+
+def imitate(model: PPO, controller: Controller | None, env: SB3VecEnv) -> None:
     """Fit actor and critic of `model` to what a controller decides in `env` and earns by it.
 
     Seeded by the model's own seed. The critic is fitted too: PPO that starts with an ignorant one
-    unlearns the actor first.
+    unlearns the actor first. Without a controller to imitate, the actor learns to correct nothing.
     """
-    observations, actions, returns = _demonstrate(controller, env, seed=_seed(model))
+    noise = float(np.exp(model.policy.log_std.detach().numpy().mean()))
+    observations, actions, returns = _demonstrate(controller, env, noise, _seed(model))
     generator = np.random.default_rng(_seed(model))
     policy = model.policy
     parameters = [p for name, p in policy.named_parameters() if name != "log_std"]
@@ -44,30 +53,34 @@ def imitate(model: PPO, controller: Controller, env: VectorEnv) -> None:
         optimizer.step()
 
 
-def _demonstrate(controller: Controller, env: VectorEnv, seed: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Observations, normalised actions and returns to come, over whole episodes of the controller."""
-    inner: Any = env.unwrapped
+def _demonstrate(controller: Controller | None, env: SB3VecEnv, noise: float, seed: int) -> Demonstration:
+    """Whole episodes, disturbed by the noise that the policy will explore with: its critic meets these."""
+    inner: Any = env.env.unwrapped
     simulation, settings = inner.simulation, inner.settings
-    layout, encode = make_observation(controller.observation), Normalised(settings).encode
+    generator = np.random.default_rng(seed)
+    layout = make_observation(controller.observation) if controller else None
+    action = make_action(settings, simulation.optimizer)
     steps = ROLLOUTS * settings.iterations
-    seen, decided, rewards, ends = [], [], [], []
-    observations, _ = env.reset(seed=seed)
-    controller.reset(env.num_envs, seed)
+    seen, wanted, rewards, ends = [], [], [], []
+    env.seed(seed)
+    observations: Any = env.reset()
+    if controller:
+        controller.reset(env.num_envs, seed)
     for _ in range(steps):
-        sizes, repair_degrees = controller.act(layout.observe(simulation)).T
-        actions = encode(sizes, repair_degrees)
+        decisions = np.zeros((env.num_envs, *action.space.shape), dtype=np.float32)
+        if controller and layout:
+            decisions = action.encode(controller.act(layout.observe(simulation)), simulation)
         seen.append(observations)
-        decided.append(actions)
-        observations, reward, terminated, _, _ = env.step(actions)
+        wanted.append(decisions)
+        disturbed = decisions + noise * generator.standard_normal(decisions.shape)
+        observations, reward, ended, _ = env.step(np.clip(disturbed, -1.0, 1.0).astype(np.float32))
         rewards.append(reward)
-        ends.append(terminated)
+        ends.append(ended)
     to_come = np.zeros((steps + 1, env.num_envs))
     for step in reversed(range(steps)):
         to_come[step] = rewards[step] + np.where(ends[step], 0.0, to_come[step + 1])
-    return (
-        np.concatenate(seen),
-        np.concatenate(decided),
-        to_come[:-1].reshape(-1).astype(np.float32),
+    return Demonstration(
+        np.concatenate(seen), np.concatenate(wanted), to_come[:-1].reshape(-1).astype(np.float32)
     )
 
 

@@ -23,12 +23,15 @@ Weights = dict[str, NDArray[np.float32]]
 
 REQUIRED = (
     "action",
+    "base",
     "features",
     "hidden_layers",
     "initial_population_size",
     "max_population_size",
     "min_population_size",
+    "num_decisions",
     "observation",
+    "optimizer",
     "weights_sha256",
 )
 
@@ -60,7 +63,8 @@ def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
     """Write weights and manifest in one file, at once or not at all."""
     manifest = {**manifest, "format": FORMAT, "weights_sha256": _digest(weights)}
     header = {"manifest": json.dumps(manifest, sort_keys=True)}
-    write_atomically(path, save(weights, metadata=header))
+    contiguous = {name: np.ascontiguousarray(array) for name, array in weights.items()}
+    write_atomically(path, save(contiguous, metadata=header))
 
 
 def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:

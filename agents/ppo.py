@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Floats, SizeLimits
+from agents.controller import Controller, SizeLimits
 from agents.policy_file import PolicyFileError, load_policy, resolve
+from agents.residual import Base
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
 
-class PPOController:
+class PPOController(Controller):
     """Deterministic actions (the mean of the policy) of a trained actor.
 
     Sums run along one row at a time, so that a decision does not depend on how many swarms are decided
@@ -27,29 +29,42 @@ class PPOController:
         path = resolve(str(policy))
         weights, self.manifest = load_policy(path)
         self._check_layouts(path, limits)
-        self.observation: str = self.manifest["observation"]
-        self.initial_population_size: int = self.manifest["initial_population_size"]
+        self.observation = self.manifest["observation"]
+        self.action = self.manifest["action"]
+        self._base = self._make_base(limits)
+        self.initial_population_size = self.manifest["initial_population_size"]
+        self.max_evaluations = self.manifest.get("max_evaluations")
         self._layers = _layers(path, weights, self.manifest)
-        settings = Settings(
-            action=self.manifest["action"],
-            min_population_size=limits.smallest,
-            max_population_size=limits.largest,
-            initial_population_size=self.initial_population_size,
-        )
-        self._action = make_action(settings)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Nothing to begin: the policy has no memory and takes no chances."""
+        """The policy has no memory and takes no chances; the controller that it corrects may."""
+        if self._base is not None:
+            self._base.controller.reset(num_swarms, seed)
 
-    def act(self, observations: NDArray) -> Floats:
-        """Population sizes (not yet rounded) and phi of each swarm."""
+    def act(self, observations: NDArray) -> NDArray:
+        """Actions of each swarm, in the layout that the policy was trained with."""
+        proposed: NDArray | float = 0.0
+        if self._base is not None:
+            proposed, observations = self._base.propose(observations)
         hidden = np.asarray(observations, dtype=np.float32)
         for weight, bias in self._layers[:-1]:
             hidden = np.tanh(_affine(hidden, weight, bias))
-        means = _affine(hidden, *self._layers[-1])
-        actions = np.clip(means, self._action.space.low, self._action.space.high)
-        sizes, repair_degrees = self._action.decode(actions, np.ones(len(actions), dtype=np.bool_))
-        return np.stack([sizes.astype(np.float64), repair_degrees], axis=1)
+        return np.clip(proposed + np.clip(_affine(hidden, *self._layers[-1]), -1.0, 1.0), -1.0, 1.0)
+
+    def _make_base(self, limits: SizeLimits) -> Base | None:
+        if self.manifest["base"] == "none":
+            return None
+        from agents import make_controller
+
+        controller = make_controller(self.manifest["base"], limits)
+        self.observation = f"{controller.observation}+{self.observation}"
+        settings = Settings(
+            action=self.action,
+            min_population_size=limits.smallest,
+            max_population_size=limits.largest,
+            initial_population_size=limits.smallest,
+        )
+        return Base(controller, make_action(settings, get_optimizer(self.manifest["optimizer"])))
 
     def _check_layouts(self, path: Path, limits: SizeLimits) -> None:
         manifest = self.manifest
@@ -59,7 +74,7 @@ class PPOController:
                     f"{path}: {kind} layout {manifest[kind]!r} is not one of {sorted(registry)}"
                 )
         features = [feature.name for feature in OBSERVATIONS[manifest["observation"]].features]
-        if manifest["features"] != features:
+        if manifest["features"][: len(features)] != features:
             raise PolicyFileError(
                 f"{path}: trained with observation features {manifest['features']}, "
                 f"but {manifest['observation']!r} has {features}"
@@ -77,7 +92,7 @@ def _layers(
     path: Path, weights: dict[str, NDArray], manifest: dict[str, Any]
 ) -> list[tuple[NDArray, NDArray]]:
     """Weights and biases by layer, held against the shapes that the manifest implies."""
-    sizes = [len(manifest["features"]), *manifest["hidden_layers"], 2]
+    sizes = [len(manifest["features"]), *manifest["hidden_layers"], manifest["num_decisions"]]
     layers = []
     for number, shape in enumerate(zip(sizes[1:], sizes, strict=False)):
         try:

@@ -51,10 +51,8 @@ def run_episodes(
         environment_id(optimizer),
         num_envs=len(seeds),
         scenario=scenario,
-        observation=controller.observation,
-        initial_population_size=controller.initial_population_size,
         autoreset_mode=AutoresetMode.DISABLED,
-        **options,
+        **{**options, **controller.env_options()},
     )
     controller.reset(len(seeds), seeds.start)
     observations, _ = env.reset(seed=seeds.start)

@@ -8,16 +8,28 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from agents.residual import Base
+
 
 class SB3VecEnv(VecEnv):
-    """Wraps a vector environment with SAME_STEP autoreset, which is what stable-baselines3 expects."""
+    """Wraps a vector environment with SAME_STEP autoreset, which is what stable-baselines3 expects.
 
-    def __init__(self, env: VectorEnv):
+    Args:
+        env: scaled actions; with a base, its observations are the base's and then the policy's.
+        base: the controller whose decisions the actions are added to, if any.
+    """
+
+    def __init__(self, env: VectorEnv, base: Base | None = None):
         if env.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
             raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
         self.env = env
         self.render_mode = None
-        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+        self.base = base
+        self._proposed: NDArray = np.zeros((env.num_envs, *(env.single_action_space.shape or ())), np.float32)
+        observation_space: Any = env.single_observation_space
+        if base is not None:
+            observation_space = base.observation_space(observation_space)
+        super().__init__(env.num_envs, observation_space, env.single_action_space)
         self._actions = np.empty(0)
         self._returns = np.zeros(env.num_envs)
         self._lengths = np.zeros(env.num_envs, dtype=np.int64)
@@ -28,11 +40,13 @@ class SB3VecEnv(VecEnv):
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
-        return observations
+        if self.base is not None:
+            self.base.controller.reset(self.num_envs)
+        return self._see(observations)
 
     def step_async(self, actions: NDArray) -> None:
         """Keep the actions for `step_wait`."""
-        self._actions = actions
+        self._actions = actions if self.base is None else np.clip(self._proposed + actions, -1.0, 1.0)
 
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
         """Advance all swarms; infos of ended episodes hold `episode` and `terminal_observation`."""
@@ -43,7 +57,7 @@ class SB3VecEnv(VecEnv):
         by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for row in np.flatnonzero(dones):
             by_env[row] = {
-                "terminal_observation": infos["final_obs"][row],
+                "terminal_observation": self._last(infos["final_obs"][row]),
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
                 "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
                 "best_fitness": float(infos["final_info"]["best_fitness"][row]),
@@ -51,7 +65,7 @@ class SB3VecEnv(VecEnv):
             }
         self._returns[dones] = 0.0
         self._lengths[dones] = 0
-        return observations, rewards, dones, by_env
+        return self._see(observations), rewards, dones, by_env
 
     def close(self) -> None:
         """Close the vector environment."""
@@ -78,6 +92,17 @@ class SB3VecEnv(VecEnv):
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ARG002
         """No swarm is wrapped by itself."""
         return [False] * len(self._rows(indices))
+
+    def _see(self, observations: NDArray) -> NDArray:
+        """What the policy sees; begins the step of the base."""
+        if self.base is None:
+            return observations
+        self._proposed, seen = self.base.propose(observations)
+        return seen
+
+    def _last(self, observation: NDArray) -> NDArray:
+        """What the policy would see of the end of an episode, after which nothing is proposed."""
+        return observation if self.base is None else self.base.last(observation)
 
     def _rows(self, indices: int | Sequence[int] | None) -> list[int]:
         return list(self._get_indices(indices))

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Floats, SizeLimits
+from agents.controller import Controller, Floats, SizeLimits
 
 
 @dataclass
-class SelfAdaptiveSchedule:
+class SelfAdaptiveSchedule(Controller):
     """SPSFA: grow while the population collides worse than at first, then shrink with E(P).
 
     Attributes:
@@ -32,7 +32,6 @@ class SelfAdaptiveSchedule:
     low_deviation: float = 20.0
     initial_population_size: int = 80
     limits: SizeLimits = field(default_factory=SizeLimits)
-    observation: str = field(default="paper", init=False)
 
     def __post_init__(self) -> None:
         self.initial_population_size = self.limits.clip(self.initial_population_size)

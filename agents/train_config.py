@@ -11,12 +11,18 @@ from agents import SizeLimits
 class TrainConfig:
     """Options of a training run; all are stored with the policy."""
 
-    name: str = "ppo"
-    """The run's folder is <runs>/<name>."""
+    preset: str = "three-cases"
+    """The preset that the other options come from, where they are not given."""
+    name: str = ""
+    """The run's folder is <runs>/<name>; <preset>/<seed> by default."""
     runs: Path = Path("runs")
     """Where runs are kept."""
     resume: bool = False
     """Go on with a run of that name that was stopped."""
+    algorithm: str = "ppo"
+    """What learns, a name in `agents.learners.LEARNERS`."""
+    threads: int = 1
+    """Threads that the swarms are spread over. Results do not depend on it."""
     seed: int = 0
     """Seed of everything random in the run."""
     total_steps: int = 640_000
@@ -35,10 +41,16 @@ class TrainConfig:
     """Largest size the policy can ask for."""
     observation: str = "extended"
     """Observation layout of the policy."""
+    action: str = "normalised"
+    """Action layout of the policy, scaled to [-1, 1]."""
+    max_evaluations: int = 0
+    """Evaluation budget of an episode; 0 is no budget."""
     reward: str = "progress"
     """Reward by name."""
-    price: float = 0.17
-    """What 100,000 evaluations cost, in units of the reward."""
+    price: tuple[float, ...] = (0.17,)
+    """What 100,000 evaluations cost, in units of the reward; two are the range that episodes draw from."""
+    base: str = "none"
+    """Controller whose decisions the policy corrects; 'none' lets it decide alone."""
     warm_start: str = "spsfa-tip"
     """Controller to imitate first; 'none' starts from scratch."""
     hidden_layers: tuple[int, ...] = (64, 64)
@@ -61,15 +73,19 @@ class TrainConfig:
     """Weight of the entropy bonus."""
     target_kl: float = 0.03
     """Stop an update early beyond this divergence."""
+    candidates: int = 16
+    """Candidates per generation of an evolution strategy; swarms are shared out among them."""
+    sigma: float = 0.1
+    """Initial step size of an evolution strategy."""
     rollouts_per_chunk: int = 10
-    """Rollouts of one episode per swarm between two checkpoints with validation."""
+    """Rollouts of one episode per swarm (or generations) between two checkpoints with validation."""
     validation_seeds: int = 64
     """Episodes per scenario for validation."""
 
     @property
     def folder(self) -> Path:
         """Where this run is kept."""
-        return self.runs / self.name
+        return self.runs / (self.name or f"{self.preset}/{self.seed}")
 
     @property
     def limits(self) -> SizeLimits:
@@ -82,5 +98,6 @@ class TrainConfig:
             "min_population_size": self.min_population_size,
             "max_population_size": self.max_population_size,
             "reward": self.reward,
-            "price": self.price,
+            "price": self.price[0] if len(self.price) == 1 else self.price,
+            "max_evaluations": self.max_evaluations or None,
         }

@@ -6,28 +6,19 @@ import json
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import torch
-from gymnasium.vector import AutoresetMode
-from stable_baselines3 import PPO
-from stable_baselines3.common.logger import configure
-from stable_baselines3.common.utils import set_random_seed
 from torch.utils.tensorboard import SummaryWriter
 from tqdm import tqdm
 
-from agents import make_controller
-from agents.imitation import imitate
+from agents.learners import make_learner
 from agents.policy_file import save_policy
 from agents.ppo import PPOController
 from agents.provenance import provenance
 from agents.rollout import Episodes, run_episodes
-from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
 from swarm_gym.files import write_atomically
-from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.registration import environment_id
 
 
 class TrainingError(RuntimeError):
@@ -35,47 +26,8 @@ class TrainingError(RuntimeError):
 
 
 # Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
-_LOCATION = ("runs", "name", "resume")
+_LOCATION = ("runs", "name", "resume", "threads")
 _NOT_COMPARED = (*_LOCATION, "total_steps")
-
-
-def make_env(config: TrainConfig) -> SB3VecEnv:
-    """The swarms that a run trains on."""
-    return SB3VecEnv(
-        gymnasium.make_vec(
-            environment_id(config.optimizer),
-            num_envs=config.num_swarms,
-            scenario=list(config.scenarios),
-            observation=config.observation,
-            action="normalised",
-            initial_population_size=config.initial_population_size,
-            autoreset_mode=AutoresetMode.SAME_STEP,
-            **config.env_options(),
-        )
-    )
-
-
-def make_model(config: TrainConfig, env: SB3VecEnv) -> PPO:
-    """PPO as a run begins with it; one rollout is one episode of every swarm."""
-    return PPO(
-        "MlpPolicy",
-        env,
-        learning_rate=config.learning_rate,
-        n_steps=env.get_attr("settings")[0].iterations,
-        batch_size=config.batch_size,
-        n_epochs=config.epochs,
-        gamma=config.discount,
-        gae_lambda=config.gae_lambda,
-        clip_range=config.clip_range,
-        ent_coef=config.entropy_weight,
-        target_kl=config.target_kl,
-        policy_kwargs={
-            "net_arch": list(config.hidden_layers),
-            "log_std_init": config.log_std,
-        },
-        seed=config.seed,
-        device="cpu",
-    )
 
 
 class TrainingRun:
@@ -89,16 +41,9 @@ class TrainingRun:
         self.best_return = -np.inf
         # Asked for once: what runs is what was imported now.
         self.provenance = provenance("gymnasium", "numba", "numpy", "stable-baselines3", "torch")
-        self.teacher = None
-        if config.warm_start != "none":
-            self.teacher = make_controller(config.warm_start, config.limits)
-        torch.set_num_threads(1)
-        set_random_seed(config.seed)
-        self.env = make_env(config)
-        self.model = make_model(config, self.env)
+        self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
         self._prepare_folder()
-        self.model.set_logger(configure(str(self.folder), ["tensorboard"]))
         self.writer = SummaryWriter(str(self.folder))
 
     def run(self) -> Path:
@@ -106,44 +51,46 @@ class TrainingRun:
         config = self.config
         if config.resume and self.checkpoint.exists():
             self._load_checkpoint()
-        elif self.teacher is not None:
-            imitate(self.model, self.teacher, self.env.env)
-        per_chunk = self.model.n_steps * config.num_swarms * config.rollouts_per_chunk
+        else:
+            self.learner.begin()
         if self.chunk == 0:
             self._validate()
             self._save_checkpoint()
         with tqdm(
-            total=config.total_steps, initial=self.model.num_timesteps, unit="step", desc=config.name
+            total=config.total_steps, initial=self.learner.num_steps, unit="step", desc=config.name
         ) as bar:
-            while self.model.num_timesteps < config.total_steps:
-                before = self.model.num_timesteps
-                self._train_chunk(per_chunk)
+            while self.learner.num_steps < config.total_steps:
+                before = self.learner.num_steps
+                self._train_chunk()
                 mean_return = self._validate()
                 self._save_checkpoint()
                 bar.set_postfix({"validation": f"{mean_return:.3f}", "best": f"{self.best_return:.3f}"})
-                bar.update(self.model.num_timesteps - before)
+                bar.update(self.learner.num_steps - before)
         self.writer.close()
         return self.folder / "best.safetensors"
 
-    def _train_chunk(self, steps: int) -> None:
-        seed = training_seed(self.config.seed, self.chunk)
-        set_random_seed(seed)
-        self.env.seed(seed)
-        # Fresh episodes and averages, so that any chunk can be the first of a resumed run.
-        self.model._last_obs = None
-        self.model.ep_info_buffer = None
-        self.model.learn(steps, reset_num_timesteps=False, log_interval=1)
+    def _train_chunk(self) -> None:
+        scalars = self.learner.learn(training_seed(self.config.seed, self.chunk))
         self.chunk += 1
+        for name, value in scalars.items():
+            self.writer.add_scalar(name, value, self.learner.num_steps)
 
     def _validate(self) -> float:
         """Mean return on the validation seeds; keeps the policy, and the best one by this number."""
-        config, step = self.config, self.model.num_timesteps
+        config, step = self.config, self.learner.num_steps
         latest = self.folder / "latest.safetensors"
         self._save_policy(latest, {})
         controller = PPOController(latest, config.limits)
         seeds = VALIDATION[: config.validation_seeds]
         by_scenario: dict[str, Episodes] = {
-            scenario: run_episodes(controller, scenario, seeds, config.optimizer, **config.env_options())
+            scenario: run_episodes(
+                controller,
+                scenario,
+                seeds,
+                config.optimizer,
+                num_threads=config.threads,
+                **config.env_options(),
+            )
             for scenario in config.scenarios
         }
         results = {}
@@ -172,28 +119,26 @@ class TrainingRun:
                 self.writer.add_scalar(f"{name}/iteration {iteration + 1:03}", means[iteration], step)
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
-        policy: Any = self.model.policy
-        layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
-        weights = {}
-        for number, layer in enumerate([*layers, policy.action_net]):
-            weights[f"{number}.weight"] = layer.weight.detach().numpy().copy()
-            weights[f"{number}.bias"] = layer.bias.detach().numpy().copy()
         config = self.config
         manifest = {
-            "action": "normalised",
+            "action": config.action,
+            "base": config.base,
             "config": {k: v for k, v in _as_json(config).items() if k not in _LOCATION},
-            "features": [f.name for f in OBSERVATIONS[config.observation].features],
+            "features": self.learner.features,
+            "max_evaluations": config.max_evaluations or None,
+            "num_decisions": self.learner.num_decisions,
+            "optimizer": config.optimizer,
             "hidden_layers": list(config.hidden_layers),
             "initial_population_size": config.initial_population_size,
             "max_population_size": config.max_population_size,
             "min_population_size": config.min_population_size,
             "observation": config.observation,
-            "steps": self.model.num_timesteps,
+            "steps": self.learner.num_steps,
             "validation": validation,
             "validation_seeds": [VALIDATION.start, VALIDATION.start + config.validation_seeds],
             "provenance": self.provenance,
         }
-        save_policy(path, weights, manifest)
+        save_policy(path, self.learner.weights(), manifest)
 
     def _prepare_folder(self) -> None:
         stored = self.folder / "config.json"
@@ -218,10 +163,7 @@ class TrainingRun:
 
     def _save_checkpoint(self) -> None:
         state = {
-            "policy": self.model.policy.state_dict(),
-            "optimizer": self.model.policy.optimizer.state_dict(),
-            "num_timesteps": self.model.num_timesteps,
-            "updates": self.model._n_updates,
+            "learner": self.learner.state(),
             "chunk": self.chunk,
             "best_return": self.best_return,
         }
@@ -234,10 +176,7 @@ class TrainingRun:
             state = torch.load(self.checkpoint, weights_only=True)
         except Exception as error:
             raise TrainingError(f"{self.checkpoint}: not a readable checkpoint ({error})") from error
-        self.model.policy.load_state_dict(state["policy"])
-        self.model.policy.optimizer.load_state_dict(state["optimizer"])
-        self.model.num_timesteps = state["num_timesteps"]
-        self.model._n_updates = state["updates"]
+        self.learner.load(state["learner"])
         self.chunk = state["chunk"]
         self.best_return = state["best_return"]
 

@@ -54,8 +54,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     env = gymnasium.make(
         environment_id(suite.optimizer),
         scenario=scenario,
-        observation=controller.observation,
-        initial_population_size=controller.initial_population_size,
+        **controller.env_options(),
     )
     simulation = env.unwrapped.simulation  # type: ignore[attr-defined]
     snapshots = []

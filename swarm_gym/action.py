@@ -1,51 +1,183 @@
-"""Actions: how a controller states the next population size and repair degree."""
+"""Actions: how a controller states the next population size and repair degree, and further decisions.
+
+A layout is a list of decisions, each one number of the action: population size, repair degree and, in the
+extended layouts, those parameters of the optimizer that may change at every iteration.
+"""
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
-from swarm_gym.errors import ActionError
+from swarm_gym.errors import ActionError, SettingError
+from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
+from swarm_gym.simulation import Decisions, Simulation
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+
+# How far a paced action can depart from the size at which the budget would last: by this factor.
+PACE_SPREAD = 6.0
 
 
-class Action(ABC):
-    """A layout of actions over the population sizes that the settings allow."""
+class Scale(ABC):
+    """How one decision is written as a number of an action."""
 
-    name: ClassVar[str]
+    low: float
+    high: float
 
-    def __init__(self, settings: Settings):
-        self.smallest = settings.min_population_size
-        self.largest = settings.max_population_size
+    @abstractmethod
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:
+        """Numbers (B,) that ask for these values (B,), up to the bounds of the action."""
+
+    @abstractmethod
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:
+        """Values (B,) that these numbers (B,) ask for."""
+
+
+@dataclass(frozen=True)
+class AsItIs(Scale):
+    """A number in its own unit."""
+
+    low: float
+    high: float
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return values
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return numbers
+
+
+@dataclass(frozen=True)
+class Linear(Scale):
+    """[smallest, largest] scaled to [-1, 1]."""
+
+    smallest: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return 2.0 * (values - self.smallest) / (self.largest - self.smallest) - 1.0
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return self.smallest + (self.largest - self.smallest) * (numbers + 1.0) / 2.0
+
+
+@dataclass(frozen=True)
+class Logarithmic(Scale):
+    """The logarithm of [smallest, largest], both positive, scaled to [-1, 1]."""
+
+    smallest: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
+        return 2.0 * (np.log(values) - np.log(self.smallest)) / spread - 1.0
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return self.smallest * (self.largest / self.smallest) ** ((numbers + 1.0) / 2.0)
+
+
+@dataclass(frozen=True)
+class Paced(Scale):
+    """The population size relative to the one at which the evaluation budget would just last.
+
+    A number a in [-1, 1] asks for PACE_SPREAD^a times that size. The budget is never exceeded, and what is
+    not spent now is there for later iterations.
+    """
+
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: D102
+        if simulation is None:
+            raise SettingError("paced actions depend on the evaluations that are left")
+        return np.log(values / self._lasting(simulation)) / np.log(PACE_SPREAD)
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
+        return self._lasting(simulation) * PACE_SPREAD**numbers
+
+    def _lasting(self, simulation: Simulation) -> Floats:
+        return simulation.optimizer.affordable_size(simulation.pace())
+
+
+class Action:
+    """A layout of actions.
+
+    Attributes:
+        name: of the layout.
+        labels: what each number decides.
+        scales: how each number is read.
+        space: of one swarm's action, shape (number of decisions,).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        settings: Settings,
+        scales: dict[str, Scale],
+        knobs: dict[int, float],
+        dtype: type[np.floating],
+    ):
+        self.name = name
+        self.labels = tuple(scales)
+        self.scales = tuple(scales.values())
+        self._knobs, self._defaults = list(knobs), list(knobs.values())
+        self._dtype = dtype
+        self._smallest, self._largest = settings.min_population_size, settings.max_population_size
 
     @cached_property
-    @abstractmethod
-    def space(self) -> Box:
-        """The space of one swarm's action, shape (2,)."""
+    def space(self) -> Box:  # noqa: D102
+        low = np.array([scale.low for scale in self.scales], dtype=self._dtype)
+        high = np.array([scale.high for scale in self.scales], dtype=self._dtype)
+        return Box(low, high, dtype=self._dtype)
 
-    @abstractmethod
-    def encode(self, sizes: Floats, repair_degrees: Floats) -> NDArray:
-        """Actions (B, 2) that ask for these population sizes and phi, each (B,)."""
+    def encode(self, decided: Floats, simulation: Simulation | None = None) -> NDArray:
+        """Actions (B, k) that come nearest to asking for what is decided; paced ones need the simulation.
 
-    @abstractmethod
-    def _decode(self, actions: Floats) -> tuple[Floats, Floats]:
-        """Real-valued population sizes and phi, each (B,), of valid actions (B, 2)."""
+        Args:
+            decided: (B, k) in the layout `extended`, or (B, 2) in `natural`: then the optimizer's parameters
+                stay as they are.
+            simulation: of the B swarms.
+        """
+        missing = len(self.scales) - decided.shape[1]
+        wanted = np.concatenate([decided, np.tile(self._defaults, (len(decided), 1))[:, :missing]], axis=1)
+        numbers = [
+            scale.encode(values, simulation) for scale, values in zip(self.scales, wanted.T, strict=True)
+        ]
+        space = self.space
+        return np.clip(np.stack(numbers, axis=1), space.low, space.high).astype(self._dtype)
 
-    def decode(self, actions: object, chosen: NDArray[np.bool_]) -> tuple[Integers, Floats]:
-        """Population sizes, rounded to nearest, and phi, each (B,), of actions (B, 2).
+    def decode(self, actions: object, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
+        """What actions (B, k) ask for; sizes are rounded to nearest.
 
         Only the chosen rows, (B,), have to be valid.
 
         Raises:
             ActionError: for a wrong type or shape, a number that is not finite or out of bounds.
         """
+        values = self._read(actions, chosen)
+        decided = [
+            scale.decode(column, simulation) for scale, column in zip(self.scales, values.T, strict=True)
+        ]
+        within = np.minimum(np.maximum(decided[0], self._smallest), self._largest)
+        knobs = simulation.knobs
+        if self._knobs:
+            knobs = knobs.copy()
+            knobs[:, self._knobs] = np.stack(decided[2:], axis=1)
+        return Decisions(
+            np.floor(within + 0.5).astype(np.int64), np.minimum(np.maximum(decided[1], 0.0), 1.0), knobs
+        )
+
+    def _read(self, actions: object, chosen: NDArray[np.bool_]) -> Floats:
         space = self.space
         try:
             given = np.asarray(actions)
@@ -55,8 +187,8 @@ class Action(ABC):
             raise ActionError(f"an action must be numbers, got {given.dtype} ({_shorten(actions)})")
         if given.shape != (len(chosen), *space.shape):
             raise ActionError(
-                f"an action must have shape {space.shape}, one per swarm, {len(chosen)} in all; "
-                f"got {given.shape}"
+                f"an action must have shape {space.shape} ({', '.join(self.labels)}), one per swarm, "
+                f"{len(chosen)} in all; got {given.shape}"
             )
         values = given.astype(np.float64)
         valid = (values >= space.low) & (values <= space.high)  # not a number is neither
@@ -66,63 +198,67 @@ class Action(ABC):
                 row = int(np.argmax(wrong))
                 raise ActionError(
                     f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action "
-                    f"space [{space.low.tolist()}, {space.high.tolist()}] (population size, repair degree)"
+                    f"space [{space.low.tolist()}, {space.high.tolist()}] ({', '.join(self.labels)})"
                 )
             values = np.where(chosen[:, None], values, space.low)
-        sizes, repair_degrees = self._decode(values)
-        within = np.minimum(np.maximum(sizes, self.smallest), self.largest)
-        return (
-            np.floor(within + 0.5).astype(np.int64),
-            np.minimum(np.maximum(repair_degrees, 0.0), 1.0),
-        )
+        return values
 
 
-class Natural(Action):
-    """(population size, phi) as they are; float64."""
+@dataclass(frozen=True)
+class Layout:
+    """What a layout of actions is made of; `make_action` fills in the settings.
 
-    name = "natural"
+    Attributes:
+        size: `natural` (members), `logarithmic` or `paced` (both in [-1, 1]).
+        extended: whether the optimizer's own parameters are decided too.
+    """
 
-    @cached_property
-    def space(self) -> Box:  # noqa: D102
-        return Box(np.array([self.smallest, 0.0]), np.array([self.largest, 1.0]), dtype=np.float64)
-
-    def encode(self, sizes: Floats, repair_degrees: Floats) -> NDArray:  # noqa: D102
-        return np.stack([sizes, repair_degrees], axis=1)
-
-    def _decode(self, actions: Floats) -> tuple[Floats, Floats]:
-        return actions[:, 0], actions[:, 1]
+    size: str
+    extended: bool
 
 
-class Normalised(Action):
-    """Logarithm of the population size, and phi, both scaled to [-1, 1]; float32, for networks."""
-
-    name = "normalised"
-
-    @cached_property
-    def space(self) -> Box:  # noqa: D102
-        return Box(-1.0, 1.0, (2,), dtype=np.float32)
-
-    def encode(self, sizes: Floats, repair_degrees: Floats) -> NDArray:  # noqa: D102
-        low, high = np.log(self.smallest), np.log(self.largest)
-        spread = max(high - low, 1e-9)
-        share = (np.log(sizes) - low) / spread
-        return np.stack([2.0 * share - 1.0, 2.0 * repair_degrees - 1.0], axis=1).astype(np.float32)
-
-    def _decode(self, actions: Floats) -> tuple[Floats, Floats]:
-        share, repair_degrees = ((actions + 1.0) / 2.0).T
-        return self.smallest * (self.largest / self.smallest) ** share, repair_degrees
+# natural: units as they are, float64. normalised and paced: [-1, 1], float32, for networks.
+ACTIONS: dict[str, Layout] = {
+    "natural": Layout("natural", False),
+    "normalised": Layout("logarithmic", False),
+    "paced": Layout("paced", False),
+    "extended": Layout("natural", True),
+    "extended-normalised": Layout("logarithmic", True),
+    "extended-paced": Layout("paced", True),
+}
 
 
-ACTIONS: dict[str, type[Action]] = {cls.name: cls for cls in (Natural, Normalised)}
-
-
-def make_action(settings: Settings) -> Action:
-    """The action layout that the settings name.
+def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
+    """The action layout that the settings name, for an optimizer.
 
     Raises:
         UnknownNameError: if there is none of that name.
+        SettingError: if the layout asks for what the settings or the optimizer lack.
     """
-    return look_up("action layout", settings.action, ACTIONS)(settings)
+    layout = look_up("action layout", settings.action, ACTIONS)
+    if layout.size == "paced" and settings.max_evaluations is None:
+        raise SettingError(f"action {settings.action!r} needs an evaluation budget: set max_evaluations")
+    natural = layout.size == "natural"
+    smallest, largest = settings.min_population_size, settings.max_population_size
+    sizes: dict[str, Scale] = {
+        "natural": AsItIs(smallest, largest),
+        "logarithmic": Logarithmic(smallest, largest),
+        "paced": Paced(),
+    }
+    scales = {
+        "population size": sizes[layout.size],
+        "repair degree": AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0),
+    }
+    decided = optimizer.decided_knobs() if layout.extended else {}
+    if layout.extended and not decided:
+        raise SettingError(f"action {settings.action!r}: optimizer {optimizer.name!r} decides nothing more")
+    names = list(optimizer.knobs)
+    for place, knob in decided.items():
+        if knob.decided is not None:
+            scales[names[place]] = AsItIs(*knob.decided) if natural else Logarithmic(*knob.decided)
+    dtype = np.float64 if natural else np.float32
+    values = optimizer.knob_values(dict(settings.knobs))
+    return Action(settings.action, settings, scales, {place: values[place] for place in decided}, dtype)
 
 
 def _shorten(value: object) -> str:

@@ -41,7 +41,7 @@ class SwarmBatch:
     ):
         optimizer_class = get_optimizer(optimizer)
         self.settings = Settings.from_options(optimizer_class, options)
-        self._action = make_action(self.settings)
+        self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
         self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
@@ -74,10 +74,10 @@ class SwarmBatch:
             started = simulation.swarms.size[idle] > 0
             reason = "the episode has ended" if started.all() else "there was no reset yet"
             raise StepOrderError(f"step of swarm {int(np.argmax(idle))}: {reason}; call reset() first")
-        sizes, repair_degrees = self._action.decode(actions, chosen)
+        decisions = self._action.decode(actions, chosen, simulation)
         evaluations = simulation.swarms.evaluations.copy()
         gap_before = simulation.gap()
-        simulation.step(chosen, sizes, repair_degrees)
+        simulation.step(chosen, decisions)
         ended = chosen & ~simulation.running
         spent = simulation.swarms.evaluations - evaluations
         reward = self._reward(
@@ -85,7 +85,7 @@ class SwarmBatch:
                 simulation.initial_gap,
                 gap_before,
                 simulation.gap(),
-                self.settings.price * spent / self.settings.reference_evaluations,
+                simulation.price * spent / self.settings.reference_evaluations,
                 ended,
             )
         )

@@ -13,9 +13,11 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
-from swarm_gym.simulation import Simulation
+from swarm_gym.simulation import HISTORY, Simulation
 
 Floats = NDArray[np.float64]
+
+RECENT = 5  # iterations over which progress is looked back on
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,25 @@ def _log_bound(simulation: Simulation) -> float:
     return float(np.log1p(_collision_bound(simulation))) / 8.0
 
 
+def _log_extent(simulation: Simulation) -> float:
+    """Bound of the scaled diversity: no member is farther from the mean than the workspace is wide."""
+    extents = [np.linalg.norm(np.subtract(*problem.bounds)) for problem in simulation.problems]
+    return float(np.log1p(max(extents))) / 8.0
+
+
+def _gap_before(simulation: Simulation, iterations: int) -> Floats:
+    """(B,) the gap that many iterations ago, or at first."""
+    rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - iterations, 0)
+    return simulation.gap_of(simulation.history[rows, then, HISTORY.index("best_fitness")])
+
+
+def _spent(simulation: Simulation) -> Floats:
+    """(B,) share of the budget that is spent; 0 without a budget."""
+    if simulation.settings.max_evaluations is None:
+        return np.zeros(simulation.num_swarms)
+    return simulation.swarms.evaluations / simulation.settings.max_evaluations
+
+
 def _one(_: Simulation) -> float:
     return 1.0
 
@@ -111,6 +132,30 @@ EXTENDED = (
         _one,
     ),
 )
+RICH = (
+    *EXTENDED,
+    Feature(
+        "log(1 + iteration), relative to that of the last",
+        lambda s: np.log1p(s.iteration) / np.log1p(s.settings.iterations),
+        _one,
+    ),
+    Feature(
+        f"log(gap {RECENT} iterations ago / gap)",
+        lambda s: np.log(_gap_before(s, RECENT) / s.gap()),
+        lambda _: 4.0,
+    ),
+    Feature("log(1 + diversity) / 8", _log_scaled(4), _log_extent),
+    Feature("share of the evaluation budget spent", _spent, _one),
+)
+PRICED = (
+    *RICH,
+    Feature(
+        "log10(price / 0.1) / 3",
+        lambda s: np.log10(np.maximum(s.price, 1e-4) / 0.1) / 3.0,
+        lambda _: 4.0,
+        low=-1.0,
+    ),
+)
 
 OBSERVATIONS: dict[str, Observation] = {
     layout.name: layout
@@ -118,14 +163,20 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("paper", PAPER, np.float64),
         Observation("scaled", SCALED, np.float32),
         Observation("extended", EXTENDED, np.float32),
+        Observation("rich", RICH, np.float32),
+        Observation("priced", PRICED, np.float32),
     )
 }
 
 
 def make_observation(name: str) -> Observation:
-    """The observation layout of that name.
+    """The observation layout of that name; names joined by + are layouts one after the other.
 
     Raises:
         UnknownNameError: if there is none.
     """
-    return look_up("observation layout", name, OBSERVATIONS)
+    parts = [look_up("observation layout", part, OBSERVATIONS) for part in str(name).split("+")]
+    if len(parts) == 1:
+        return parts[0]
+    features = tuple(feature for part in parts for feature in part.features)
+    return Observation(name, features, np.result_type(*(part.dtype for part in parts)).type)

@@ -36,7 +36,7 @@ class Swarms(NamedTuple):
     best_collision: Floats  # (B,)
     evaluations: Integers  # (B,) calls of the cost function in this episode
     budget: Integers  # (B,) evaluations allowed in this episode
-    summary: Floats  # (B, 4) E(P), mean collision, std collision, feasible share
+    summary: Floats  # (B, 5) E(P), mean collision, std collision, feasible share, diversity
 
     @classmethod
     def allocate(cls, num_swarms: int, capacity: int, num_waypoints: int) -> "Swarms":
@@ -54,7 +54,7 @@ class Swarms(NamedTuple):
             best_collision=np.full(num_swarms, np.inf),
             evaluations=np.zeros(num_swarms, dtype=np.int64),
             budget=np.zeros(num_swarms, dtype=np.int64),
-            summary=np.zeros((num_swarms, 4)),
+            summary=np.zeros((num_swarms, 5)),
         )
 
 
@@ -190,7 +190,8 @@ def _outlives(fitness: float, collision: float, other_fitness: float, other_coll
 def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     """Population collision evaluation E(P) = k mean + (1 - k) std (eq. 7) into `swarms.summary`.
 
-    The standard deviation has the denominator size - 1, and is 0 for one member.
+    The standard deviation has the denominator size - 1, and is 0 for one member. The diversity is the root
+    mean square of the members' distances from their mean, in map units.
     """
     size = swarms.size[b]
     total, feasible = 0.0, 0
@@ -208,6 +209,20 @@ def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     summary[1] = mean
     summary[2] = deviation
     summary[3] = feasible / size
+    summary[4] = _diversity(swarms.positions[b], size)
+
+
+@kernel
+def _diversity(positions: Floats, size: int) -> float:
+    squares = 0.0
+    for k in range(positions.shape[1]):
+        mean = 0.0
+        for i in range(size):
+            mean += positions[i, k]
+        mean /= size
+        for i in range(size):
+            squares += (positions[i, k] - mean) ** 2
+    return math.sqrt(squares / size)
 
 
 @kernel

@@ -52,7 +52,7 @@ class Scene:
     iterations: int
     evaluations: int
     max_population_size: int
-    courses: dict[str, Floats]  # (iteration + 1,) each, the columns that `HISTORY` names
+    courses: dict[str, Floats]  # (iteration + 1,) each, the columns of the history
 
     @classmethod
     def of(cls, simulation: Simulation, row: int = 0) -> "Scene":
@@ -70,7 +70,9 @@ class Scene:
             iterations=simulation.settings.iterations,
             evaluations=int(swarms.evaluations[row]),
             max_population_size=simulation.settings.max_population_size,
-            courses=dict(zip(HISTORY, simulation.history[row, : iteration + 1].T.copy(), strict=True)),
+            courses=dict(
+                zip(simulation.columns, simulation.history[row, : iteration + 1].T.copy(), strict=True)
+            ),
         )
 
 

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+import numpy as np
+
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
@@ -26,7 +28,8 @@ class Settings:
         action: layout of actions, a name in `swarm_gym.action.ACTIONS`.
         observation: layout of observations, a name in `swarm_gym.observation.OBSERVATIONS`.
         reward: a name in `swarm_gym.reward.REWARDS`.
-        price: what `reference_evaluations` evaluations cost, in units of the reward.
+        price: what `reference_evaluations` evaluations cost, in units of the reward; or (low, high), both
+            positive, between which each episode draws it by its seed, uniformly in the logarithm.
         reference_evaluations: see `price`.
         max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
         knobs: parameters of the optimizer by name, where they differ from its defaults.
@@ -43,7 +46,7 @@ class Settings:
     action: str = "natural"
     observation: str = "paper"
     reward: str = "progress"
-    price: float = 0.5
+    price: float | tuple[float, float] = 0.5
     reference_evaluations: int = 100_000
     max_evaluations: int | None = None
     knobs: Mapping[str, float] = field(default_factory=dict)
@@ -55,7 +58,7 @@ class Settings:
         self.check_population_size("initial_population_size", self.initial_population_size)
         require_integer("reference_evaluations", self.reference_evaluations, 1)
         require_number("mean_weight", self.mean_weight, 0.0, 1.0)
-        require_number("price", self.price, 0.0, 1e9)
+        self._check_price()
         if self.max_evaluations is not None:
             require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
 
@@ -90,6 +93,25 @@ class Settings:
         if not scenarios:
             raise SettingError("scenario: the list of scenarios is empty")
         return scenarios
+
+    def draw_price(self, generator: np.random.Generator) -> float:
+        """The price of an episode."""
+        if not isinstance(self.price, tuple):
+            return self.price
+        low, high = np.log(self.price)
+        return float(np.exp(low + (high - low) * generator.random()))
+
+    def _check_price(self) -> None:
+        if not isinstance(self.price, tuple | list):
+            require_number("price", self.price, 0.0, 1e9)
+            return
+        if len(self.price) != 2:
+            raise SettingError(f"price must be a number or (low, high), got {self.price!r}")
+        object.__setattr__(self, "price", tuple(self.price))
+        for bound in self.price:
+            require_number("price", bound, 1e-9, 1e9)
+        if self.price[0] >= self.price[1]:
+            raise SettingError(f"price: (low, high) needs low < high, got {self.price!r}")
 
     def check_population_size(self, name: str, value: object) -> None:
         """Refuse what is not a population size inside the limits."""

@@ -1,7 +1,7 @@
 """Swarms in time: episodes of an optimizer, many at once, on one or several problems."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -34,6 +34,14 @@ HISTORY = (
 )
 
 
+class Decisions(NamedTuple):
+    """What is decided for one iteration of B swarms."""
+
+    sizes: Integers  # (B,) population sizes
+    repair_degrees: Floats  # (B,) phi in [0, 1]
+    knobs: Floats  # (B, number of knobs) parameters of the optimizer, in its order
+
+
 class Simulation:
     """B swarms of one optimizer, advanced one iteration at a time.
 
@@ -45,8 +53,11 @@ class Simulation:
         swarms: the state that the kernels work on.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
-        history: (B, iterations + 1, 5) what `HISTORY` names, by iteration.
+        columns: what is recorded of every iteration: `HISTORY`, then the optimizer's parameters.
+        history: (B, iterations + 1, number of columns) the record.
+        knobs: (B, number of knobs) parameters of the optimizer where no action decides them.
         initial_gap: (B,) best fitness of the first population above the lower bound.
+        price: (B,) what `reference_evaluations` evaluations cost in this episode.
     """
 
     def __init__(
@@ -77,8 +88,10 @@ class Simulation:
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
         self.iteration = np.zeros(num_swarms, dtype=np.int64)
         self.running = np.zeros(num_swarms, dtype=np.bool_)
-        self.history = np.zeros((num_swarms, settings.iterations + 1, len(HISTORY)))
+        self.columns = (*HISTORY, *optimizer.knobs)
+        self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
         self.initial_gap = np.ones(num_swarms)
+        self.price = np.zeros(num_swarms)
 
     @property
     def num_swarms(self) -> int:
@@ -108,8 +121,10 @@ class Simulation:
         budget = self.settings.max_evaluations
         for row, seed in zip(rows, seeds, strict=True):
             scenario_seed, stream_seed = seed.spawn(2)
-            draw = np.random.default_rng(scenario_seed).integers(len(self.problems))
+            generator = np.random.default_rng(scenario_seed)
+            draw = generator.integers(len(self.problems))
             swarms.problem[row] = draw if scenario is None else scenario
+            self.price[row] = self.settings.draw_price(generator)
             swarms.stream[row] = seed_stream(stream_seed)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         sizes = np.full(self.num_swarms, size, dtype=np.int64)
@@ -121,21 +136,21 @@ class Simulation:
         self.iteration[rows] = 0
         self.running[rows] = True
         self.history[rows] = np.nan
-        self._record(rows, np.zeros(self.num_swarms))
+        self._record(rows, np.zeros(self.num_swarms), self.knobs)
         self.initial_gap[rows] = self.gap()[rows]
 
-    def step(self, chosen: Flags, sizes: Integers, repair_degrees: Floats) -> None:
-        """Advance the chosen swarms by one iteration with these population sizes and phi, each (B,)."""
-        self.advance(chosen, sizes, repair_degrees)
+    def step(self, chosen: Flags, decisions: Decisions) -> None:
+        """Advance the chosen swarms by one iteration as decided."""
+        self.advance(chosen, decisions)
         rows = np.flatnonzero(chosen)
         self.iteration[rows] += 1
-        self._record(rows, repair_degrees)
+        self._record(rows, decisions.repair_degrees, decisions.knobs)
         ended = (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
         self.running[rows] = ~ended[rows]
 
-    def advance(self, chosen: Flags, sizes: Integers, repair_degrees: Floats) -> None:
+    def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """The compiled part of a step."""
-        arguments = (self.swarms, self.tables, chosen, sizes, repair_degrees, self.knobs)
+        arguments = (self.swarms, self.tables, chosen, *decisions)
         if self.num_threads is None or not self.parallel:
             self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
             return
@@ -146,10 +161,19 @@ class Simulation:
         finally:
             numba.set_num_threads(previous)
 
+    def pace(self) -> Floats:
+        """(B,) evaluations for each iteration that is left, where the budget is spread evenly over them."""
+        left = np.maximum(self.settings.iterations - self.iteration, 1)
+        return (self.swarms.budget - self.swarms.evaluations) / left
+
     def gap(self) -> Floats:
         """(B,) best fitness so far above the lower bound; kept positive, so that it has a logarithm."""
+        return self.gap_of(self.swarms.best_fitness)
+
+    def gap_of(self, fitness: Floats) -> Floats:
+        """(B,) the same of another fitness of each swarm, (B,)."""
         bound = self.lower_bounds[self.swarms.problem]
-        return np.maximum(self.swarms.best_fitness - bound, 1e-9 * bound)
+        return np.maximum(fitness - bound, 1e-9 * bound)
 
     def optimality_gap(self) -> Floats:
         """(B,) best fitness so far above the known optimum, relative to it; NaN where it is unknown."""
@@ -173,14 +197,15 @@ class Simulation:
         """The problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
-    def _record(self, rows: Integers, repair_degrees: Floats) -> None:
+    def _record(self, rows: Integers, repair_degrees: Floats, knobs: Floats) -> None:
         swarms = self.swarms
-        record = np.empty((self.num_swarms, len(HISTORY)))
+        record = np.empty((self.num_swarms, len(self.columns)))
         record[:, 0] = swarms.summary[:, 0]
         record[:, 1] = swarms.size
         record[:, 2] = repair_degrees
         record[:, 3] = swarms.best_fitness
         record[:, 4] = swarms.evaluations
+        record[:, len(HISTORY) :] = knobs
         self.history[rows, self.iteration[rows]] = record[rows]
 
     def _read_options(self, options: Mapping[str, Any]) -> tuple[int, Floats | None, int | None]:

@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
+from agents.open_loop import shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
 from agents.ppo import PPOController
 from agents.rollout import run_episodes
-from swarm_gym.action import ACTIONS
+from swarm_gym.action import make_action
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings
 
-ARGUMENTS = {"fixed": ["60", "2", "200"], "ppo": shipped_policies()}
+ARGUMENTS = {"fixed": ["60", "2", "200"], "open-loop": shipped_open_loops(), "ppo": shipped_policies()}
 NAMES = [
     f"{family}:{argument}" if argument else family
     for family in CONTROLLERS
@@ -40,12 +42,15 @@ def make_policy(path, rng, observation="extended", **changes):
         weights[f"{number}.bias"] = rng.normal(size=out).astype(np.float32)
     manifest = {
         "action": "normalised",
+        "base": "none",
         "features": features,
         "hidden_layers": [8],
         "initial_population_size": 80,
         "max_population_size": 200,
         "min_population_size": 2,
+        "num_decisions": 2,
         "observation": observation,
+        "optimizer": "firefly",
         **changes,
     }
     save_policy(path, weights, manifest)
@@ -68,9 +73,10 @@ def test_every_controller_keeps_the_protocol_and_the_limits(name):
         observations = random_observations(controller.observation, rng, 7)
         observations[:, 3] = 0 if step == 0 else observations[:, 3]
         actions = controller.act(observations)
-        assert actions.shape == (7, 2)
-        layout = ACTIONS["natural"](Settings())
-        layout.decode(actions, np.ones(7, dtype=bool))  # refuses what is out of bounds
+        options = {"action": controller.action, "max_evaluations": controller.max_evaluations}
+        layout = make_action(Settings(**options), Firefly)
+        assert actions.shape == (7, *layout.space.shape)
+        assert ((actions >= layout.space.low) & (actions <= layout.space.high)).all()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -104,7 +110,7 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*fixed, ppo, random, spsfa, spsfa-tip"),
+        ("spfsa", UnknownNameError, "spfsa.*fixed, open-loop, ppo, random, spsfa, spsfa-tip"),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
@@ -133,10 +139,7 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
         )
         x = torch.as_tensor(weights["1.weight"]) @ x + torch.as_tensor(weights["1.bias"])[:, None]
         means = np.clip(x.T.numpy(), -1.0, 1.0)
-    share, repair = ((means.astype(np.float64) + 1) / 2).T
-    found = controller.act(observations)
-    np.testing.assert_allclose(found[:, 1], repair, atol=1e-6)
-    assert (np.abs(found[:, 0] - 2 * 100**share) <= 0.501).all()
+    np.testing.assert_allclose(controller.act(observations), means, atol=1e-6)
 
 
 def test_a_missing_policy_names_the_shipped_ones():

@@ -9,17 +9,19 @@ from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
 import swarm_gym  # noqa: F401
-from swarm_gym.action import ACTIONS
+from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import SCENARIOS, Scenario
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
 SMALL = {"initial_population_size": 6, "max_population_size": 12, "iterations": 5}
+SCALED_ACTIONS = [name for name in ACTIONS if name not in ("natural", "extended")]
 # Natural units and exact schedules are worth these two pieces of advice.
 ADVICE = ("symmetric and normalized", "recommend using np.float32", "precision lowered")
 
@@ -40,26 +42,26 @@ def finish(env, action=(6, 0.5)):
 @pytest.mark.parametrize("action", ACTIONS)
 @pytest.mark.parametrize("observation", OBSERVATIONS)
 def test_gymnasium_checker_passes_with_nothing_but_advice(name, action, observation):
-    env = gymnasium.make(name, **SMALL, action=action, observation=observation)
+    env = gymnasium.make(name, **SMALL, action=action, observation=observation, max_evaluations=10_000)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env(env.unwrapped)
     surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
     assert surprises == []
-    if action == "normalised" and observation != "paper":
+    if action in SCALED_ACTIONS and observation != "paper":
         assert [str(w.message) for w in caught] == []
 
 
 @pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize("action", ACTIONS)
 def test_stable_baselines3_checker_passes(name, action):
-    env = gymnasium.make(name, **SMALL, action=action, observation="extended")
+    env = gymnasium.make(name, **SMALL, action=action, observation="extended", max_evaluations=10_000)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env_for_sb3(env.unwrapped)
     surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
     assert surprises == []
-    if action == "normalised":
+    if action in SCALED_ACTIONS:
         assert [str(w.message) for w in caught] == []
 
 
@@ -162,12 +164,134 @@ def test_normalised_actions_ask_for_the_same_as_natural_ones():
     natural, normalised = small(iterations=6), small(iterations=6, action="normalised")
     for env in (natural, normalised):
         env.reset(seed=9)
-    layout = ACTIONS["normalised"](normalised.settings)
+    layout = make_action(normalised.settings, Firefly)
     for size, repair in ((2, 0.0), (12, 1.0), (7, 0.5), (5, 0.25)):
         one = natural.step(np.array([size, repair]))
-        other = normalised.step(layout.encode(np.array([size]), np.array([repair]))[0])
+        other = normalised.step(layout.encode(np.array([[size, repair]]))[0])
         assert one[4]["population_size"] == other[4]["population_size"] == size
         assert one[4]["repair_degree"] == pytest.approx(other[4]["repair_degree"], abs=1e-7)
+
+
+def twins(**options):
+    """Two environments with the same population."""
+    pair = small(**options), small(**options)
+    for env in pair:
+        env.reset(seed=9)
+    return pair
+
+
+def test_extended_actions_decide_noise_and_attractiveness_of_the_iteration():
+    extended, plain = small(action="extended"), small(noise=7.0, attractiveness=0.4)
+    for env in (extended, plain):
+        env.reset(seed=9)
+    one, other = extended.step(np.array([8, 0.3, 7.0, 0.4])), plain.step(np.array([8, 0.3]))
+    np.testing.assert_array_equal(one[0], other[0])
+    np.testing.assert_array_equal(extended.simulation.positions(0), plain.simulation.positions(0))
+    history = extended.simulation.history[0, :2, extended.simulation.columns.index("noise")]
+    np.testing.assert_array_equal(history, [2.0, 7.0])
+    # What was decided holds for one iteration, and the next decision for the next.
+    extended.step(np.array([8, 0.3, 0.02, 1.0]))
+    assert extended.simulation.history[0, 2, extended.simulation.columns.index("noise")] == 0.02
+
+
+def test_scaled_extended_actions_ask_for_the_same_as_natural_ones():
+    natural, scaled = twins(action="extended")[0], twins(action="extended-normalised")[0]
+    layout = make_action(scaled.settings, Firefly)
+    for decided in ([2, 0.0, 0.02, 0.01], [12, 1.0, 100.0, 1.0], [7, 0.5, 3.0, 0.2]):
+        natural.step(np.array(decided))
+        scaled.step(layout.encode(np.array([decided]))[0])
+        step = scaled.simulation.iteration[0]
+        columns = slice(1, 3), slice(5, 7)
+        for part in columns:
+            found, expected = (
+                scaled.simulation.history[0, step, part],
+                natural.simulation.history[0, step, part],
+            )
+            np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
+    assert scaled.simulation.swarms.size[0] == 7
+
+
+def test_two_decisions_encode_in_an_extended_layout_with_the_optimizers_own_parameters():
+    settings = small(action="extended-normalised", noise=5.0).settings
+    layout = make_action(settings, Firefly)
+    env = small(action="extended-normalised", noise=5.0)
+    env.reset(seed=1)
+    env.step(layout.encode(np.array([[9, 0.25]]))[0])
+    np.testing.assert_allclose(env.simulation.history[0, 1, [1, 2, 5, 6]], [9, 0.25, 5.0, 0.1], rtol=1e-5)
+
+
+def test_a_paced_action_of_zero_asks_for_the_size_at_which_the_budget_lasts():
+    env = small(action="paced", max_evaluations=306, initial_population_size=6, iterations=20,
+                max_population_size=200)  # fmt: skip
+    env.reset(seed=3)
+    env.step(np.array([0.0, -1.0], dtype=np.float32))
+    # 300 evaluations for 20 iterations are 15 each: 6 fireflies make 15 pairs.
+    assert env.simulation.swarms.size[0] == 6
+    env.step(np.array([1.0, -1.0], dtype=np.float32))
+    left = (306 - env.simulation.history[0, 1, 4]) / 19
+    assert env.simulation.history[0, 2, 1] == np.floor(6.0 * (1 + np.sqrt(1 + 8 * left)) / 2 + 0.5)
+
+
+@pytest.mark.parametrize("action", ["paced", "extended-paced"])
+def test_paced_actions_never_exceed_the_budget(action):
+    env = small(action=action, max_evaluations=500, iterations=30, max_population_size=60)
+    env.action_space.seed(0)
+    env.reset(seed=2)
+    ended = False
+    while not ended:
+        _, _, ended, _, info = env.step(env.action_space.sample())
+        assert info["evaluations"] <= 500
+
+
+def test_a_range_of_prices_is_drawn_from_by_the_seed_and_seen():
+    env = small(price=(0.1, 10.0), observation="priced")
+    prices = []
+    for seed in range(200):
+        observation, _ = env.reset(seed=seed)
+        prices.append(env.simulation.price[0])
+        assert observation[-1] == pytest.approx(np.log10(prices[-1] / 0.1) / 3, rel=1e-5)
+    assert 0.1 <= min(prices) < 0.15
+    assert 7.0 < max(prices) <= 10.0
+    assert 0.6 < np.median(prices) < 1.6
+    env.reset(seed=5)
+    assert env.simulation.price[0] == prices[5]
+
+
+def test_the_price_drawn_is_the_price_paid():
+    pair = small(price=(0.1, 10.0), reference_evaluations=100), small(price=0.0)
+    rewards = []
+    for env in pair:
+        env.reset(seed=4)
+        rewards.append(env.step(np.array([9, 0.2]))[1])
+    spent = pair[0].simulation.history[0, 1, 4] - pair[0].simulation.history[0, 0, 4]
+    assert rewards[1] - rewards[0] == pytest.approx(pair[0].simulation.price[0] * spent / 100)
+
+
+def test_layouts_can_be_joined():
+    joined, paper, rich = (small(observation=name) for name in ("paper+rich", "paper", "rich"))
+    seen = [env.reset(seed=6)[0] for env in (joined, paper, rich)]
+    np.testing.assert_allclose(seen[0], np.concatenate(seen[1:]), rtol=1e-6)
+    assert joined.observation_space.dtype == np.float64
+
+
+def test_rich_observations_tell_diversity_and_recent_progress():
+    env = small(observation="rich", iterations=9)
+    env.reset(seed=7)
+    gaps = [env.simulation.gap()[0]]
+    names = [feature.name for feature in OBSERVATIONS["rich"].features]
+    for _ in range(8):
+        observation, *_ = env.step(np.array([10, 0.4]))
+        gaps.append(env.simulation.gap()[0])
+        positions = env.simulation.positions(0)
+        diversity = np.sqrt(((positions - positions.mean(axis=0)) ** 2).sum(axis=1).mean())
+        then = max(len(gaps) - 6, 0)
+        expected = {
+            "log(1 + diversity) / 8": np.log1p(diversity) / 8,
+            "log(gap 5 iterations ago / gap)": np.log(gaps[then] / gaps[-1]),
+            "share of the evaluation budget spent": 0.0,
+        }
+        for name, value in expected.items():
+            assert observation[names.index(name)] == pytest.approx(value, abs=1e-5)
 
 
 def test_sizes_are_rounded_to_nearest_half_up():
@@ -264,6 +388,11 @@ def test_step_before_reset_and_after_the_end_is_refused():
         ({"optimizer": "fireflies"}, UnknownNameError, "fireflies.*firefly"),
         ({"population": 3}, UnknownNameError, "population.*initial_population_size.*noise"),
         ({"action": "raw"}, UnknownNameError, "raw.*natural, normalised"),
+        ({"action": "paced"}, SettingError, "paced.*max_evaluations"),
+        ({"price": (0.5,)}, SettingError, r"price.*\(0.5,\)"),
+        ({"price": (0.5, 0.1)}, SettingError, "price.*low < high"),
+        ({"price": (0.0, 0.1)}, SettingError, "price.*0.0"),
+        ({"observation": "paper+all"}, UnknownNameError, "all.*extended"),
         ({"observation": "all"}, UnknownNameError, "all.*extended, paper"),
         ({"reward": "none"}, UnknownNameError, "none.*progress"),
         ({"render_mode": "ansi"}, UnknownNameError, "ansi.*human, rgb_array"),

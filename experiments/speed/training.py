@@ -59,16 +59,14 @@ def _shares() -> tuple[float, tuple[float, ...]]:
     """Steps per second, and the share of each of `PARTS` in percent, over a few rollouts."""
     import torch
 
-    from agents import make_controller
-    from agents.imitation import imitate
-    from agents.train_config import TrainConfig
-    from agents.training_run import make_env, make_model
+    from agents.learners.ppo import PPOLearner
+    from agents.presets import load_preset
 
     torch.set_num_threads(1)
-    config = TrainConfig()
-    env = make_env(config)
-    model = make_model(config, env)
-    imitate(model, make_controller(config.warm_start, config.limits), env.env)
+    config = load_preset("three-cases")
+    learner = PPOLearner(config)
+    env, model = learner.env, learner.model
+    learner.begin()
     steps = model.n_steps * config.num_swarms
     model.learn(steps)  # everything compiled and allocated
     vector: Any = env.env

@@ -168,10 +168,19 @@ class Firefly(Optimizer):
 
     name = "firefly"
     knobs: ClassVar[dict[str, Knob]] = {
-        "noise": Knob(2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units"),
-        "attractiveness": Knob(0.1, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0"),
+        "noise": Knob(
+            2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)
+        ),
+        "attractiveness": Knob(
+            0.1, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0", (0.01, 1.0)
+        ),
         "absorption": Knob(5e-6, 0.0, 1e3, "gamma", "decay of the attraction, per squared map unit"),
     }
+
+    @staticmethod
+    def affordable_size(evaluations: Floats) -> Floats:
+        """The m with m (m - 1) / 2 = evaluations: about half of the pairs move."""
+        return (1.0 + np.sqrt(1.0 + 8.0 * evaluations)) / 2.0
 
     @staticmethod
     def initialise(  # noqa: D102

@@ -14,13 +14,24 @@ from swarm_gym.problem.waypoints import WaypointTable
 
 @dataclass(frozen=True)
 class Knob:
-    """A numeric parameter of an optimizer: its default and the closed range of values it may take."""
+    """A numeric parameter of an optimizer.
+
+    Attributes:
+        default: its value where nothing else is said.
+        low: the least value it may take.
+        high: the largest.
+        symbol: the paper's letter.
+        meaning: what it is, with its unit.
+        decided: the range, both positive, that an extended action decides within at every iteration; None
+            leaves the parameter as it is through an episode.
+    """
 
     default: float
     low: float
     high: float
     symbol: str
     meaning: str
+    decided: tuple[float, float] | None = None
 
 
 class Optimizer(ABC):
@@ -68,6 +79,16 @@ class Optimizer(ABC):
             mean_weight: k of eq. 7.
             parallel: spread the swarms over threads.
         """
+
+    @staticmethod
+    @abstractmethod
+    def affordable_size(evaluations: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Real-valued population sizes, (B,), whose iterations take about that many evaluations, (B,)."""
+
+    @classmethod
+    def decided_knobs(cls) -> dict[int, Knob]:
+        """The parameters that extended actions decide, by their place in `knobs`."""
+        return {place: knob for place, knob in enumerate(cls.knobs.values()) if knob.decided is not None}
 
     @classmethod
     def knob_values(cls, chosen: dict[str, float]) -> NDArray[np.float64]:

@@ -1,0 +1,29 @@
+"""How a policy is learned: one file per algorithm.
+
+To add one: write a class with the methods of `agents.learners.learner.Learner` and enter it in `LEARNERS`.
+"""
+
+from collections.abc import Callable
+
+from agents.learners.evolution import EvolutionLearner
+from agents.learners.learner import Learner
+from agents.learners.ppo import PPOLearner
+from agents.train_config import TrainConfig
+from swarm_gym.checks import look_up
+
+__all__ = ["LEARNERS", "Learner", "make_learner"]
+
+LEARNERS: dict[str, Callable[[TrainConfig], Learner]] = {
+    "ppo": PPOLearner,
+    "evolution": EvolutionLearner,
+}
+
+
+def make_learner(config: TrainConfig) -> Learner:
+    """The learner that a configuration names, ready for its first chunk.
+
+    Raises:
+        UnknownNameError: if there is none of that name.
+        ValueError: for options that it cannot work with.
+    """
+    return look_up("algorithm", config.algorithm, LEARNERS)(config)

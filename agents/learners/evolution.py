@@ -1,0 +1,139 @@
+"""Evolution strategies on the weights of the actor.
+
+Sources: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv 1604.00772 (2016); for many weights its
+separable form, R. Ros and N. Hansen, PPSN X (2008); T. Salimans et al., "Evolution strategies as a scalable
+alternative to reinforcement learning", arXiv 1703.03864 (2017). What is maximised is what a policy earns with
+the decisions that it will make, without noise in its actions: nothing is lost when the noise is taken away.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from cmaes import CMA, SepCMA
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from agents.learners.environments import feature_names, make_swarms
+from agents.learners.learner import Learner
+from agents.policy_file import Weights
+from agents.train_config import TrainConfig
+
+Floats = NDArray[np.float64]
+
+MOST_WEIGHTS_WITH_COVARIANCE = 200
+
+
+class EvolutionLearner(Learner):
+    """CMA-ES; every candidate of a generation meets the same episodes."""
+
+    def __init__(self, config: TrainConfig):
+        self.config = config
+        if config.num_swarms % config.candidates:
+            raise ValueError(
+                f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
+                f"{config.candidates}"
+            )
+        self.num_steps = 0
+        self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
+        self.features = feature_names(config, self._base)
+        self.num_decisions = int(np.prod(self.env.single_action_space.shape or ()))
+        sizes = (len(self.features), *config.hidden_layers, self.num_decisions)
+        self._shapes = [(into, out) for into, out in pairwise(sizes)]
+        begin = self._first_weights(np.random.default_rng(config.seed))
+        strategy = CMA if len(begin) <= MOST_WEIGHTS_WITH_COVARIANCE else SepCMA
+        self._strategy = strategy(
+            mean=begin, sigma=config.sigma, seed=config.seed, population_size=config.candidates
+        )
+
+    def begin(self) -> None:
+        """Nothing: the last layer is zero at first, so that a policy with a base decides as the base does."""
+
+    def learn(self, seed: int) -> dict[str, float]:
+        """A number of generations."""
+        best = []
+        for generation in range(self.config.rollouts_per_chunk):
+            candidates = np.stack([self._strategy.ask() for _ in range(self.config.candidates)])
+            earned = self._earn(candidates, seed + generation * self.config.num_swarms)
+            self._strategy.tell(list(zip(candidates, -earned, strict=True)))
+            best.append([earned.max(), earned.mean()])
+        largest, mean = np.mean(best, axis=0)
+        return {
+            "evolution/best return": float(largest),
+            "evolution/mean return": float(mean),
+            "evolution/sigma": float(self._strategy._sigma),
+        }
+
+    def weights(self) -> Weights:
+        """The mean of the search distribution."""
+        weights = {}
+        for number, (weight, bias) in enumerate(self._layers(self._strategy.mean[None])):
+            weights[f"{number}.weight"] = np.ascontiguousarray(weight[0].T, dtype=np.float32)
+            weights[f"{number}.bias"] = bias[0].astype(np.float32)
+        return weights
+
+    def state(self) -> dict[str, Any]:
+        """The strategy's numbers, its generator among them."""
+        content = {name: _plain(value) for name, value in self._strategy.__dict__.items() if name != "_rng"}
+        kind, keys, *numbers = self._strategy._rng.get_state()
+        return {
+            "num_steps": self.num_steps,
+            "strategy": content,
+            "generator": [str(kind), torch.as_tensor(keys.astype(np.int64)), *numbers],
+        }
+
+    def load(self, state: dict[str, Any]) -> None:
+        """Go on from a state."""
+        self.num_steps = state["num_steps"]
+        for name, value in state["strategy"].items():
+            array = isinstance(value, torch.Tensor)
+            setattr(self._strategy, name, value.numpy().copy() if array else value)
+        kind, keys, *numbers = state["generator"]
+        self._strategy._rng.set_state((kind, keys.numpy().astype(np.uint32), *numbers))
+
+    def _earn(self, candidates: Floats, seed: int) -> Floats:
+        """(n,) mean return of n candidates (n, number of weights), over the same episodes each."""
+        episodes = self.config.num_swarms // len(candidates)
+        seeds: Any = [seed + episode for episode in range(episodes)] * len(candidates)
+        observations, _ = self.env.reset(seed=seeds)
+        if self._base is not None:
+            self._base.controller.reset(self.env.num_envs)
+        layers = [(w.astype(np.float32), b.astype(np.float32)) for w, b in self._layers(candidates)]
+        returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
+        while not ended.all():
+            proposed: NDArray | float = 0.0
+            if self._base is not None:
+                proposed, observations = self._base.propose(observations)
+            hidden = observations.reshape(len(candidates), episodes, -1)
+            for number, (weight, bias) in enumerate(layers):
+                hidden = hidden @ weight + bias[:, None]
+                if number < len(layers) - 1:
+                    hidden = np.tanh(hidden)
+            corrections = np.clip(hidden.reshape(self.env.num_envs, -1), -1.0, 1.0)
+            observations, rewards, ended, _, _ = self.env.step(np.clip(proposed + corrections, -1.0, 1.0))
+            returns += rewards
+            self.num_steps += self.env.num_envs
+        return returns.reshape(len(candidates), episodes).mean(axis=1)
+
+    def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
+        """Weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
+        place = 0
+        for into, out in self._shapes:
+            weight = candidates[:, place : place + into * out].reshape(-1, into, out)
+            place += into * out
+            yield weight, candidates[:, place : place + out]
+            place += out
+
+    def _first_weights(self, generator: np.random.Generator) -> Floats:
+        """Hidden layers at random, the last one zero."""
+        parts = []
+        for number, (into, out) in enumerate(self._shapes):
+            scale = 0.0 if number == len(self._shapes) - 1 else 1.0 / np.sqrt(into)
+            parts += [scale * generator.standard_normal(into * out), np.zeros(out)]
+        return np.concatenate(parts)
+
+
+def _plain(value: Any) -> Any:
+    return torch.as_tensor(value.copy()) if isinstance(value, np.ndarray) else value

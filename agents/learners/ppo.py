@@ -1,0 +1,110 @@
+"""Proximal policy optimization, by stable-baselines3.
+
+Source: J. Schulman et al., "Proximal policy optimization algorithms", arXiv 1707.06347 (2017). One rollout is
+one episode of every swarm.
+"""
+
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.vector import AutoresetMode
+from stable_baselines3 import PPO
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.utils import set_random_seed
+
+from agents import make_controller
+from agents.imitation import imitate
+from agents.learners.environments import feature_names, make_swarms
+from agents.learners.learner import Learner
+from agents.policy_file import Weights
+from agents.sb3_vec_env import SB3VecEnv
+from agents.train_config import TrainConfig
+
+
+class PPOLearner(Learner):
+    """PPO with an actor and a critic of their own hidden layers."""
+
+    def __init__(self, config: TrainConfig):
+        self.config = config
+        self._teacher = None
+        if config.warm_start != "none":
+            self._teacher = make_controller(config.warm_start, config.limits)
+        torch.set_num_threads(1)
+        set_random_seed(config.seed)
+        env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
+        self.env = SB3VecEnv(env, base)
+        self.features = feature_names(config, base)
+        self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
+        self.model = self._make_model(self.env.get_attr("settings")[0].iterations)
+        self.model.set_logger(Logger(folder=None, output_formats=[]))
+
+    @property
+    def num_steps(self) -> int:  # type: ignore[override]
+        """Environment steps so far."""
+        return self.model.num_timesteps
+
+    def begin(self) -> None:
+        """Imitate the teacher, if any; the critic at least learns what the base earns."""
+        if self._teacher is not None or self.env.base is not None:
+            imitate(self.model, self._teacher, self.env)
+
+    def learn(self, seed: int) -> dict[str, float]:
+        """A number of rollouts with an update after each."""
+        config = self.config
+        set_random_seed(seed)
+        self.env.seed(seed)
+        # Fresh episodes and averages, so that any chunk can be the first of a resumed run.
+        self.model._last_obs = None
+        self.model.ep_info_buffer = None
+        steps = self.model.n_steps * config.num_swarms * config.rollouts_per_chunk
+        self.model.learn(steps, reset_num_timesteps=False, log_interval=10**9)
+        found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
+        ended: Any = self.model.ep_info_buffer
+        found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
+        return found
+
+    def weights(self) -> Weights:
+        """The mean of the actor."""
+        policy: Any = self.model.policy
+        layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
+        weights = {}
+        for number, layer in enumerate([*layers, policy.action_net]):
+            weights[f"{number}.weight"] = layer.weight.detach().numpy().copy()
+            weights[f"{number}.bias"] = layer.bias.detach().numpy().copy()
+        return weights
+
+    def state(self) -> dict[str, Any]:
+        """Networks, optimizer and counters."""
+        return {
+            "policy": self.model.policy.state_dict(),
+            "optimizer": self.model.policy.optimizer.state_dict(),
+            "num_timesteps": self.model.num_timesteps,
+            "updates": self.model._n_updates,
+        }
+
+    def load(self, state: dict[str, Any]) -> None:
+        """Go on from a state."""
+        self.model.policy.load_state_dict(state["policy"])
+        self.model.policy.optimizer.load_state_dict(state["optimizer"])
+        self.model.num_timesteps = state["num_timesteps"]
+        self.model._n_updates = state["updates"]
+
+    def _make_model(self, iterations: int) -> PPO:
+        config = self.config
+        return PPO(
+            "MlpPolicy",
+            self.env,
+            learning_rate=config.learning_rate,
+            n_steps=iterations,
+            batch_size=config.batch_size,
+            n_epochs=config.epochs,
+            gamma=config.discount,
+            gae_lambda=config.gae_lambda,
+            clip_range=config.clip_range,
+            ent_coef=config.entropy_weight,
+            target_kl=config.target_kl,
+            policy_kwargs={"net_arch": list(config.hidden_layers), "log_std_init": config.log_std},
+            seed=config.seed,
+            device="cpu",
+        )

@@ -1,0 +1,117 @@
+"""A blind controller: population size and phi, and further decisions, as fixed functions of the iteration.
+
+The decisions are given at a few iterations, the knots, and interpolated between them: sizes and parameters of
+the optimizer in the logarithm, phi in its square root. Where the knots come from is told by their file; see
+`agents.tune`.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.controller import Controller, Floats, SizeLimits
+from swarm_gym.files import write_atomically
+
+FORMAT = "swarm_gym open loop 1"
+OPEN_LOOPS = Path(__file__).parent / "open_loops"
+
+
+class OpenLoopFileError(ValueError):
+    """A file of knots is missing or damaged; the message names it."""
+
+
+class OpenLoop(Controller):
+    """Decisions interpolated between knots.
+
+    Args:
+        knots: iterations in increasing order, the first one 0.
+        sizes: population size at each knot; the first one, rounded, is PS(0) too.
+        repair_degrees: phi at each knot, in [0, 1].
+        knobs: further decisions at each knot by name, positive, in the order of the extended action.
+        limits: the sizes that the environment allows.
+    """
+
+    def __init__(
+        self,
+        knots: list[int],
+        sizes: list[float],
+        repair_degrees: list[float],
+        knobs: Mapping[str, list[float]] | None = None,
+        limits: SizeLimits = SizeLimits(),  # noqa: B008
+    ):
+        knobs = dict(knobs or {})
+        columns = [sizes, repair_degrees, *knobs.values()]
+        if any(len(column) != len(knots) for column in columns):
+            raise ValueError(f"open loop: {len(knots)} knots, but {[len(c) for c in columns]} values")
+        if len(knots) < 1 or knots[0] != 0 or (np.diff(knots) <= 0).any():
+            raise ValueError(f"open loop: knots must begin with 0 and increase, got {knots}")
+        positive = [sizes, *knobs.values()]
+        if any(min(column) <= 0 for column in positive) or not all(0 <= d <= 1 for d in repair_degrees):
+            raise ValueError("open loop: sizes and parameters must be positive, phi in [0, 1]")
+        self.action = "extended" if knobs else "natural"
+        self.initial_population_size = limits.clip(int(sizes[0] + 0.5))
+        iterations = np.arange(knots[-1] + 1)
+        table = [np.exp(np.interp(iterations, knots, np.log(column))) for column in positive]
+        table[0] = np.clip(table[0], limits.smallest, limits.largest)
+        table.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
+        self._table: Floats = np.stack(table, axis=1)
+
+    def reset(self, num_swarms: int, seed: int = 0) -> None:
+        """Nothing to begin."""
+
+    def act(self, observations: NDArray) -> Floats:
+        """What the knots say for the next iteration; beyond the last knot it stays as it is."""
+        iteration = np.minimum(observations[:, 3].astype(np.int64), len(self._table) - 1)
+        return self._table[iteration]
+
+
+def shipped_open_loops() -> list[str]:
+    """Names of the open loops that come with the project."""
+    return sorted(path.stem for path in OPEN_LOOPS.glob("*.json"))
+
+
+def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  # noqa: B008
+    """An open loop from a shipped file by name, or from the file that is given.
+
+    Raises:
+        OpenLoopFileError: if there is none, or its content is not what it should be.
+    """
+    for path in (OPEN_LOOPS / f"{name}.json", Path(name)):
+        if path.is_file():
+            break
+    else:
+        shipped = ", ".join(shipped_open_loops()) or "none"
+        raise OpenLoopFileError(f"open loop {name!r}: neither a shipped one ({shipped}) nor a file")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
+        return OpenLoop(
+            content["knots"], content["sizes"], content["repair_degrees"], content["knobs"], limits
+        )
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
+
+
+def save_open_loop(
+    path: Path,
+    knots: list[int],
+    sizes: list[float],
+    repair_degrees: list[float],
+    knobs: Mapping[str, list[float]],
+    manifest: Mapping[str, Any],
+) -> None:
+    """Write knots with what is known of them, at once or not at all."""
+    content = {
+        "format": FORMAT,
+        "knots": knots,
+        "sizes": sizes,
+        "repair_degrees": repair_degrees,
+        "knobs": dict(knobs),
+        "manifest": dict(manifest),
+    }
+    write_atomically(path, json.dumps(content, indent=2) + "\n")
