@@ -6,9 +6,7 @@ cache folder is named by a digest of all sources of the package and of the bound
 can happen.
 """
 
-import hashlib
 import logging
-import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,24 +14,17 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
-import platformdirs
+
+from swarm_gym.files import digest_of_sources, user_cache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 @cache
 def cache_folder() -> Path:
-    """Folder for compiled kernels of exactly these sources.
-
-    It lies in `SWARM_GYM_CACHE` where that is set, else in the user's cache folder.
-    """
-    digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
-    package = Path(__file__).parent
-    for source in sorted(package.rglob("*.py")):
-        digest.update(str(source.relative_to(package)).encode())
-        digest.update(source.read_bytes())
-    base = os.environ.get("SWARM_GYM_CACHE") or platformdirs.user_cache_dir("swarm_gym")
-    return Path(base) / "kernels" / digest.hexdigest()[:16]
+    """Folder for compiled kernels of exactly these sources, in the user's cache."""
+    digest = digest_of_sources(Path(__file__).parent, f"boundscheck={numba.config.BOUNDSCHECK}")
+    return user_cache() / "kernels" / digest
 
 
 @cache

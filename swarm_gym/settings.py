@@ -9,7 +9,7 @@ import numpy as np
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.scenarios import Scenario, make_scenario
+from swarm_gym.scenarios import Scenario, make_scenarios
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,8 @@ class Settings:
     """What an environment is about. Lengths are in map units.
 
     Attributes:
-        scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed.
+        scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed;
+            a name with a range of numbers stands for all of them.
         num_waypoints: n, the number of waypoints of a path.
         length_weight: mu in (0, 1], the weight of the length in the fitness.
         iterations: g_max, the length of an episode.
@@ -89,7 +90,7 @@ class Settings:
             SettingError: if there is none.
         """
         given = self.scenario if isinstance(self.scenario, tuple) else (self.scenario,)
-        scenarios = [make_scenario(scenario) for scenario in given]
+        scenarios = [scenario for name in given for scenario in make_scenarios(name)]
         if not scenarios:
             raise SettingError("scenario: the list of scenarios is empty")
         return scenarios

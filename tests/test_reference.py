@@ -17,11 +17,25 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.reference import known_optimum, optimum, shortest_path
-from swarm_gym.reference.optima import digest
+from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
+from swarm_gym.reference.optima import digest, shipped, store_optimum
 from swarm_gym.reference.visibility import SAMPLING_ANGLE
-from swarm_gym.reference.waypoint_optimum import best_path, write_optima
-from swarm_gym.scenarios import SCENARIOS, Circle, Polygon, Scenario, make_scenario
+from swarm_gym.reference.waypoint_optimum import (
+    SHIPPED_FIELDS,
+    best_path,
+    main,
+    write_field_optima,
+    write_optima,
+)
+from swarm_gym.scenarios import (
+    SCENARIOS,
+    Circle,
+    Polygon,
+    Scenario,
+    expand_name,
+    make_scenario,
+    make_scenarios,
+)
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -275,7 +289,104 @@ def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(t
         assert old["length_weight"] * old["shortest_path"] < old["fitness"]
 
 
-def test_the_optimum_of_another_problem_is_not_known():
+def test_optima_of_fields_ship_under_their_names_and_are_known():
+    fields = shipped("random_fields.json")
+    assert tuple(fields) == tuple(itertools.chain.from_iterable(map(expand_name, SHIPPED_FIELDS)))
+    for name in list(fields)[::50]:
+        problem = Problem(make_scenario(name))
+        assert fields[name][0] == digest(problem)
+        assert known_optimum(problem) == fields[name][1]
+
+
+def test_the_shipped_optima_of_fields_are_plausible_beside_their_shortest_paths():
+    for _, fitness, shortest in shipped("random_fields.json").values():
+        # Waypoints do not stand where the corners are: somewhat longer. (Through a corner would be shorter,
+        # but on none of these fields cheaper.)
+        assert 0.3 * shortest <= fitness < 0.3 * shortest * 1.05
+
+
+def test_the_shipped_optima_of_fields_are_what_is_computed(tmp_path):
+    calls = []
+    names = [expand_name(name)[-1] for name in SHIPPED_FIELDS]
+    write_field_optima(tmp_path / "fields.json", names, lambda done, total: calls.append((done, total)))
+    assert calls == [(k, len(names)) for k in range(1, len(names) + 1)]
+    computed = json.loads((tmp_path / "fields.json").read_text())
+    assert list(computed) == names
+    for name, (name_of_problem, *lengths) in computed.items():
+        expected_name, *expected = shipped("random_fields.json")[name]
+        assert name_of_problem == expected_name
+        assert lengths == pytest.approx(expected, abs=2e-6)
+
+
+@pytest.mark.parametrize("name", ["test:300", "denser:300", "narrow:300", "rotated:300"])
+def test_a_finer_grid_finds_no_better_path_in_a_field(name):
+    problem = Problem(make_scenario(f"random-fields:{name}"), 20)
+    assert optimum(problem, coarse_step=0.5)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("SWARM_GYM_CACHE", str(tmp_path))
+    return tmp_path
+
+
+def test_an_optimum_is_known_once_it_was_ensured(cache):
+    problems = [Problem(made, 8) for made in make_scenarios("random-fields:large-obstacles:0-2")]
+    assert all(map(math.isnan, map(known_optimum, problems)))
+    calls = []
+    optima = ensure_optima(problems, 2, lambda done, total: calls.append((done, total)))
+    assert optima == [optimum(problem)[0] for problem in problems]
+    assert calls == [(1, 3), (2, 3), (3, 3)]
+    assert list(map(known_optimum, problems)) == optima
+    assert len([path for path in cache.rglob("*") if path.is_file()]) == 3
+
+
+def test_an_optimum_that_is_known_is_not_computed_again(cache):
+    problem = make_problem("case1", 7)
+    store_optimum(problem, 123.0)
+    assert ensure_optima([problem]) == [123.0]
+    assert math.isnan(known_optimum(make_problem("case1", 8)))
+    assert ensure_optima([make_problem("case1")]) == [known_optimum(make_problem("case1"))]
+
+
+@pytest.mark.parametrize("content", ["", "12,5", "none"])
+def test_a_damaged_file_in_the_cache_is_computed_again(cache, content):
+    problem = make_problem("case3", 5)
+    store_optimum(problem, 1.0)
+    (file,) = (path for path in cache.rglob("*") if path.is_file())
+    file.write_text(content)
+    assert math.isnan(known_optimum(problem))
+    assert ensure_optima([problem]) == [known_optimum(problem)] == [optimum(problem)[0]]
+
+
+def test_the_command_stores_what_environments_then_know(cache, monkeypatch, capsys):
+    name = "random-fields:large-obstacles:700-701"
+    monkeypatch.setattr(sys, "argv", ["waypoint_optimum", name, "--num-waypoints", "6"])
+    main()
+    assert "2/2" in capsys.readouterr().err
+    env = SwarmEnv(scenario=name, num_waypoints=6)
+    env.reset(seed=0)
+    assert np.isfinite(env.simulation.optimality_gap()).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "expected names"),
+        (["case1", "--ship"], "expected names"),
+        (["case9"], "'case9'"),
+        (["case1", "--num-waypoints", "0"], "num_waypoints"),
+        (["case1", "--threads", "0"], "num_threads"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_do(arguments, message, cache, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["waypoint_optimum", *arguments])
+    with pytest.raises(SystemExit):
+        main()
+    assert message in capsys.readouterr().err
+
+
+def test_the_optimum_of_another_problem_is_not_known(cache):
     assert math.isnan(known_optimum(Problem(scenario())))
     assert math.isnan(known_optimum(make_problem("case1", 30)))
     assert math.isnan(known_optimum(make_problem("case1", length_weight=0.4)))

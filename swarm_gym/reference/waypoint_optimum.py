@@ -5,24 +5,32 @@ on its two waypoints only. So, with the offsets of every waypoint restricted to 
 candidates, the best of all paths is found exactly, colliding ones included. The candidates are a
 grid over the whole workspace first, then ever finer ones around the best path so far.
 
-`python -m swarm_gym.reference.waypoint_optimum` writes the optima that ship with the package.
+`python -m swarm_gym.reference.waypoint_optimum NAME ...` computes the optima of scenarios and stores them for
+later use; with `--ship` instead of names it writes those that ship with the package.
 """
 
+import argparse
 import json
 import math
+import sys
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.checks import require_integer
+from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.jit import kernel
 from swarm_gym.problem import Problem
 from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
-from swarm_gym.reference.optima import digest
+from swarm_gym.reference.optima import digest, known_optimum, store_optimum
 from swarm_gym.reference.visibility import shortest_path
-from swarm_gym.scenarios import SCENARIOS, make_scenario
+from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios
 
 Floats = NDArray[np.float64]
 
@@ -31,9 +39,22 @@ REFINEMENT_REACH = 12
 # The grid is refined down to this step, in map units. At a contact with an obstacle the fitness
 # grows linearly, so this is the error of the fitness too, up to a factor of the number of contacts.
 FINEST_STEP = 1e-8
+# Of these the optima ship, with the default encoding and weight.
+SHIPPED_FIELDS = (
+    "random-fields:train:0-511",
+    "random-fields:validation:0-63",
+    "random-fields:test:0-199",
+    "random-fields:denser:0-39",
+    "random-fields:larger:0-39",
+    "random-fields:narrow:0-39",
+    "random-fields:large-obstacles:0-39",
+    "random-fields:rotated:0-39",
+)
+
+Progress = Callable[[int, int], None]
 
 
-def optimum(problem: Problem, coarse_step: float = 0.5) -> tuple[float, Floats]:
+def optimum(problem: Problem, coarse_step: float = 1.0) -> tuple[float, Floats]:
     """Least fitness in the workspace, and a decision vector that has it, shape (num_waypoints,).
 
     Args:
@@ -99,30 +120,121 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
     return path
 
 
+def ensure_optima(
+    problems: Sequence[Problem], num_threads: int = 1, progress: Progress | None = None
+) -> list[float]:
+    """Least fitness of each problem, in map units; what is not known yet is computed and stored.
+
+    Args:
+        problems: any number; about a fifth of a second for each that is not known.
+        num_threads: over which the computation is spread.
+        progress: is called with the number of problems done and the number of all.
+
+    Raises:
+        SettingError: if the number of threads is not positive.
+    """
+    require_integer("num_threads", num_threads, 1)
+    with ThreadPoolExecutor(num_threads) as pool:
+        optima = []
+        for fitness in pool.map(_ensure_optimum, problems):
+            optima.append(fitness)
+            if progress is not None:
+                progress(len(optima), len(problems))
+    return optima
+
+
+def _ensure_optimum(problem: Problem) -> float:
+    fitness = known_optimum(problem)
+    if math.isnan(fitness):
+        fitness = optimum(problem)[0]
+        store_optimum(problem, fitness)
+    return fitness
+
+
 def write_optima(file: Path) -> None:
-    """Write the optima of all registered scenarios with the default encoding and weight, as JSON.
+    """Write the optima of all scenarios in `SCENARIOS` with the default encoding and weight, as JSON.
 
     All lengths are in map units, to 1e-6.
     """
     entries = []
     for name in sorted(SCENARIOS):
         problem = Problem(make_scenario(name))
+        name_of_problem, fitness, length = _solve(problem)
         entries.append(
             {
                 "name": name,
                 "num_waypoints": problem.num_waypoints,
                 "length_weight": problem.length_weight,
-                "digest": digest(problem),
-                "fitness": round(optimum(problem)[0], 6),
-                "shortest_path": round(shortest_path(problem.scenario)[0], 6),
+                "digest": name_of_problem,
+                "fitness": fitness,
+                "shortest_path": length,
             }
         )
     write_atomically(file, json.dumps(entries, indent=2) + "\n")
 
 
+def write_field_optima(file: Path, names: Sequence[str], progress: Progress) -> None:
+    """Write the optima of fields as JSON: by name the digest of the problem, fitness and shortest path.
+
+    The encoding and weight are the default, and all lengths in map units, to 1e-6.
+    """
+    fields = [field for name in names for field in make_scenarios(name)]
+    lines = []
+    for field in fields:
+        lines.append(f"{json.dumps(field.name)}: {json.dumps(_solve(Problem(field)))}")
+        progress(len(lines), len(fields))
+    write_atomically(file, "{\n" + ",\n".join(lines) + "\n}\n")
+
+
+def _solve(problem: Problem) -> tuple[str, float, float]:
+    """Digest, least fitness and shortest path of a problem."""
+    return digest(problem), round(optimum(problem)[0], 6), round(shortest_path(problem.scenario)[0], 6)
+
+
 def main() -> None:
-    """Write `optima.json`, which ships with the package."""
-    write_optima(Path(__file__).with_name("optima.json"))
+    """Compute optima as the command line says."""
+    parser = argparse.ArgumentParser(
+        prog="python -m swarm_gym.reference.waypoint_optimum",
+        description="Compute the true optima of scenarios and store them in the user's cache.",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="scenarios, as in random-fields:test:0-199")
+    parser.add_argument("--num-waypoints", type=int, default=Problem.num_waypoints, metavar="N")
+    parser.add_argument("--length-weight", type=float, default=Problem.length_weight, metavar="MU")
+    parser.add_argument("--threads", type=int, default=1, metavar="N")
+    parser.add_argument("--ship", action="store_true", help="write the files that ship with the package")
+    options = parser.parse_args()
+    if options.ship == bool(options.names):
+        parser.error("expected names of scenarios, or --ship")
+    if options.ship:
+        write_optima(Path(__file__).with_name("optima.json"))
+        write_field_optima(Path(__file__).with_name("random_fields.json"), SHIPPED_FIELDS, _ProgressBar())
+        return
+    try:
+        problems = [
+            Problem(scenario, options.num_waypoints, options.length_weight)
+            for name in options.names
+            for scenario in make_scenarios(name)
+        ]
+        ensure_optima(problems, options.threads, _ProgressBar())
+    except SwarmGymError as error:
+        parser.error(str(error))
+
+
+class _ProgressBar:
+    """Shows how far it is, and how long it will take, on one line of the error output."""
+
+    WIDTH = 40
+
+    def __init__(self) -> None:
+        self.began = time.monotonic()
+
+    def __call__(self, done: int, total: int) -> None:
+        left = (time.monotonic() - self.began) / done * (total - done)
+        bar = "#" * (self.WIDTH * done // total)
+        end = "\n" if done == total else ""
+        print(
+            f"\r[{bar:{self.WIDTH}}] {done}/{total}, {left:4.0f} s left", end=end, file=sys.stderr, flush=True
+        )
 
 
 if __name__ == "__main__":

@@ -1,20 +1,39 @@
 """Where a path is planned: maps with start and target, made by name.
 
-To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`.
+To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`. To add a family of maps,
+with names that go on after a colon: write a module like `random_fields` and enter its `Family` in `FAMILIES`.
 """
 
 from collections.abc import Callable
 
-from swarm_gym.checks import look_up
-from swarm_gym.scenarios import paper_cases
+from swarm_gym.errors import ScenarioError, UnknownNameError
+from swarm_gym.scenarios import paper_cases, random_fields
+from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
 
-__all__ = ["SCENARIOS", "Circle", "Obstacle", "Point", "Polygon", "Scenario", "make_scenario"]
+__all__ = [
+    "FAMILIES",
+    "SCENARIOS",
+    "Circle",
+    "Obstacle",
+    "Point",
+    "Polygon",
+    "Scenario",
+    "expand_name",
+    "make_scenario",
+    "make_scenarios",
+    "sample_names",
+]
+
 
 SCENARIOS: dict[str, Callable[[], Scenario]] = {
     "case1": paper_cases.case1,
     "case2": paper_cases.case2,
     "case3": paper_cases.case3,
+}
+
+FAMILIES: dict[str, Family] = {
+    "random-fields": random_fields.FAMILY,
 }
 
 
@@ -23,7 +42,52 @@ def make_scenario(scenario: str | Scenario) -> Scenario:
 
     Raises:
         UnknownNameError: if there is none of that name.
+        ScenarioError: if the name stands for several, or has not the form of its family.
     """
     if isinstance(scenario, Scenario):
         return scenario
-    return look_up("scenario", scenario, SCENARIOS)()
+    names = expand_name(scenario)
+    if names != (scenario,):
+        raise ScenarioError(f"scenario {scenario!r}: expected one scenario, not a range of {len(names)}")
+    return _make(scenario)
+
+
+def make_scenarios(scenario: str | Scenario) -> tuple[Scenario, ...]:
+    """All scenarios that a name stands for, in order; of a `Scenario` that one.
+
+    Raises:
+        UnknownNameError: if there is none of that name.
+        ScenarioError: if the name has not the form of its family.
+    """
+    if isinstance(scenario, Scenario):
+        return (scenario,)
+    return tuple(map(_make, expand_name(scenario)))
+
+
+def expand_name(name: str) -> tuple[str, ...]:
+    """The names of single scenarios that a name stands for, in order: of a range of a family, or the name.
+
+    Raises:
+        UnknownNameError: if there is none of that name.
+        ScenarioError: if the name has not the form of its family.
+    """
+    family = _family_of(name)
+    if family is not None:
+        return family.expand(name)
+    if not isinstance(name, str) or name not in SCENARIOS:
+        raise UnknownNameError("scenario", name, [*SCENARIOS, *(f.usage for f in FAMILIES.values())])
+    return (name,)
+
+
+def sample_names() -> tuple[str, ...]:
+    """All scenarios of which there is a fixed number, and some of every family."""
+    return (*SCENARIOS, *(name for family in FAMILIES.values() for name in family.samples))
+
+
+def _make(name: str) -> Scenario:
+    family = _family_of(name)
+    return SCENARIOS[name]() if family is None else family.make(name)
+
+
+def _family_of(name: object) -> Family | None:
+    return FAMILIES.get(name.partition(":")[0]) if isinstance(name, str) else None

@@ -1,0 +1,82 @@
+"""Random fields, as many as needed: the scenarios `random-fields:<split>:<number>`.
+
+The splits `train`, `validation` and `test` are drawn alike, and about as hard as the paper's cases: obstacles
+of such sizes, scattered around the line from (20, 300) to (980, 300) in a workspace of 1000 x 600. The other
+splits are for the evaluation of what was trained on these; each differs from them in one respect.
+"""
+
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from swarm_gym.checks import look_up
+from swarm_gym.errors import ScenarioError
+from swarm_gym.scenarios.drawn_fields import Scatter, Walls
+from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.scenario import Scenario
+
+NAME = "random-fields"
+USAGE = f"{NAME}:<split>:<number>"
+
+
+class Split(NamedTuple):
+    """Field k of a split is drawn by the generator of seed `first_seed` + k, for k below `size`."""
+
+    first_seed: int
+    size: int
+    draw: Callable[[str, np.random.Generator], Scenario]
+
+
+# The ranges of seeds are disjoint. A published split keeps its seeds and its way of drawing: results refer
+# to it.
+SPLITS = {
+    "train": Split(0, 1_000_000, Scatter().draw),
+    "validation": Split(1_000_000, 100_000, Scatter().draw),
+    "test": Split(1_100_000, 100_000, Scatter().draw),
+    "denser": Split(1_200_000, 100_000, Scatter(count=(22, 30), size=(30, 44), clearance=10).draw),
+    "larger": Split(
+        1_300_000,
+        100_000,
+        Scatter(count=(20, 35), workspace=(1500, 900), reach=330, initial_reach=270, blocking=4).draw,
+    ),
+    "narrow": Split(1_400_000, 100_000, Walls().draw),
+    "large-obstacles": Split(
+        1_500_000, 100_000, Scatter(count=(4, 7), size=(80, 110), reach=250, blocking=2).draw
+    ),
+    "rotated": Split(1_600_000, 100_000, Scatter(workspace=(1200, 1200), turned=True).draw),
+}
+
+
+def expand(name: str) -> tuple[str, ...]:
+    """The names of single fields that a name stands for: `...:0-511` for 512 of them, the last included.
+
+    Raises:
+        UnknownNameError: if there is no such split.
+        ScenarioError: if the name has another form, or a number is not in its split.
+    """
+    parts = name.split(":")
+    if len(parts) != 3:
+        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
+    _, split, numbers = parts
+    size = look_up("split of random fields", split, SPLITS).size
+    # No sign and no leading zero: a field has one name.
+    match = re.fullmatch(r"(0|[1-9][0-9]{0,8})(?:-(0|[1-9][0-9]{0,8}))?", numbers)
+    first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, -1)
+    if not first <= last < size:
+        raise ScenarioError(
+            f"scenario {name!r}: expected a number from 0 to {size - 1}, or a range of them such as 0-511, "
+            f"after {split!r}, got {numbers!r}"
+        )
+    return tuple(f"{NAME}:{split}:{number}" for number in range(first, last + 1))
+
+
+def make(name: str) -> Scenario:
+    """The single field of that name."""
+    _, split, number = name.split(":")
+    first_seed, _, draw = SPLITS[split]
+    return draw(name, np.random.Generator(np.random.PCG64(first_seed + int(number))))
+
+
+FAMILY = Family(USAGE, tuple(f"{NAME}:{split}:0" for split in SPLITS), expand, make)
