@@ -5,6 +5,7 @@ it in `CONTROLLERS`.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 from agents.controller import Controller, SizeLimits
 from agents.fixed import Fixed, Random
@@ -34,10 +35,8 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
 # Family name to a function of what stands after the colon and the size limits.
 CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": _fixed,
-    "spsfa": _no_argument(lambda limits: SelfAdaptiveSchedule(limits=limits)),
-    "spsfa-tip": _no_argument(
-        lambda limits: SelfAdaptiveSchedule(treats_infeasible_paths=True, limits=limits)
-    ),
+    "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
+    "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "ppo": PPOController,
@@ -46,6 +45,8 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
     """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
+
+    The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
 
     Args:
         name: the family, and after a colon its argument.

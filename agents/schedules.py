@@ -6,11 +6,13 @@ population size and PS(0) are not printed; see docs/readings.md.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
+from agents.parameters import Number, Range, format_parameters, parse_parameters
 
 
 @dataclass
@@ -22,8 +24,13 @@ class SelfAdaptiveSchedule(Controller):
         growth: omega of the up rule.
         decay: eta of the down rule.
         low_deviation: T_low; phi is used only where the standard deviation of the collision is no larger.
-        initial_population_size: PS(0).
+        initial_population_size: PS(0); the default gives way to the limits.
+        smallest: floor of the population size; None is the limits' smallest. Not in the paper.
+        repair_factor: factor on phi of eq. 17, before phi is clipped to [0, 1]; 1 is the paper's rule.
         limits: the sizes that the environment allows.
+
+    Raises:
+        SettingError: for a parameter outside its range, see `parameter_ranges`.
     """
 
     treats_infeasible_paths: bool = False
@@ -31,11 +38,42 @@ class SelfAdaptiveSchedule(Controller):
     decay: float = 0.2
     low_deviation: float = 20.0
     initial_population_size: int = 80
+    smallest: int | None = None
+    repair_factor: float = 1.0
     limits: SizeLimits = field(default_factory=SizeLimits)
 
     def __post_init__(self) -> None:
-        self.initial_population_size = self.limits.clip(self.initial_population_size)
+        if self.initial_population_size == SelfAdaptiveSchedule.initial_population_size:
+            self.initial_population_size = self.limits.clip(self.initial_population_size)
+        for name, span in parameter_ranges(self.limits).items():
+            value = getattr(self, name)
+            if not (name == "smallest" and value is None):
+                span.require(name, value)
+                setattr(self, name, int(value) if span.integer else float(value))  # NumPy's numbers too
         self.reset(0)
+
+    @classmethod
+    def from_argument(
+        cls, argument: str, limits: SizeLimits, treats_infeasible_paths: bool
+    ) -> "SelfAdaptiveSchedule":
+        """The schedule whose name has this argument, as `growth=500,decay=0.1`; empty is the paper's.
+
+        Raises:
+            SettingError: for an unknown or doubled key or a value out of its range; the message lists both.
+        """
+        values: dict[str, Any] = parse_parameters(argument, parameter_ranges(limits))
+        return cls(treats_infeasible_paths, **values, limits=limits)
+
+    @property
+    def name(self) -> str:
+        """What `make_controller` makes this schedule of: the family, and parameters that differ from it."""
+        family = "spsfa-tip" if self.treats_infeasible_paths else "spsfa"
+        changed = {
+            name: getattr(self, name)
+            for name, default in _defaults(self.limits).items()
+            if getattr(self, name) != default
+        }
+        return f"{family}:{format_parameters(changed)}" if changed else family
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget E_init, the sizes and PS_max."""
@@ -50,7 +88,7 @@ class SelfAdaptiveSchedule(Controller):
         self._first = np.where(begin, current, self._first)
         self._size = np.where(begin, self.initial_population_size, self._next_size(current))
         self._largest = np.where(begin, self._size, np.maximum(self._largest, self._size))
-        repair = np.clip(2.0 * self._largest / self._size**2, 0.0, 1.0)  # eq. 17
+        repair = np.clip(self.repair_factor * 2.0 * self._largest / self._size**2, 0.0, 1.0)  # eq. 17
         gated = begin | (deviation > self.low_deviation) | (not self.treats_infeasible_paths)
         return np.stack([self._size, np.where(gated, 0.0, repair)], axis=1)
 
@@ -61,4 +99,25 @@ class SelfAdaptiveSchedule(Controller):
             down = self._largest * (current / self._first) ** self.decay  # eq. 10, 11
         down = np.where(self._first > 0.0, down, self._size)  # no first collision: nothing to relate to
         size = np.floor(np.where(current > self._first, up, down) + 0.5)
-        return np.clip(size, self.limits.smallest, self.limits.largest)
+        smallest = self.limits.smallest if self.smallest is None else self.smallest
+        return np.clip(size, smallest, self.limits.largest)
+
+
+def parameter_ranges(limits: SizeLimits) -> dict[str, Range]:
+    """What the parameters of the schedule may be; the reals are only kept from what cannot be meant."""
+    sizes = Range(limits.smallest, limits.largest, integer=True)
+    return {
+        "growth": Range(0.0, 1e6),
+        "decay": Range(0.0, 100.0),
+        "low_deviation": Range(0.0, 1e6),
+        "initial_population_size": sizes,
+        "smallest": sizes,
+        "repair_factor": Range(0.0, 1e6),
+    }
+
+
+def _defaults(limits: SizeLimits) -> dict[str, Number | None]:
+    """Of the parameters, under these limits."""
+    found = {name: getattr(SelfAdaptiveSchedule, name) for name in parameter_ranges(limits)}
+    found["initial_population_size"] = limits.clip(found["initial_population_size"])
+    return found

@@ -112,8 +112,8 @@ def draw_convergence(case: Case) -> Figure:
         _draw_course(by_evaluations, case, controller, grid, reached, np.median)
         first = min(first, float(np.median(spent[:, 1])))
     for axes in (by_iteration, by_evaluations):
-        _draw_optimum(axes, case)
-    _scale_fitness(by_iteration, case, "best fitness so far")
+        draw_optimum(axes, case)
+    scale_fitness(by_iteration, case, "best fitness so far")
     by_evaluations.set(xscale="log", xlabel="fitness evaluations spent")
     by_evaluations.set_xlim(left=first / 2.0)  # nothing happens before the first iteration
     figure.suptitle(f"Convergence on {case.title}: median and interquartile band")
@@ -174,8 +174,8 @@ def draw_box_plots(case: Case) -> Figure:
     groups = case.runs.values()
     _draw_boxes(fitness, case, [np.array([run.final_fitness for run in g]) for g in groups])
     _draw_boxes(evaluations, case, [np.array([run.evaluations for run in g]) for g in groups])
-    _draw_optimum(fitness, case)
-    _scale_fitness(fitness, case, "final fitness")
+    draw_optimum(fitness, case)
+    scale_fitness(fitness, case, "final fitness")
     evaluations.set(ylim=(0.0, None), ylabel="fitness evaluations")
     evaluations.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     number = max(map(len, groups))
@@ -264,13 +264,14 @@ def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _draw_optimum(axes: Axes, case: Case) -> None:
+def draw_optimum(axes: Axes, case: Case) -> None:
+    """Draw the known optimum across the axes, if there is one."""
     if not math.isnan(case.optimum):
         text = f"known optimum, {case.optimum:.2f}"
         axes.axhline(case.optimum, color=GREY, linestyle=(0, (8, 4)), linewidth=1.0, label=text)
 
 
-def _scale_fitness(axes: Axes, case: Case, name: str) -> None:
+def scale_fitness(axes: Axes, case: Case, name: str) -> None:
     """Make the vertical axis, whose data are drawn, logarithmic above a little below the least."""
     low, high = axes.dataLim.intervaly
     least = np.nanmin([low, case.optimum])

@@ -14,6 +14,7 @@ import tyro
 from joblib import cpu_count
 
 from experiments.page import write_page
+from experiments.parameter_tables import parameter_tables
 from experiments.results import Results, ResultsError
 from experiments.runner import configuration, run_missing
 from experiments.suites import Suite, get_suite
@@ -54,7 +55,7 @@ def evaluate(config: EvaluateConfig) -> Path:
         run_missing(suite, results, config.jobs or cpu_count())
         folder = config.output / suite.name
         print(f"writing tables and figures to {folder}", flush=True)
-        tables = make_tables(suite, results)
+        tables = (parameter_tables if suite.name == "parameters" else make_tables)(suite, results)
         figures = _figures(suite, results, folder) if config.figures else []
         page = write_page(suite, tables, figures, folder)
     finally:

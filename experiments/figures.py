@@ -15,6 +15,7 @@ from experiments.drawings import (
     draw_snapshots,
 )
 from experiments.figure_style import FORMATS, render, settings, styles
+from experiments.parameter_drawings import plan_parameter_figures
 from experiments.results import Results, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.files import write_atomically
@@ -60,6 +61,8 @@ def write_figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
 
 def plan(suite: Suite, results: Results) -> dict[str, Callable[[], Figure]]:
     """What can be drawn from the runs of a suite: functions without arguments, by name of the figure."""
+    if suite.name == "parameters":
+        return plan_parameter_figures(suite, results)
     cases, snapshots = load_cases(suite, results), load_snapshots(suite, results)
     drawings: dict[str, Callable[[], Figure]] = {}
     if snapshots:

@@ -8,4 +8,6 @@ def label(controller: str) -> str:
         return f"FA-{argument}"
     if family == "ppo":
         return f"PPO ({argument})"
-    return controller.upper() if family.startswith("spsfa") else controller
+    if family.startswith("spsfa"):
+        return f"{family.upper()} ({argument.replace(',', ', ')})" if argument else family.upper()
+    return controller

@@ -1,7 +1,8 @@
 """Numbers printed in the SPSFA paper, for comparison with ours.
 
 Source: J. Li, H. Fan, Y. Hou, IEEE Access 8 (2020), doi 10.1109/ACCESS.2020.3023999: tables 3, 6, 10 (final
-fitness over 20 runs) and 4, 7, 11 (running time in seconds, MATLAB on a 2.1 GHz laptop).
+fitness over 20 runs) and 4, 7, 11 (running time in seconds, MATLAB on a 2.1 GHz laptop); tables 12 and 13
+(mean running time of SPSFA-TIP on case 3 by omega and by eta).
 """
 
 from typing import NamedTuple
@@ -53,4 +54,29 @@ SECONDS: dict[tuple[str, str], Printed] = {
     ("case3", "fixed:100"): Printed(503.5106, 466.3409, 483.0614, 14.9578),
     ("case3", "spsfa"): Printed(261.0559, 118.6097, 172.2112, 41.2675),
     ("case3", "spsfa-tip"): Printed(308.1163, 125.6084, 205.5591, 50.8039),
+}
+
+# By parameter of the schedule and its value.
+PARAMETER_SECONDS: dict[str, dict[float, float]] = {
+    "growth": {
+        500.0: 204.7044,
+        750.0: 227.5110,
+        1000.0: 283.8155,
+        1250.0: 250.3793,
+        1500.0: 191.6361,
+        1750.0: 199.3538,
+        2000.0: 438.0723,
+        2250.0: 532.4390,
+    },
+    "decay": {
+        0.1: 807.7688,
+        0.2: 288.9072,
+        0.3: 94.4276,
+        0.4: 66.5299,
+        0.5: 61.6417,
+        0.6: 65.5006,
+        0.7: 61.2663,
+        0.8: 51.2536,
+        0.9: 60.4777,
+    },
 }

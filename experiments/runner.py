@@ -9,7 +9,7 @@ import gymnasium
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from agents import Controller, make_controller
+from agents import Controller, SizeLimits, make_controller
 from agents.ppo import PPOController
 from agents.provenance import provenance
 from experiments.results import Results, Run, RunKey, Snapshot
@@ -49,7 +49,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
     _warm_up(suite.optimizer)
-    controller = _controller(name)
+    controller = _controller(name, suite.max_population_size)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     env = gymnasium.make(
         environment_id(suite.optimizer),
@@ -86,7 +86,9 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
 
 def configuration(suite: Suite) -> dict[str, Any]:
     """What the runs of a suite depend on, for the database to hold them against."""
-    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), {}))
+    largest = suite.max_population_size
+    options = {"max_population_size": largest, "initial_population_size": largest}
+    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), options))
     # These vary within a suite and are part of the controllers and the runs.
     for name in ("scenario", "observation", "initial_population_size"):
         del settings[name]
@@ -95,7 +97,7 @@ def configuration(suite: Suite) -> dict[str, Any]:
         scenario = make_scenario(name)
         found[f"scenario {name}"] = [digest(Problem(scenario)), scenario.initial_range]
     for name in suite.controllers:
-        controller = _controller(name)
+        controller = _controller(name, largest)
         found[f"controller {name}"] = (
             controller.manifest["weights_sha256"] if isinstance(controller, PPOController) else name
         )
@@ -103,8 +105,8 @@ def configuration(suite: Suite) -> dict[str, Any]:
 
 
 @cache
-def _controller(name: str) -> Controller:
-    return make_controller(name)
+def _controller(name: str, max_population_size: int) -> Controller:
+    return make_controller(name, SizeLimits(largest=max_population_size))
 
 
 @cache

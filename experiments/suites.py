@@ -5,6 +5,7 @@ To add one, enter it in `SUITES`.
 
 from dataclasses import dataclass
 
+from experiments import parameter_study
 from swarm_gym.checks import look_up
 
 
@@ -20,6 +21,7 @@ class Suite:
         baseline: the controller that the others are compared with.
         snapshots: (controller, scenario, seed, iterations) of runs whose populations are kept.
         optimizer: name of the optimizer.
+        max_population_size: largest size that environments and controllers allow.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Suite:
     baseline: str
     snapshots: tuple[tuple[str, str, int, tuple[int, ...]], ...] = ()
     optimizer: str = "firefly"
+    max_population_size: int = 200
 
 
 PAPER = Suite(
@@ -48,7 +51,16 @@ PAPER = Suite(
     snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
 )
 
-SUITES = {suite.name: suite for suite in (PAPER,)}
+PARAMETERS = Suite(
+    name="parameters",
+    controllers=parameter_study.CONTROLLERS,
+    scenarios=(parameter_study.SCENARIO,),
+    num_seeds=20,
+    baseline="spsfa-tip",
+    max_population_size=parameter_study.MAX_POPULATION_SIZE,
+)
+
+SUITES = {suite.name: suite for suite in (PAPER, PARAMETERS)}
 
 
 def get_suite(name: str) -> Suite:

@@ -17,7 +17,13 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings
 
-ARGUMENTS = {"fixed": ["60", "2", "200"], "open-loop": shipped_open_loops(), "ppo": shipped_policies()}
+ARGUMENTS = {
+    "fixed": ["60", "2", "200"],
+    "open-loop": shipped_open_loops(),
+    "ppo": shipped_policies(),
+    "spsfa": ["", "growth=500,smallest=20"],
+    "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
+}
 NAMES = [
     f"{family}:{argument}" if argument else family
     for family in CONTROLLERS

@@ -357,6 +357,7 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("fixed:60", "FA-60"),
         ("spsfa", "SPSFA"),
         ("spsfa-tip", "SPSFA-TIP"),
+        ("spsfa-tip:growth=500,decay=0.1", "SPSFA-TIP (growth=500, decay=0.1)"),
         ("random", "random"),
         ("ppo:three-cases", "PPO (three-cases)"),
     ],

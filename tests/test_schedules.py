@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.schedules import SelfAdaptiveSchedule
+from agents.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.batch import episode_seed
 from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import SettingError
 from swarm_gym.population import Swarms, make_workspace, resize, summarise
 from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import evaluate
@@ -173,6 +174,81 @@ def test_traps_of_the_printed_rules():
     assert begun(e_init=0.0).act(observed(0.0))[0, 0] == 80  # nothing to relate to: keep the size
     capped = begun(limits=SizeLimits(2, 85))
     assert capped.act(observed(51.0))[0, 0] == 85
+
+
+def test_a_floor_keeps_the_size_up_and_the_first_size_is_not_its_business():
+    floored = begun(smallest=30, initial_population_size=20)
+    assert floored.act(observed(0.01))[0, 0] == 30
+    assert begun(limits=SizeLimits(7, 100)).act(observed(0.0))[0, 0] == 7
+
+
+def test_the_factor_multiplies_phi_before_it_is_clipped():
+    for factor in (0.0, 0.5, 3.0, 1e6):
+        size, repair_degree = begun(repair_factor=factor).act(observed(0.05))[0]
+        assert repair_degree == min(factor * (2 * 80 / size**2), 1.0)
+
+
+EVERY_PARAMETER = {
+    "growth": 1250.5,
+    "decay": 0.1,
+    "low_deviation": 0.0,
+    "initial_population_size": 60,
+    "smallest": 2,
+    "repair_factor": 1e-7,
+}
+
+
+@pytest.mark.parametrize("family", ["spsfa", "spsfa-tip"])
+@pytest.mark.parametrize("chosen", [[], ["growth"], ["smallest", "decay"], list(EVERY_PARAMETER)])
+def test_a_schedule_is_named_by_what_differs_and_made_again_by_its_name(family, chosen):
+    values = {name: EVERY_PARAMETER[name] for name in chosen}
+    schedule = SelfAdaptiveSchedule(family == "spsfa-tip", **values)
+    assert make_controller(schedule.name) == schedule
+    assert make_controller(schedule.name).name == schedule.name
+
+
+def test_names_of_schedules_are_canonical():
+    name = "spsfa-tip:growth=1250.5,decay=0.1,initial_population_size=60,repair_factor=1e-07"
+    schedule = make_controller(
+        "spsfa-tip:repair_factor=0.0000001,growth=1250.50,low_deviation=20,decay=.1,initial_population_size=60"
+    )
+    assert schedule.name == name
+    assert SelfAdaptiveSchedule(True, np.float64(500)).name == "spsfa-tip:growth=500"
+    assert make_controller("spsfa", SizeLimits(2, 50)).name == "spsfa"
+    assert set(EVERY_PARAMETER) == set(parameter_ranges(SizeLimits()))
+
+
+@pytest.mark.parametrize(
+    ("argument", "message"),
+    [
+        ("omega=500", r"'omega=500'.*unknown parameter 'omega'"),
+        ("growth=500,", "unknown parameter ''"),
+        ("growth", "growth must be a number"),
+        ("growth=much", "'growth=much'.*growth must be a number"),
+        ("growth=1,decay=0.1,growth=1", "growth is given twice"),
+        ("growth=-1", r"growth must lie in \[0, 1e\+06\], got -1"),
+        ("growth=nan", "growth must lie"),
+        ("low_deviation=inf", "low_deviation must lie"),
+        ("initial_population_size=60.5", "initial_population_size must be an integer"),
+        ("initial_population_size=201", r"\[2, 200\], got 201"),
+        ("smallest=1", r"smallest must lie in \[2, 200\], got 1"),
+    ],
+)
+def test_arguments_that_a_schedule_cannot_take_are_refused_with_those_it_can(argument, message):
+    with pytest.raises(SettingError, match=message) as caught:
+        make_controller(f"spsfa-tip:{argument}")
+    for name, span in parameter_ranges(SizeLimits()).items():
+        assert f"{name} {span}" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("growth", math.nan), ("decay", -0.1), ("low_deviation", "20"), ("initial_population_size", 500),
+     ("smallest", 0), ("repair_factor", math.inf), ("decay", True)],
+)  # fmt: skip
+def test_parameters_out_of_range_are_refused(name, value):
+    with pytest.raises(SettingError, match=f"{name} must"):
+        SelfAdaptiveSchedule(**{name: value})
 
 
 def test_swarms_are_independent_and_restart_at_iteration_0():

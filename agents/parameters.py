@@ -1,0 +1,67 @@
+"""Parameters of a controller: their ranges, and how names state them, as `spsfa:growth=500,decay=0.1`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.errors import SettingError
+
+Number = float | int
+
+
+@dataclass(frozen=True)
+class Range:
+    """The numbers that a parameter may be: from `low` to `high`, both included."""
+
+    low: Number
+    high: Number
+    integer: bool = False
+
+    def require(self, name: str, value: object) -> None:
+        """Refuse what is not in the range.
+
+        Raises:
+            SettingError: with name, value and range.
+        """
+        if self.integer:
+            require_integer(name, value, int(self.low), int(self.high))
+        else:
+            require_number(name, value, self.low, self.high)
+
+    def __str__(self) -> str:
+        return f"{'integer ' if self.integer else ''}in [{self.low:g}, {self.high:g}]"
+
+
+def parse_parameters(argument: str, ranges: Mapping[str, Range]) -> dict[str, Number]:
+    """The values that `key=value,key=value` states; nothing states none.
+
+    Raises:
+        SettingError: for an unknown or doubled key, or a value that is no number or out of its range; the
+            message lists the valid keys and their ranges.
+    """
+    values: dict[str, Number] = {}
+    for part in argument.split(",") if argument else ():
+        key, _, text = part.partition("=")
+        try:
+            if key not in ranges:
+                raise SettingError(f"unknown parameter {key!r}")
+            if key in values:
+                raise SettingError(f"{key} is given twice")
+            values[key] = _number(key, text, ranges[key])
+            ranges[key].require(key, values[key])
+        except SettingError as error:
+            valid = ", ".join(f"{name} {span}" for name, span in ranges.items())
+            raise SettingError(f"{part!r} in {argument!r}: {error}; valid: {valid}") from None
+    return values
+
+
+def format_parameters(values: Mapping[str, Number]) -> str:
+    """`key=value,key=value`, the shortest that `parse_parameters` reads as the same values."""
+    return ",".join(f"{key}={repr(value).removesuffix('.0')}" for key, value in values.items())
+
+
+def _number(key: str, text: str, span: Range) -> Number:
+    try:
+        return int(text) if span.integer else float(text)
+    except ValueError:
+        raise SettingError(f"{key} must be {'an integer' if span.integer else 'a number'}") from None

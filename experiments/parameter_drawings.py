@@ -1,0 +1,163 @@
+"""Figures of the parameter studies, from stored runs: two for each parameter.
+
+They stand in the place of the SPSFA paper's figures 20 to 25, which show its studies of omega, eta and T_low.
+It prints numbers of the running times by omega and eta only; all else is drawn from our runs alone.
+"""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, StrMethodFormatter
+
+from experiments.drawings import MOST_POINTS, Case, columns, draw_optimum, scale_fitness
+from experiments.figure_style import BAND, BLACK, BLUE, GREEN, ORANGE, Style, legend_below, new_figure
+from experiments.parameter_study import SCENARIO, STUDIES, Study
+from experiments.parameter_tables import evaluations, fitness, ratio_interval, seconds
+from experiments.results import Floats, Results, Run
+from experiments.suites import Suite
+from swarm_gym.problem import Problem
+from swarm_gym.reference import known_optimum
+from swarm_gym.scenarios import make_scenario
+
+Runs = dict[float, list[Run]]  # by value of the parameter
+MARKERS = "osD^v<>PX*"
+# What is drawn by iteration: columns of the traces, and what is taken of the runs.
+COURSES: dict[str, Callable[..., Floats]] = {
+    "best_fitness": np.median,
+    "population_size": np.mean,
+    "repair_degree": np.mean,
+    "evaluations": np.mean,
+}
+# The end of the colour map that is too light for a white page is left out.
+LIGHTEST = 0.88
+
+
+def plan_parameter_figures(suite: Suite, results: Results) -> dict[str, Callable[[], Figure]]:
+    """What can be drawn from the runs of a suite: functions without arguments, by name of the figure."""
+    drawings: dict[str, Callable[[], Figure]] = {}
+    for study in STUDIES:
+        runs = study.load(suite.controllers, results, suite.num_seeds)
+        if study.printed in runs and len(runs) > 1:
+            name = f"parameter-{study.parameter.replace('_', '-')}"
+            drawings[f"{name}-courses"] = partial(draw_courses, study, runs)
+            drawings[f"{name}-outcomes"] = partial(draw_outcomes, study, runs)
+    return drawings
+
+
+def draw_courses(study: Study, runs: Runs) -> Figure:
+    """Best fitness (median), population size, phi and evaluations spent (means) by iteration, by value."""
+    case = _case(study, runs)
+    figure = new_figure(10.0, 7.0)
+    panels = figure.subplots(2, 2, sharex=True).ravel()
+    for axes, (column, centre) in zip(panels, COURSES.items(), strict=True):
+        for order, (value, group) in enumerate(runs.items()):
+            course = centre(columns(group, column), axis=0)
+            printed = value == study.printed
+            # Every tenth of the axis, beginning at different places, so that equal lines show.
+            axes.plot(
+                np.arange(len(course)), course, label=_text(study, value),
+                markevery=(0.1 * order / len(runs), 0.1), linewidth=2.2 if printed else 1.3,
+                zorder=3 if printed else 2, **case.styles[study.controller(value)].options(),
+            )  # fmt: skip
+        axes.set_xlim(0, len(course) - 1)
+    best_fitness, sizes, repair, spent = panels
+    draw_optimum(best_fitness, case)
+    scale_fitness(best_fitness, case, "best fitness so far")
+    sizes.set(ylabel="population size", ylim=(0.0, None))
+    repair.set(ylabel="repair degree φ", ylim=(0.0, None), xlabel="iteration")
+    spent.set(ylabel="fitness evaluations spent", ylim=(0.0, None), xlabel="iteration")
+    spent.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
+    figure.suptitle(
+        f"SPSFA-TIP on {case.title}, by {study.symbol}: median of the best fitness, means of the others"
+    )
+    legend_below(figure)
+    return figure
+
+
+def draw_outcomes(study: Study, runs: Runs) -> Figure:
+    """Final fitness of every run, and what a run costs relative to the printed setting, by value.
+
+    Cost is drawn three ways: our evaluations with the 95 % interval of the ratio, our processor time, and the
+    paper's running time where it is printed.
+    """
+    case = _case(study, runs)
+    figure = new_figure(10.0, 4.2)
+    quality, cost = figure.subplots(1, 2)
+    _draw_quality(quality, runs, case)
+    _draw_cost(cost, study, runs)
+    for axes in (quality, cost):
+        axes.axvline(study.printed, color=BLACK, linestyle=":", linewidth=1.0)
+        axes.set_xticks(list(runs), [f"{value:g}" for value in runs])
+        axes.set_xlabel(f"{study.symbol} (dotted: the printed setting)")
+    source = "" if study.seconds else "; the paper prints no numbers"
+    figure.suptitle(
+        f"SPSFA-TIP on {case.title}, by {study.symbol}: final fitness, and cost as ratio to {study.symbol} = "
+        f"{study.printed:g}{source}"
+    )
+    legend_below(figure)
+    return figure
+
+
+def _draw_quality(axes: Axes, runs: Runs, case: Case) -> None:
+    values = np.array(list(runs))
+    samples = [fitness(group) for group in runs.values()]
+    spread = 0.15 * np.diff(values).min()
+    number = max(map(len, samples))
+    text = "a run" if number <= MOST_POINTS else f"a run, {MOST_POINTS} of {number}"
+    for value, sample in zip(values, samples, strict=True):
+        points = sample[:MOST_POINTS]
+        x = value + np.linspace(-spread, spread, len(points))
+        axes.plot(x, points, "o", color=BLUE, markersize=2.5, alpha=0.5, label=text)
+    medians = [np.median(sample) for sample in samples]
+    axes.plot(values, medians, color=ORANGE, marker="s", label="median of the runs")
+    means = [sample.mean() for sample in samples]
+    axes.plot(values, means, color=GREEN, linestyle="--", marker="^", label="mean of the runs")
+    draw_optimum(axes, case)
+    scale_fitness(axes, case, "final fitness")
+
+
+def _draw_cost(axes: Axes, study: Study, runs: Runs) -> None:
+    values, unit = list(runs), runs[study.printed]
+    low, high = np.transpose(
+        [ratio_interval(evaluations(group), evaluations(unit)) for group in runs.values()]
+    )
+    axes.fill_between(values, low, high, color=BLUE, alpha=2.0 * BAND, linewidth=0.0)
+    axes.plot(values, _ratios(runs, unit, evaluations), color=BLUE, marker="o", label="our evaluations")
+    axes.plot(values, _ratios(runs, unit, seconds), color=GREEN, linestyle="-.", marker="^",
+              label="our processor time")  # fmt: skip
+    printed = {value: study.seconds[value] for value in values if value in study.seconds}
+    if printed:
+        ratios = np.array(list(printed.values())) / study.seconds[study.printed]
+        axes.plot(list(printed), ratios, color=BLACK, linestyle="--", marker="s", label="the paper's time")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.minorticks_off()
+    least, most = axes.dataLim.intervaly
+    axes.set_ylim(min(0.5, least / 1.2), max(2.0, most * 1.2))  # what is nearly constant shall look so
+    axes.set_ylabel("ratio to the printed setting")
+
+
+def _ratios(runs: Runs, unit: list[Run], measure: Callable[[list[Run]], Floats]) -> Floats:
+    return np.array([measure(group).mean() for group in runs.values()]) / measure(unit).mean()
+
+
+def _case(study: Study, runs: Runs) -> Case:
+    """The scenario with the runs by controller, coloured from dark to light; the printed setting is black."""
+    scenario = make_scenario(SCENARIO)
+    shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(runs)))]
+    styles = {}
+    for value, shade, marker in zip(runs, shades, MARKERS, strict=False):
+        printed = value == study.printed
+        styles[study.controller(value)] = Style(BLACK if printed else shade, "--" if printed else "-", marker)
+    by_controller = {study.controller(value): group for value, group in runs.items()}
+    return Case(scenario, known_optimum(Problem(scenario)), by_controller, styles)
+
+
+def _text(study: Study, value: float) -> str:
+    return f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"

@@ -1,0 +1,64 @@
+"""The parameter studies of the SPSFA paper, as data: one parameter varies, the others are as printed.
+
+To add a study, enter it in `STUDIES`; the suite `parameters`, its tables and its figures follow.
+"""
+
+from dataclasses import dataclass
+
+from agents.controller import SizeLimits
+from agents.schedules import SelfAdaptiveSchedule
+from experiments.paper_numbers import PARAMETER_SECONDS
+from experiments.results import Results, Run
+
+SCENARIO = "case3"
+MAX_POPULATION_SIZE = 1000  # not printed; high enough that no omega of the grid meets it
+
+
+@dataclass(frozen=True)
+class Study:
+    """Values of one parameter of SPSFA-TIP.
+
+    Attributes:
+        parameter: a parameter of `SelfAdaptiveSchedule`.
+        symbol: what the paper calls it.
+        values: the paper's grid, ascending; the printed setting is among them.
+        table: number of the table of running times in the paper; None where it has only figures.
+    """
+
+    parameter: str
+    symbol: str
+    values: tuple[float, ...]
+    table: int | None
+
+    @property
+    def printed(self) -> float:
+        """The value of the printed setting, which ratios relate to."""
+        return getattr(SelfAdaptiveSchedule, self.parameter)
+
+    @property
+    def seconds(self) -> dict[float, float]:
+        """The paper's mean running times, by value; empty where it prints none."""
+        return PARAMETER_SECONDS.get(self.parameter, {})
+
+    def controller(self, value: float) -> str:
+        """Name of the controller with this value."""
+        limits = SizeLimits(largest=MAX_POPULATION_SIZE)
+        return SelfAdaptiveSchedule(True, **{self.parameter: value}, limits=limits).name  # type: ignore[arg-type]
+
+    def load(self, controllers: tuple[str, ...], results: Results, num_seeds: int) -> dict[float, list[Run]]:
+        """Stored runs by value, in the order of the seeds, of those controllers that have any."""
+        return {
+            value: runs
+            for value in self.values
+            if (name := self.controller(value)) in controllers
+            and (runs := results.runs(name, SCENARIO, num_seeds))
+        }
+
+
+STUDIES = (
+    Study("growth", "ω", tuple(PARAMETER_SECONDS["growth"]), 12),
+    Study("decay", "η", tuple(PARAMETER_SECONDS["decay"]), 13),
+    Study("low_deviation", "T_low", tuple(float(value) for value in range(10, 101, 10)), None),
+)
+# Each once: the printed setting belongs to all studies.
+CONTROLLERS = tuple(dict.fromkeys(study.controller(value) for study in STUDIES for value in study.values))
