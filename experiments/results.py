@@ -167,7 +167,10 @@ class Results:
             num_seeds: how many seeds.
             first_seed: the least of them.
         """
-        query = "SELECT * FROM runs WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
+        query = (
+            "SELECT * FROM runs "
+            "WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
+        )
         key = (controller, scenario, first_seed, first_seed + num_seeds)
         with closing(self._connection.execute(query, key)) as rows:
             return [_run(row) for row in rows]
@@ -186,7 +189,10 @@ class Results:
         columns = {(name, seed): (s, k) for s, name in enumerate(seeds) for k, seed in enumerate(seeds[name])}
         num_seeds = len(next(iter(seeds.values())))
         values = np.full((4, len(rows), len(seeds), num_seeds), np.nan)
-        query = "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds FROM runs"
+        query = (
+            "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds "
+            "FROM runs"
+        )
         with closing(self._connection.execute(query)) as found:
             for controller, scenario, seed, *numbers in found:
                 if controller in rows and (scenario, seed) in columns:

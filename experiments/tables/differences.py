@@ -44,11 +44,11 @@ def difference_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     return [
         Table(
             "differences",
-            f"Paired with {label(suite.baseline)} on the same scenarios and seeds: mean difference of the gap "
-            "in per cent of the optimum (negative is better) [95 % interval over training seeds, scenarios of "
-            "a set and seeds], change of the mean gap, ratio of the mean evaluations, A12 over all runs, "
-            "probability of improvement on the same scenario and seed, Wilcoxon signed-rank p-value of the "
-            "means over training seeds after Holm's correction",
+            f"Paired with {label(suite.baseline)} on the same scenarios and seeds: mean difference of the "
+            "gap in per cent of the optimum (negative is better) [95 % interval over training seeds, "
+            "scenarios of a set and seeds], change of the mean gap, ratio of the mean evaluations, A12 over "
+            "all runs, probability of improvement on the same scenario and seed, Wilcoxon signed-rank "
+            "p-value of the means over training seeds after Holm's correction",
             (
                 "scenarios", "controller", "difference", "change of mean gap", "evaluations ratio", "A12",
                 "improvement", "p",
