@@ -24,7 +24,7 @@ Courses = dict[str, Floats]  # (runs, iterations + 1) by name of the decision
 
 
 def deciding_groups(suite: Suite, results: Results) -> list[str]:
-    """Keys of the groups but the baseline that decide anything: whose first run is not the same throughout."""
+    """Keys of the groups, without the baseline, whose decisions change during their first run."""
     scenario, seeds = next(iter(suite.seeds.items()))
     found = []
     for group, members in group_controllers(suite.controllers).items():

@@ -47,7 +47,7 @@ def evaluate(config: EvaluateConfig) -> Path:
     """Run what is missing, then write tables and figures; returns the page that shows them."""
     suite = get_suite(config.suite)
     if config.controllers:
-        suite = dataclasses.replace(suite, controllers=config.controllers)
+        suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
     if config.seeds is not None:
         if config.seeds < 2:
             raise ResultsError(f"--seeds must be at least 2, got {config.seeds}")

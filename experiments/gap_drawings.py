@@ -9,11 +9,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator, PercentFor
 
 from experiments.figure_style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.labels import label
-from experiments.outcomes import Outcomes
+from experiments.outcomes import Floats, Outcomes
 from experiments.statistics import interval, means, non_dominated, performance_profile
 from experiments.suites import Suite
 
-THRESHOLDS = np.geomspace(1e-4, 1.0, 161)  # gaps
+NUM_THRESHOLDS = 161
+LEAST_GAP = 1e-4  # that a logarithmic axis goes down to
 MOST_COLUMNS = 3
 # Markers are the controllers', so families have lines only.
 FAMILY_LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
@@ -24,13 +25,14 @@ def draw_profiles(outcomes: Outcomes) -> Figure:
     figure, panels = _panels(outcomes)
     among = styles(outcomes.groups)
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
-        for group in outcomes.groups:
-            sample = outcomes.sample(group, scenario_set)
-            profile = performance_profile(sample.gap, THRESHOLDS, sample.draws())
+        samples = {group: outcomes.sample(group, scenario_set) for group in outcomes.groups}
+        thresholds = _thresholds(np.concatenate([sample.gap.ravel() for sample in samples.values()]))
+        for group, sample in samples.items():
+            profile = performance_profile(sample.gap, thresholds, sample.draws())
             draw_banded_line(
                 axes, profile.thresholds, profile.shares, (profile.low, profile.high), group, among
             )
-        axes.set(title=scenario_set, xlim=(THRESHOLDS[0], THRESHOLDS[-1]), ylim=(0.0, 1.02))
+        axes.set(title=scenario_set, xlim=(thresholds[0], thresholds[-1]), ylim=(0.0, 1.02))
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(FuncFormatter(_percent))
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
@@ -46,7 +48,7 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
         points = _draw_points(axes, outcomes, scenario_set)
         for family, line in zip(suite.families, _family_lines(len(suite.families)), strict=True):
-            members = [points[group] for group in family.groups if group in points]
+            members = sorted(points[group] for group in family.groups if group in points)
             if len(members) > 1:
                 axes.plot(
                     *zip(*members, strict=True), color=GREY, linestyle=line, linewidth=1.0,
@@ -60,11 +62,17 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
     return figure
 
 
+def _thresholds(gaps: Floats) -> Floats:
+    """Evenly spaced on a logarithmic axis from the least to the greatest gap."""
+    low = max(gaps.min(), LEAST_GAP)
+    return np.geomspace(low, max(gaps.max(), 2.0 * low), NUM_THRESHOLDS)
+
+
 def _panels(outcomes: Outcomes) -> tuple[Figure, list[Axes]]:
     """A panel for each set."""
     number = len(outcomes.sets)
-    num_columns = min(number, MOST_COLUMNS)
-    num_rows = math.ceil(number / num_columns)
+    num_rows = math.ceil(number / MOST_COLUMNS)
+    num_columns = math.ceil(number / num_rows)
     figure = new_figure(3.6 * num_columns + 0.8, 3.3 * num_rows + 1.0)
     panels = list(figure.subplots(num_rows, num_columns, squeeze=False).flat)
     for axes in panels[number:]:
@@ -88,10 +96,11 @@ def _draw_points(axes: Axes, outcomes: Outcomes, scenario_set: str) -> dict[str,
     return points
 
 
-def _draw_steps(axes: Axes, points: np.ndarray) -> None:
-    """Draw the border of what the best of the points (n, 2) dominate."""
+def _draw_steps(axes: Axes, points: Floats) -> None:
+    """Draw the border of what the best of the points (n, 2) dominate, as far as there are points."""
     front = points[non_dominated(points)]
-    x, y = front[np.argsort(front[:, 0])].T
+    ahead, behind = (front[:, 0].min(), points[:, 1].max()), (points[:, 0].max(), front[:, 1].min())
+    x, y = np.array([ahead, *front[np.argsort(front[:, 0])], behind]).T
     axes.step(x, y, where="post", color="0.75", linewidth=3.0, alpha=0.6, label="not dominated", zorder=0.5)
 
 

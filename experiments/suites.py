@@ -25,7 +25,7 @@ class Family:
 
     Attributes:
         name: as printed.
-        groups: keys of groups of controllers, in the order in which they are connected.
+        groups: keys of groups of controllers; figures connect them in the order of their evaluations.
     """
 
     name: str

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]
 
-RESAMPLES = 2000
+RESAMPLES = 5000
 CONFIDENCE = 0.95
 TRIMMED = 0.25  # from either end, for the inter-quartile mean
 MOST_COUNTS = 4_000_000  # held at once, 32 MB
