@@ -1,9 +1,11 @@
 """Figures of the optimality gap: performance profiles, and quality against cost."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator, PercentFormatter
 
@@ -16,6 +18,7 @@ from experiments.suites import Suite
 NUM_THRESHOLDS = 161
 LEAST_GAP = 1e-4  # that a logarithmic axis goes down to
 MOST_COLUMNS = 3
+MOST_DECADES = 2.5  # of an axis that has room for three labels each
 # Markers are the controllers', so families have lines only.
 FAMILY_LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
@@ -34,7 +37,7 @@ def draw_profiles(outcomes: Outcomes) -> Figure:
             )
         axes.set(title=scenario_set, xlim=(thresholds[0], thresholds[-1]), ylim=(0.0, 1.02))
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(FuncFormatter(_percent))
+        _label_logarithmic(axes.xaxis, _percent)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
         axes.set(xlabel="optimality gap", ylabel="runs within the gap")
     figure.suptitle("Performance profiles with pointwise 95 % bands")
@@ -56,7 +59,9 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
                 )  # fmt: skip
         _draw_steps(axes, np.array(list(points.values())))
         axes.set(title=scenario_set, xlabel="fitness evaluations, mean", ylabel="optimality gap, mean")
-        _scale_logarithmic(axes)
+        axes.set(xscale="log", yscale="log")
+        _label_logarithmic(axes.xaxis, _thousands)
+        _label_logarithmic(axes.yaxis, _percent)
     figure.suptitle("Quality against cost: means with 95 % intervals; both are better when smaller")
     legend_below(figure)
     return figure
@@ -104,12 +109,13 @@ def _draw_steps(axes: Axes, points: Floats) -> None:
     axes.step(x, y, where="post", color="0.75", linewidth=3.0, alpha=0.6, label="not dominated", zorder=0.5)
 
 
-def _scale_logarithmic(axes: Axes) -> None:
-    axes.set(xscale="log", yscale="log")
-    for axis, form in ((axes.xaxis, _thousands), (axes.yaxis, _percent)):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(FuncFormatter(form))
+def _label_logarithmic(axis: Axis, form: Callable[[float, int], str]) -> None:
+    """Label an axis, whose limits or data are there, at 1, 2 and 5 times powers of ten, or at these alone."""
+    low, high = axis.get_view_interval()
+    short = math.log10(high / low) < MOST_DECADES
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(form))
 
 
 def _family_lines(number: int) -> list:

@@ -1,6 +1,7 @@
 """Tables and figures over training seeds and sets of scenarios say what the runs say."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from experiments.results import Results, ResultsError, Run
 from experiments.statistics import holm, hypervolume
 from experiments.suites import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
 from experiments.tables import make_tables
+from experiments.tables.differences import difference_tables
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -190,6 +192,26 @@ def test_differences_are_paired_and_corrected_over_the_table(tables, gaps):
 def test_without_the_baseline_nothing_is_compared(results):
     suite = dataclasses.replace(SUITE, controllers=LEARNED, tables=("differences", "front"))
     assert [table.name for table in make_tables(suite, results)] == ["front"]
+
+
+def test_training_seeds_of_a_baseline_are_drawn_independently(outcomes):
+    """Two recipes with the same runs differ by nothing, but by chance by as much as their trainings do."""
+    one = Outcomes(LEARNED, ("case1",), *(values[2:, :1] for values in numbers(outcomes)))
+    both = [np.concatenate([values, values]) for values in numbers(one)]
+    both[0] = both[0] * np.array([1.0, 1.02, 1.05] * 2)[:, None, None]
+    names = (*LEARNED, *training_seeds("ppo:b", 3))
+    suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), baseline="ppo:b/*")
+    (table,) = difference_tables(suite, Outcomes(names, ("case1",), *both))
+    ((_, controller, difference, *_, improvement, p_value),) = table.rows
+    assert (controller, improvement, p_value) == ("PPO a", "0.50", "1")
+    centre, low, high = map(float, re.findall(r"[+-][\d.]+", difference))
+    assert centre == 0.0
+    assert low < -1.0
+    assert high > 1.0
+
+
+def numbers(outcomes):
+    return outcomes.fitness, outcomes.collision, outcomes.evaluations, outcomes.seconds
 
 
 def test_the_front_is_what_nothing_dominates(tables, gaps):
