@@ -16,7 +16,7 @@ from matplotlib.ticker import StrMethodFormatter
 from numpy.typing import NDArray
 
 from experiments import map_plot
-from experiments.figure_style import BAND, BAND_EDGE, GREY, Style, legend_below, new_figure
+from experiments.figure_style import GREY, Style, draw_banded_line, legend_below, new_figure
 from experiments.labels import label
 from experiments.results import Floats, Run, RunKey, Snapshot
 from swarm_gym.errors import ScenarioError
@@ -231,18 +231,8 @@ def _draw_course(
     courses: Floats,
     centre: Callable[..., Floats],
 ) -> None:
-    style = case.styles[controller]
     low, high = np.quantile(courses, [0.25, 0.75], axis=0)
-    axes.fill_between(
-        x, low, high, linewidth=0.6,
-        facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE),
-    )  # fmt: skip
-    # Every tenth of the axis, beginning at different places, so that equal lines show.
-    order = list(case.styles).index(controller)
-    axes.plot(
-        x, centre(courses, axis=0), label=label(controller),
-        markevery=(0.1 * order / len(case.styles), 0.1), **style.options(),
-    )  # fmt: skip
+    draw_banded_line(axes, x, centre(courses, axis=0), (low, high), controller, case.styles)
 
 
 def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:

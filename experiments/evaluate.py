@@ -1,7 +1,8 @@
 """Run a suite and write its tables and figures: `python -m experiments.evaluate --help`.
 
 Finished runs are kept in a database: a suite that was stopped goes on where it stopped, and one that is
-complete is not run again, only its tables and figures are written.
+complete is not run again, only its tables and figures are written. With `--no-simulate` nothing is run at
+all: tables and figures come from the database, and where that lacks runs, they are named.
 """
 
 import dataclasses
@@ -14,9 +15,8 @@ import tyro
 from joblib import cpu_count
 
 from experiments.page import write_page
-from experiments.parameter_tables import parameter_tables
 from experiments.results import Results, ResultsError
-from experiments.runner import configuration, run_missing
+from experiments.runner import configuration, environment_configuration, refuse_missing, run_missing
 from experiments.suites import Suite, get_suite
 from experiments.tables import make_tables
 
@@ -39,23 +39,31 @@ class EvaluateConfig:
     """Worker processes; 0 takes all cores."""
     figures: bool = True
     """Whether to draw figures."""
+    simulate: bool = True
+    """Whether runs that are missing are made, or refused."""
 
 
 def evaluate(config: EvaluateConfig) -> Path:
     """Run what is missing, then write tables and figures; returns the page that shows them."""
     suite = get_suite(config.suite)
     if config.controllers:
-        suite = dataclasses.replace(suite, controllers=config.controllers)
+        suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
     if config.seeds is not None:
         if config.seeds < 2:
             raise ResultsError(f"--seeds must be at least 2, got {config.seeds}")
         suite = dataclasses.replace(suite, num_seeds=config.seeds)
-    results = Results(config.database or config.output / f"{suite.name}.sqlite", configuration(suite))
+    database = config.database or config.output / f"{suite.name}.sqlite"
+    if not config.simulate and not database.exists():
+        raise ResultsError(f"{database} does not exist, and --no-simulate forbids to make its runs")
+    results = Results(database, configuration(suite) if config.simulate else environment_configuration(suite))
     try:
-        run_missing(suite, results, config.jobs or cpu_count())
+        if config.simulate:
+            run_missing(suite, results, config.jobs or cpu_count())
+        else:
+            refuse_missing(suite, results)
         folder = config.output / suite.name
         print(f"writing tables and figures to {folder}", flush=True)
-        tables = (parameter_tables if suite.name == "parameters" else make_tables)(suite, results)
+        tables = make_tables(suite, results)
         figures = _figures(suite, results, folder) if config.figures else []
         page = write_page(suite, tables, figures, folder)
     finally:

@@ -1,6 +1,6 @@
 """How figures look: one colour, line and marker per controller, and settings of Matplotlib."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
@@ -8,8 +8,12 @@ from typing import Any
 
 import matplotlib.style
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from experiments.labels import label
 
 # The hues are Okabe and Ito's, which colour-blind readers can tell apart too.
 BLACK, GREY = "#222222", "#8c8c8c"
@@ -66,10 +70,17 @@ KNOWN_STYLES = {
     "spsfa-tip": Style(RED, "-", "v"),
     "random": Style(GREY, (0, (2, 2)), "x"),
 }
+SPARE_LINES = (
+    ((0, (8, 2)), "P"), ("-", "*"), ("--", "X"), ("-.", "<"), (":", "h"),
+    ((0, (4, 1, 1, 1)), ">"), ((0, (1, 1)), "d"), ((0, (5, 1)), "p"), ((0, (3, 3)), "8"),
+    ((0, (9, 3, 2, 3)), "H"),
+)  # fmt: skip
+SPARE_COLOURS = (GREEN, PINK, BLUE, ORANGE)
+# From one to the next both change: no two of the first ten differ by colour alone.
 SPARE_STYLES = [
-    Style(colour, line, marker)
-    for line, marker in (((0, (8, 2)), "P"), ("-", "*"), ("--", "X"), ("-.", "<"), (":", "h"))
-    for colour in (GREEN, PINK, BLUE, ORANGE)
+    Style(SPARE_COLOURS[(k + turn) % len(SPARE_COLOURS)], line, marker)
+    for turn in range(len(SPARE_COLOURS))
+    for k, (line, marker) in enumerate(SPARE_LINES)
 ]
 
 
@@ -84,6 +95,24 @@ def styles(controllers: Iterable[str]) -> dict[str, Style]:
             found[controller] = SPARE_STYLES[spare % len(SPARE_STYLES)]
             spare += 1
     return found
+
+
+def draw_banded_line(
+    axes: Axes,
+    x: NDArray,
+    y: NDArray,
+    band: tuple[NDArray, NDArray],
+    controller: str,
+    among: Mapping[str, Style],
+) -> None:
+    """Draw the line (m,) of a controller and both ends of its band, in its style among others."""
+    style = among[controller]
+    axes.fill_between(
+        x, *band, linewidth=0.6, facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE)
+    )
+    # Every tenth of the axis, beginning at different places, so that equal lines show.
+    order = list(among).index(controller)
+    axes.plot(x, y, label=label(controller), markevery=(0.1 * order / len(among), 0.1), **style.options())
 
 
 @contextmanager

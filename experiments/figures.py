@@ -1,12 +1,14 @@
 """Figures of a suite, from stored runs, as SVG and PNG: what is drawn, and under which name."""
 
+import re
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from experiments.decision_drawings import deciding_groups, draw_decisions
 from experiments.drawings import (
     CASE_DRAWINGS,
     COLLISION_CONTROLLERS,
@@ -15,9 +17,13 @@ from experiments.drawings import (
     draw_snapshots,
 )
 from experiments.figure_style import FORMATS, render, settings, styles
+from experiments.gap_drawings import draw_front, draw_profiles
+from experiments.groups import group_controllers
+from experiments.outcomes import Outcomes
 from experiments.parameter_drawings import plan_parameter_figures
 from experiments.results import Results, RunKey, Snapshot
 from experiments.suites import Suite
+from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
 from swarm_gym.problem import Problem
 from swarm_gym.reference import known_optimum
@@ -59,21 +65,82 @@ def write_figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
     return written
 
 
-def plan(suite: Suite, results: Results) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn from the runs of a suite: functions without arguments, by name of the figure."""
-    if suite.name == "parameters":
-        return plan_parameter_figures(suite, results)
-    cases, snapshots = load_cases(suite, results), load_snapshots(suite, results)
-    drawings: dict[str, Callable[[], Figure]] = {}
-    if snapshots:
-        drawings["population-snapshots"] = partial(draw_snapshots, snapshots)
-    colliding = [case for case in cases if not case.runs.keys().isdisjoint(COLLISION_CONTROLLERS)]
-    if colliding:
-        drawings["population-collision"] = partial(draw_collision, colliding)
-    for case in cases:
-        for kind, draw in CASE_DRAWINGS.items():
-            drawings[f"{kind}-{case.scenario.name}"] = partial(draw, case)
-    return drawings
+class Stored:
+    """What a suite's figures are drawn from, each part loaded once it is needed."""
+
+    def __init__(self, suite: Suite, results: Results):
+        self.suite = suite
+        self.results = results
+
+    @cached_property
+    def cases(self) -> list[Case]:
+        """The scenarios with all that is stored of their runs."""
+        return load_cases(self.suite, self.results)
+
+    @cached_property
+    def outcomes(self) -> Outcomes:
+        """The numbers of all runs, none of which may be missing."""
+        return self.results.outcomes(self.suite.controllers, self.suite.seeds)
+
+
+Drawings = dict[str, Callable[[], Figure]]  # by name of the figure
+
+
+def plan(suite: Suite, results: Results) -> Drawings:
+    """What can be drawn from the runs of a suite: functions without arguments, by name of the figure.
+
+    Raises:
+        UnknownNameError: if the suite names figures that are not there.
+    """
+    makers = [look_up("figure", name, FIGURES) for name in suite.figures]
+    stored = Stored(suite, results)
+    return {name: draw for make in makers for name, draw in make(stored).items()}
+
+
+def _snapshots(stored: Stored) -> Drawings:
+    snapshots = load_snapshots(stored.suite, stored.results)
+    return {"population-snapshots": partial(draw_snapshots, snapshots)} if snapshots else {}
+
+
+def _collision(stored: Stored) -> Drawings:
+    colliding = [case for case in stored.cases if not case.runs.keys().isdisjoint(COLLISION_CONTROLLERS)]
+    return {"population-collision": partial(draw_collision, colliding)} if colliding else {}
+
+
+def _cases(stored: Stored) -> Drawings:
+    return {
+        f"{kind}-{case.scenario.name}": partial(draw, case)
+        for case in stored.cases
+        for kind, draw in CASE_DRAWINGS.items()
+    }
+
+
+def _profiles(stored: Stored) -> Drawings:
+    return {"profiles": partial(draw_profiles, stored.outcomes)}
+
+
+def _front(stored: Stored) -> Drawings:
+    return {"front": partial(draw_front, stored.suite, stored.outcomes)}
+
+
+def _decisions(stored: Stored) -> Drawings:
+    among = styles(group_controllers(stored.suite.controllers))
+    return {
+        f"decisions-{_plain(group)}": partial(draw_decisions, stored.suite, stored.results, group, among)
+        for group in deciding_groups(stored.suite, stored.results)
+    }
+
+
+# To add a kind: a function of what is stored, a line here, and its name in the suites that have it.
+FIGURES: dict[str, Callable[[Stored], Drawings]] = {
+    "parameters": lambda stored: plan_parameter_figures(stored.suite, stored.results),
+    "snapshots": _snapshots,
+    "collision": _collision,
+    "cases": _cases,
+    "profiles": _profiles,
+    "front": _front,
+    "decisions": _decisions,
+}
 
 
 def load_cases(suite: Suite, results: Results) -> list[Case]:
@@ -83,7 +150,7 @@ def load_cases(suite: Suite, results: Results) -> list[Case]:
         runs = {
             controller: found
             for controller in suite.controllers
-            if (found := results.runs(controller, name, suite.num_seeds))
+            if (found := results.runs(controller, name, suite.num_seeds, suite.seeds[name].start))
         }
         if runs:
             scenario = make_scenario(name)
@@ -106,3 +173,8 @@ def load_snapshots(suite: Suite, results: Results) -> dict[RunKey, list[Snapshot
 
 def _stem(name: str) -> str:
     return f"figure-{NUMBERS[name]:02}-{name}" if name in NUMBERS else f"figure-{name}"
+
+
+def _plain(group: str) -> str:
+    """The key of a group as part of a file name."""
+    return re.sub(r"[^a-z0-9]+", "-", group.lower().replace("/*", "-seeds")).strip("-")

@@ -2,8 +2,13 @@
 
 
 def label(controller: str) -> str:
-    """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper."""
+    """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
+
+    A group of training seeds, `ppo:three-cases/*`, is PPO three-cases, without the parentheses of one policy.
+    """
     family, _, argument = controller.partition(":")
+    if argument.endswith("/*"):
+        return f"{family.upper()} {argument.removesuffix('/*')}"
     if family == "fixed":
         return f"FA-{argument}"
     if family == "ppo":

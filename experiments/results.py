@@ -6,15 +6,17 @@ environments, geometry of the scenarios, weights of the policies. Runs made with
 
 import json
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.outcomes import Outcomes
 from swarm_gym.simulation import HISTORY
 
 Floats = NDArray[np.float64]
@@ -33,6 +35,7 @@ CREATE TABLE IF NOT EXISTS runs (
     best_path BLOB NOT NULL,
     trace BLOB NOT NULL,
     provenance TEXT NOT NULL,
+    columns TEXT NOT NULL,
     PRIMARY KEY (controller, scenario, seed)
 ) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS snapshots (
@@ -73,9 +76,10 @@ class Run:
         evaluations: calls of the cost function.
         seconds: processor time of the run, compilation excluded.
         best_path: (n + 2, 2) in map coordinates.
-        trace: (iterations + 1, columns of `swarm_gym.simulation.HISTORY`).
+        trace: (iterations + 1, columns) what the run recorded by iteration.
         provenance: versions and commit that made it.
         snapshots: populations that were kept.
+        columns: names of the trace's columns.
     """
 
     controller: str
@@ -89,10 +93,11 @@ class Run:
     trace: Floats
     provenance: Mapping[str, str]
     snapshots: tuple[Snapshot, ...] = field(default=())
+    columns: tuple[str, ...] = HISTORY
 
     def course(self, name: str) -> Floats:
-        """(iterations + 1,) one column of the trace, by its name in `HISTORY`."""
-        return self.trace[:, HISTORY.index(name)]
+        """(iterations + 1,) one column of the trace, by its name."""
+        return self.trace[:, self.columns.index(name)]
 
 
 class Results:
@@ -113,6 +118,7 @@ class Results:
         try:
             self._connection.execute("PRAGMA journal_mode = WAL")
             self._connection.executescript(SCHEMA)
+            self._check_columns()
             self._adopt(configuration or {})
         except sqlite3.DatabaseError as error:
             self._connection.close()
@@ -134,7 +140,7 @@ class Results:
         key = (run.controller, run.scenario, run.seed)
         with self._connection as connection:
             connection.execute(
-                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     *key,
                     run.final_fitness,
@@ -144,6 +150,7 @@ class Results:
                     run.best_path.tobytes(),
                     run.trace.tobytes(),
                     json.dumps(dict(run.provenance), sort_keys=True),
+                    json.dumps(run.columns),
                 ),
             )
             connection.executemany(
@@ -151,11 +158,50 @@ class Results:
                 [(*key, s.iteration, s.paths.tobytes(), s.collisions.tobytes()) for s in run.snapshots],
             )
 
-    def runs(self, controller: str, scenario: str, num_seeds: int) -> list[Run]:
-        """Runs of one controller on one scenario with seeds below `num_seeds`, by seed, without snapshots."""
-        query = "SELECT * FROM runs WHERE controller = ? AND scenario = ? AND seed < ? ORDER BY seed"
-        with closing(self._connection.execute(query, (controller, scenario, num_seeds))) as rows:
+    def runs(self, controller: str, scenario: str, num_seeds: int, first_seed: int = 0) -> list[Run]:
+        """Runs of one controller on one scenario, by seed, without snapshots.
+
+        Args:
+            controller: its name.
+            scenario: its name.
+            num_seeds: how many seeds.
+            first_seed: the least of them.
+        """
+        query = (
+            "SELECT * FROM runs "
+            "WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
+        )
+        key = (controller, scenario, first_seed, first_seed + num_seeds)
+        with closing(self._connection.execute(query, key)) as rows:
             return [_run(row) for row in rows]
+
+    def outcomes(self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]) -> Outcomes:
+        """The numbers of runs, without paths and traces.
+
+        Args:
+            controllers: their names.
+            seeds: of every scenario, by its name; equally many each.
+
+        Raises:
+            ResultsError: if a run is missing.
+        """
+        rows = {controller: c for c, controller in enumerate(controllers)}
+        columns = {(name, seed): (s, k) for s, name in enumerate(seeds) for k, seed in enumerate(seeds[name])}
+        num_seeds = len(next(iter(seeds.values())))
+        values = np.full((4, len(rows), len(seeds), num_seeds), np.nan)
+        query = (
+            "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds "
+            "FROM runs"
+        )
+        with closing(self._connection.execute(query)) as found:
+            for controller, scenario, seed, *numbers in found:
+                if controller in rows and (scenario, seed) in columns:
+                    values[:, rows[controller], *columns[scenario, seed]] = numbers
+        for (c, controller), (s, scenario) in product(enumerate(controllers), enumerate(seeds)):
+            there = num_seeds - np.isnan(values[0, c, s]).sum()
+            if there < num_seeds:
+                raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
+        return Outcomes(tuple(controllers), tuple(seeds), *values)
 
     def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
         """Stored populations of a run, by iteration."""
@@ -168,6 +214,14 @@ class Results:
             members = np.frombuffer(collisions)
             found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
         return found
+
+    def _check_columns(self) -> None:
+        there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
+        if "columns" not in there:
+            raise ResultsError(
+                f"{self.path} was written by an earlier version, which did not store what the columns of the "
+                "traces are; use another --database, or delete the file"
+            )
 
     def _adopt(self, configuration: Mapping[str, Any]) -> None:
         stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
@@ -183,9 +237,8 @@ class Results:
 
 
 def _run(row: tuple) -> Run:
-    *numbers, best_path, trace, provenance = row
-    path = np.frombuffer(best_path).reshape(-1, 2)
-    course = np.frombuffer(trace).reshape(-1, len(HISTORY))
+    *numbers, best_path, trace, provenance, columns = row
+    names = tuple(json.loads(columns))
     controller, scenario, seed, fitness, collision, evaluations, seconds = numbers
     return Run(
         controller,
@@ -195,7 +248,8 @@ def _run(row: tuple) -> Run:
         collision,
         evaluations,
         seconds,
-        path,
-        course,
+        np.frombuffer(best_path).reshape(-1, 2),
+        np.frombuffer(trace).reshape(-1, len(names)),
         json.loads(provenance),
+        columns=names,
     )

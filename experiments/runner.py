@@ -2,6 +2,7 @@
 
 import dataclasses
 import time
+from collections import Counter
 from functools import cache
 from typing import Any
 
@@ -9,10 +10,11 @@ import gymnasium
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from agents import Controller, SizeLimits, make_controller
+from agents import Controller, make_controller
 from agents.ppo import PPOController
 from agents.provenance import provenance
-from experiments.results import Results, Run, RunKey, Snapshot
+from experiments.groups import group_key, set_key
+from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.problem import Problem
@@ -20,20 +22,30 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.settings import Settings
+from swarm_gym.simulation import HISTORY
 from swarm_gym.warm_up import warm_up_single
+
+MOST_NAMED = 10  # in a message
+
+
+def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
+    """What the database lacks.
+
+    Seeds are outermost: a suite that is stopped has compared everything on the seeds it has done.
+    """
+    finished = results.finished()
+    return [
+        key
+        for k in range(suite.num_seeds)
+        for scenario, seeds in suite.seeds.items()
+        for controller in suite.controllers
+        if (key := (controller, scenario, seeds[k])) not in finished
+    ]
 
 
 def run_missing(suite: Suite, results: Results, jobs: int) -> None:
     """Run what the database lacks on this many processes; each run is stored as it finishes."""
-    finished = results.finished()
-    # Seeds outermost: a suite that is stopped has compared everything on the seeds it has done.
-    missing: list[RunKey] = [
-        key
-        for seed in range(suite.num_seeds)
-        for scenario in suite.scenarios
-        for controller in suite.controllers
-        if (key := (controller, scenario, seed)) not in finished
-    ]
+    missing = missing_runs(suite, results)
     if not missing:
         print(f"{results.path}: all runs are there", flush=True)
         return
@@ -43,6 +55,25 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
     workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
         results.add(run)
+
+
+def refuse_missing(suite: Suite, results: Results) -> None:
+    """Make sure that nothing has to be run.
+
+    Raises:
+        ResultsError: naming what is missing.
+    """
+    missing = missing_runs(suite, results)
+    if missing:
+        counts = Counter(
+            f"{group_key(controller)} on {set_key(scenario)}" for controller, scenario, _ in missing
+        )
+        named = [f"{count} of {what}" for what, count in counts.most_common(MOST_NAMED)]
+        more = f" and {len(counts) - MOST_NAMED} more" if len(counts) > MOST_NAMED else ""
+        raise ResultsError(
+            f"{results.path} lacks {len(missing)} runs, which --no-simulate forbids to make: "
+            f"{', '.join(named)}{more}"
+        )
 
 
 def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
@@ -81,32 +112,37 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
         simulation.history[0].copy(),
         made_with,
         tuple(snapshots),
+        HISTORY,
     )
 
 
 def configuration(suite: Suite) -> dict[str, Any]:
     """What the runs of a suite depend on, for the database to hold them against."""
-    largest = suite.max_population_size
-    options = {"max_population_size": largest, "initial_population_size": largest}
-    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), options))
-    # These vary within a suite and are part of the controllers and the runs.
-    for name in ("scenario", "observation", "initial_population_size"):
-        del settings[name]
-    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
-    for name in suite.scenarios:
-        scenario = make_scenario(name)
-        found[f"scenario {name}"] = [digest(Problem(scenario)), scenario.initial_range]
+    found = environment_configuration(suite)
     for name in suite.controllers:
-        controller = _controller(name, largest)
+        controller = _controller(name)
         found[f"controller {name}"] = (
             controller.manifest["weights_sha256"] if isinstance(controller, PPOController) else name
         )
     return found
 
 
+def environment_configuration(suite: Suite) -> dict[str, Any]:
+    """The part of `configuration` that takes no controllers, whose policies may be elsewhere."""
+    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), {}))
+    # These vary within a suite and are part of the controllers and the runs.
+    for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
+        del settings[name]
+    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
+    for name in suite.scenarios:
+        scenario = make_scenario(name)
+        found[f"scenario {name}"] = [digest(Problem(scenario)), scenario.initial_range]
+    return found
+
+
 @cache
 def _controller(name: str, max_population_size: int) -> Controller:
-    return make_controller(name, SizeLimits(largest=max_population_size))
+    return make_controller(name)
 
 
 @cache

@@ -8,7 +8,7 @@ import pytest
 
 from experiments import runner
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.results import Results, ResultsError
+from experiments.results import Results, ResultsError, Run
 from experiments.runner import configuration, run_missing, run_one
 from experiments.suites import SUITES, Suite, get_suite
 from experiments.tables import make_tables
@@ -172,6 +172,68 @@ def test_tables_of_an_incomplete_suite_are_refused(results):
     more = dataclasses.replace(SUITE, num_seeds=3)
     with pytest.raises(ResultsError, match="2 of 3 runs"):
         make_tables(more, results)
+
+
+def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    config = EvaluateConfig("tiny", output=tmp_path, database=results.path, jobs=1, figures=False)
+    page = evaluate(config)
+    expected = {p.name: p.read_bytes() for p in page.parent.iterdir()}
+
+    def never(*_):
+        raise AssertionError("a run was made")
+
+    monkeypatch.setattr(runner, "run_one", never)
+    monkeypatch.setattr(runner, "make_controller", never)  # nor are policies needed
+    offline = dataclasses.replace(config, simulate=False, output=tmp_path / "offline")
+    assert {p.name: p.read_bytes() for p in evaluate(offline).parent.iterdir()} == expected
+
+
+def test_without_simulating_what_is_missing_is_named(results, tmp_path, monkeypatch):
+    more = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "ppo:a/0", "ppo:a/1"))
+    monkeypatch.setitem(SUITES, "tiny", more)
+    config = EvaluateConfig("tiny", database=results.path, output=tmp_path, simulate=False, figures=False)
+    with pytest.raises(ResultsError, match=r"lacks 8 runs.*4 of ppo:a/\* on case1, 4 of ppo:a/\* on case3"):
+        evaluate(config)
+    assert results.finished() == KEYS
+    nowhere = tmp_path / "nowhere.sqlite"
+    with pytest.raises(ResultsError, match="does not exist"):
+        evaluate(dataclasses.replace(config, database=nowhere))
+    assert not nowhere.exists()
+
+
+def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
+    shifted = dataclasses.replace(
+        SUITE, controllers=("fixed:3",), num_seeds=1, first_seed=10_000, seed_step=1, snapshots=()
+    )
+    results = Results(tmp_path / "shifted.sqlite")
+    run_missing(shifted, results, jobs=1)
+    assert results.finished() == {("fixed:3", "case1", 10_000), ("fixed:3", "case3", 10_001)}
+    (run,) = results.runs("fixed:3", "case3", 1, 10_001)
+    assert results.runs("fixed:3", "case3", 1) == results.runs("fixed:3", "case3", 1, 10_002) == []
+    fitness = results.outcomes(shifted.controllers, shifted.seeds).fitness
+    assert fitness.shape == (1, 2, 1)
+    assert fitness[0, 1, 0] == run.final_fitness
+    results.close()
+
+
+def test_a_run_says_what_its_trace_holds(tmp_path):
+    results = Results(tmp_path / "wide.sqlite")
+    columns = (*HISTORY, "noise")
+    trace = np.arange(3.0 * len(columns)).reshape(3, -1)
+    made = Run("spsfa", "case1", 0, 1.0, 0.0, 9, 0.1, np.zeros((4, 2)), trace, {}, columns=columns)
+    results.add(made)
+    (run,) = results.runs("spsfa", "case1", 1)
+    assert run.columns == columns
+    np.testing.assert_array_equal(run.course("noise"), [5.0, 11.0, 17.0])
+    results.close()
+
+
+def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
+    with results._connection as connection:
+        connection.execute("ALTER TABLE runs DROP COLUMN columns")
+    with pytest.raises(ResultsError, match="earlier version"):
+        Results(results.path)
 
 
 def test_unknown_suite_names_the_valid_ones():

@@ -7,13 +7,13 @@ import io
 import numpy as np
 import pytest
 from builders import make_problem
+from experiments.parameter_tables import parameter_tables, ratio_interval
 
 from agents import SizeLimits, make_controller
 from agents.schedules import SelfAdaptiveSchedule
 from experiments.figures import plan, write_figures
 from experiments.parameter_drawings import draw_courses, draw_outcomes
 from experiments.parameter_study import CONTROLLERS, MAX_POPULATION_SIZE, SCENARIO, STUDIES
-from experiments.parameter_tables import parameter_tables, ratio_interval
 from experiments.results import Results, ResultsError, Run
 from experiments.runner import configuration, run_one
 from experiments.suites import PARAMETERS, get_suite

@@ -1,21 +1,17 @@
-"""Tables of a suite, from stored runs, as Markdown, CSV and LaTeX.
+"""The tables of the SPSFA paper, its numbers beside ours.
 
-For the paper's cases: its tables 3, 6, 10 (final fitness) and 4, 7, 11 (running time) with its numbers beside
-ours; a reproduction check of every cell; and for any suite a paired comparison with the baseline.
+Its tables 3, 6, 10 (final fitness) and 4, 7, 11 (running time); a reproduction check of every cell; and what
+is of use for any few scenarios: a summary, and a paired comparison with the baseline.
 """
-
-import csv
-import io
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from experiments.labels import label
+from experiments.outcomes import Outcomes
 from experiments.paper_numbers import FITNESS, FITNESS_TABLES, SECONDS, TIME_TABLES
-from experiments.results import Results, ResultsError, Run
 from experiments.statistics import Comparison, Summary, compare, holm, summarise
 from experiments.suites import Suite
+from experiments.tables.table import Table, percent
 from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -25,95 +21,41 @@ MINIMUM_TOLERANCE = 0.01  # of the paper's minimum
 MEAN_TOLERANCE = 0.02  # of the paper's mean, beyond our interval
 
 
-@dataclass(frozen=True)
-class Table:
-    """A table: file name, caption, column heads and cells, already formatted."""
-
-    name: str
-    caption: str
-    columns: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
-
-    def markdown(self) -> str:
-        """GitHub's Markdown, with the caption above."""
-        lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
-        body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-        return f"**{self.caption}**\n\n{body}\n"
-
-    def csv(self) -> str:
-        """Comma-separated values with a head line."""
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([self.columns, *self.rows])
-        return text.getvalue()
-
-    def latex(self) -> str:
-        """A `table` environment with booktabs rules."""
-        lines = [" & ".join(map(_escape, line)) + r" \\" for line in (self.columns, *self.rows)]
-        return "\n".join(
-            [
-                r"\begin{table}",
-                r"\centering",
-                rf"\caption{{{_escape(self.caption)}}}",
-                rf"\begin{{tabular}}{{l{'r' * (len(self.columns) - 1)}}}",
-                r"\toprule",
-                lines[0],
-                r"\midrule",
-                *lines[1:],
-                r"\bottomrule",
-                r"\end{tabular}",
-                r"\end{table}",
-                "",
-            ]
-        )
+def summary_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Quality and cost of every controller on every scenario."""
+    return [_summary_table(suite, outcomes)]
 
 
-def make_tables(suite: Suite, results: Results) -> list[Table]:
-    """All tables of a suite.
-
-    Raises:
-        ResultsError: if a run of the suite is missing.
-    """
-    runs = load(suite, results)
-    tables = [_summary_table(suite, runs)]
-    for scenario in suite.scenarios:
-        tables += [_fitness_table(suite, runs, scenario), _time_table(suite, runs, scenario)]
-    tables.append(_comparison_table(suite, runs))
-    if any((scenario, c) in FITNESS for scenario in suite.scenarios for c in suite.controllers):
-        tables.append(_reproduction_table(suite, runs))
-    return tables
+def case_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Final fitness and running time, two tables per scenario."""
+    return [
+        make(suite, outcomes, scenario)
+        for scenario in suite.scenarios
+        for make in (_fitness_table, _time_table)
+    ]
 
 
-Runs = dict[tuple[str, str], list[Run]]  # by scenario and controller
+def comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Every controller against the baseline."""
+    return [_comparison_table(suite, outcomes)]
 
 
-def load(suite: Suite, results: Results) -> Runs:
-    """All runs of a suite, by scenario and controller, in the order of the seeds.
-
-    Raises:
-        ResultsError: if one is missing.
-    """
-    runs: Runs = {}
-    for scenario in suite.scenarios:
-        for controller in suite.controllers:
-            found = results.runs(controller, scenario, suite.num_seeds)
-            if len(found) < suite.num_seeds:
-                raise ResultsError(
-                    f"{results.path}: {controller} on {scenario} has {len(found)} of {suite.num_seeds} runs"
-                )
-            runs[scenario, controller] = found
-    return runs
+def reproduction_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """The paper's cells beside ours; none where the suite has none of these."""
+    printed = any((scenario, c) in FITNESS for scenario in suite.scenarios for c in suite.controllers)
+    return [_reproduction_table(suite, outcomes)] if printed else []
 
 
-def _summary_table(suite: Suite, runs: Runs) -> Table:
+def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
     """Quality and cost of every controller on every scenario, in one cell each."""
     rows = []
     for controller in suite.controllers:
         cells = []
         for scenario in suite.scenarios:
-            group = runs[scenario, controller]
-            ours = summarise(_fitness(group))
+            runs = outcomes.of(controller, scenario)
+            ours = summarise(runs.fitness)
             low, high = ours.interval
-            cost = _evaluations(group).mean() / 1000
+            cost = runs.evaluations.mean() / 1000
             cells.append(f"{ours.mean:.1f} ({low:.1f} to {high:.1f}) at {cost:.0f}k")
         rows.append((label(controller), *cells))
     optima = [known_optimum(Problem(make_scenario(scenario))) for scenario in suite.scenarios]
@@ -126,14 +68,13 @@ def _summary_table(suite: Suite, runs: Runs) -> Table:
     )
 
 
-def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:
+def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
     optimum = known_optimum(Problem(make_scenario(scenario)))
     rows = []
     for controller in suite.controllers:
-        ours = summarise(_fitness(runs[scenario, controller]))
-        feasible = np.mean(
-            [run.final_collision <= FEASIBILITY_TOLERANCE for run in runs[scenario, controller]]
-        )
+        runs = outcomes.of(controller, scenario)
+        ours = summarise(runs.fitness)
+        feasible = np.mean(runs.collision <= FEASIBILITY_TOLERANCE)
         rows.append(
             (
                 label(controller),
@@ -141,8 +82,8 @@ def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:
                 f"{ours.interval[0]:.1f} to {ours.interval[1]:.1f}",
                 f"{ours.median:.1f}",
                 f"{100 * feasible:.0f} %",
-                f"{np.median([run.final_collision for run in runs[scenario, controller]]):.2g}",
-                _percent((ours.mean - optimum) / optimum),
+                f"{np.median(runs.collision):.2g}",
+                percent((ours.mean - optimum) / optimum),
                 *_printed(FITNESS.get((scenario, controller))),
             )
         )
@@ -158,16 +99,16 @@ def _fitness_table(suite: Suite, runs: Runs, scenario: str) -> Table:
     )  # fmt: skip
 
 
-def _time_table(suite: Suite, runs: Runs, scenario: str) -> Table:
-    unit = runs.get((scenario, "fixed:60"))
+def _time_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
+    unit = outcomes.of("fixed:60", scenario) if "fixed:60" in outcomes.controllers else None
     printed_unit = SECONDS.get((scenario, "fixed:60"))
     rows = []
     for controller in suite.controllers:
-        group = runs[scenario, controller]
-        ours = summarise(np.array([run.seconds for run in group]))
-        evaluations = _evaluations(group).mean()
+        runs = outcomes.of(controller, scenario)
+        ours = summarise(runs.seconds)
+        evaluations = runs.evaluations.mean()
         printed = SECONDS.get((scenario, controller))
-        ratio = f"{evaluations / _evaluations(unit).mean():.2f}" if unit else "–"
+        ratio = f"{evaluations / unit.evaluations.mean():.2f}" if unit else "–"
         printed_ratio = f"{printed.mean / printed_unit.mean:.2f}" if printed and printed_unit else "–"
         rows.append(
             (
@@ -191,17 +132,18 @@ def _time_table(suite: Suite, runs: Runs, scenario: str) -> Table:
     )  # fmt: skip
 
 
-def _comparison_table(suite: Suite, runs: Runs) -> Table:
+def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
     """Every controller against the baseline on the same seeds; p-values corrected over the table."""
     compared: list[tuple[str, str, Comparison, float]] = []
     for scenario in suite.scenarios:
-        baseline = runs.get((scenario, suite.baseline))
+        if suite.baseline not in outcomes.controllers:
+            continue
+        baseline = outcomes.of(suite.baseline, scenario)
         for controller in suite.controllers:
-            if baseline is None or controller == suite.baseline:
-                continue
-            group = runs[scenario, controller]
-            cost = _evaluations(group).mean() / _evaluations(baseline).mean()
-            compared.append((scenario, controller, compare(_fitness(group), _fitness(baseline)), cost))
+            if controller != suite.baseline:
+                runs = outcomes.of(controller, scenario)
+                cost = runs.evaluations.mean() / baseline.evaluations.mean()
+                compared.append((scenario, controller, compare(runs.fitness, baseline.fitness), cost))
     adjusted = holm([comparison.p_value for _, _, comparison, _ in compared])
     rows = [
         (
@@ -227,13 +169,13 @@ def _comparison_table(suite: Suite, runs: Runs) -> Table:
     )  # fmt: skip
 
 
-def _reproduction_table(suite: Suite, runs: Runs) -> Table:
+def _reproduction_table(suite: Suite, outcomes: Outcomes) -> Table:
     """Minimum within 1 % of the paper's; its mean inside, or within 2 % of, our interval."""
     rows = []
     for (scenario, controller), printed in FITNESS.items():
-        if (scenario, controller) not in runs:
+        if scenario not in outcomes.scenarios or controller not in outcomes.controllers:
             continue
-        ours = summarise(_fitness(runs[scenario, controller]))
+        ours = summarise(outcomes.of(controller, scenario).fitness)
         off_minimum = ours.minimum / printed.minimum - 1.0
         low, high = ours.interval
         off_mean = max(low - printed.mean, printed.mean - high, 0.0) / printed.mean
@@ -243,11 +185,11 @@ def _reproduction_table(suite: Suite, runs: Runs) -> Table:
                 label(controller),
                 f"{printed.minimum:.1f}",
                 f"{ours.minimum:.1f}",
-                _percent(off_minimum),
+                percent(off_minimum),
                 _verdict(abs(off_minimum) <= MINIMUM_TOLERANCE),
                 f"{printed.mean:.1f}",
                 f"{low:.1f} to {high:.1f}",
-                _percent(off_mean),
+                percent(off_mean),
                 _verdict(off_mean <= MEAN_TOLERANCE),
             )
         )
@@ -264,14 +206,6 @@ def _reproduction_table(suite: Suite, runs: Runs) -> Table:
     )  # fmt: skip
 
 
-def _fitness(runs: list[Run]) -> np.ndarray:
-    return np.array([run.final_fitness for run in runs])
-
-
-def _evaluations(runs: list[Run]) -> np.ndarray:
-    return np.array([run.evaluations for run in runs], dtype=np.float64)
-
-
 def _values(summary: Summary) -> tuple[float, float, float, float]:
     return summary.maximum, summary.minimum, summary.mean, summary.deviation
 
@@ -282,10 +216,6 @@ def _four(summary: Summary) -> tuple[str, ...]:
 
 def _printed(row: tuple[float, ...] | None) -> tuple[str, ...]:
     return tuple(f"{value:.4f}" for value in row) if row else ("–",) * 4
-
-
-def _percent(value: float) -> str:
-    return "–" if np.isnan(value) else f"{100 * value:.1f} %"
 
 
 def _verdict(within: bool) -> str:
@@ -299,10 +229,3 @@ def _name(kind: str, scenario: str, numbers: dict[str, int]) -> str:
 
 def _title(scenario: str, numbers: dict[str, int]) -> str:
     return f"Table {numbers[scenario]}. " if scenario in numbers else ""
-
-
-def _escape(text: str) -> str:
-    text = text.replace("**", "").replace("–", "--")
-    for character in "&%$#_":
-        text = text.replace(character, "\\" + character)
-    return text

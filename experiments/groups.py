@@ -1,0 +1,46 @@
+"""Which names belong together: training seeds of one recipe, scenarios of one set.
+
+Controllers `ppo:three-cases/0`, `ppo:three-cases/1`, ... are training seeds of one group, whose key is
+`ppo:three-cases/*`; any other controller is a group of its own, under its own name. Scenarios
+`random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set, `random-fields:test`; any other
+scenario is a set of its own.
+"""
+
+from collections.abc import Iterable
+
+EVERY_SET = "all"  # name of the union of the sets, where there are several
+
+
+def group_key(controller: str) -> str:
+    """The group that a controller belongs to."""
+    recipe, _, training_seed = controller.rpartition("/")
+    return f"{recipe}/*" if recipe and training_seed.isdigit() else controller
+
+
+def group_controllers(controllers: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Members of every group by its key, both in the order given."""
+    groups: dict[str, tuple[str, ...]] = {}
+    for controller in controllers:
+        key = group_key(controller)
+        groups[key] = (*groups.get(key, ()), controller)
+    return groups
+
+
+def set_key(scenario: str) -> str:
+    """The set that a scenario is drawn from."""
+    kind, _, number = scenario.rpartition(":")
+    return kind if kind and number.isdigit() else scenario
+
+
+def scenario_sets(scenarios: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Scenarios of every set by its key, both in the order given."""
+    sets: dict[str, tuple[str, ...]] = {}
+    for scenario in scenarios:
+        key = set_key(scenario)
+        sets[key] = (*sets.get(key, ()), scenario)
+    return sets
+
+
+def numbered(kind: str, number: int) -> tuple[str, ...]:
+    """Names of the first scenarios of a set: `random-fields:test:0` and so on."""
+    return tuple(f"{kind}:{k}" for k in range(number))

@@ -1,0 +1,46 @@
+"""Statistics of heavy-tailed runs on equal scenarios and seeds; smaller values are better."""
+
+from experiments.statistics.bootstrap import Draws, Interval, draw, interval, means, trimmed_means
+from experiments.statistics.comparison import (
+    Comparison,
+    Difference,
+    compare,
+    difference,
+    holm,
+    probability_of_improvement,
+    superiority,
+)
+from experiments.statistics.front import hypervolume, non_dominated
+from experiments.statistics.profile import Profile, performance_profile
+from experiments.statistics.samples import (
+    GroupSummary,
+    Summary,
+    mean_interval,
+    summarise,
+    summarise_group,
+)
+
+__all__ = [
+    "Comparison",
+    "Difference",
+    "Draws",
+    "GroupSummary",
+    "Interval",
+    "Profile",
+    "Summary",
+    "compare",
+    "difference",
+    "draw",
+    "holm",
+    "hypervolume",
+    "interval",
+    "mean_interval",
+    "means",
+    "non_dominated",
+    "performance_profile",
+    "probability_of_improvement",
+    "summarise",
+    "summarise_group",
+    "superiority",
+    "trimmed_means",
+]

@@ -1,0 +1,107 @@
+"""Resampling of runs whose training seeds, scenarios and seeds are levels of their own.
+
+Runs are arrays (training seeds, scenarios, seeds). All training seeds meet the same (scenario, seed) pairs,
+so the two are crossed: a resample draws training seeds, and independently of them pairs that hold for all of
+these (the pigeonhole bootstrap, A. B. Owen, Ann. Appl. Stat. 1 (2007)). Drawing pairs anew for each training
+seed would average their common effect away, and make intervals too narrow. Of pairs, scenarios are drawn
+within their set, and seeds within their scenario; sets are strata, which every resample has in full (the
+stratified bootstrap of R. Agarwal et al., "Deep reinforcement learning at the edge of the statistical
+precipice", NeurIPS 2021). A scenario that is a set of its own is thus a stratum.
+
+A resample is not made but counted: how often is each run in it? Statistics are then weighted sums.
+"""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Interval = tuple[float, float]
+
+RESAMPLES = 5000
+CONFIDENCE = 0.95
+TRIMMED = 0.25  # from either end, for the inter-quartile mean
+MOST_COUNTS = 4_000_000  # held at once, 32 MB
+
+
+class Draws(NamedTuple):
+    """How often each part of a sample is in each resample.
+
+    Attributes:
+        training: (resamples, training seeds) counts, whose sum is the number of training seeds.
+        pairs: (resamples, scenarios * seeds) counts, whose sum is the number of pairs.
+    """
+
+    training: Floats
+    pairs: Floats
+
+
+@lru_cache(maxsize=64)
+def draw(num_training_seeds: int, set_sizes: tuple[int, ...], num_seeds: int, stream: int = 0) -> Draws:
+    """Draw resamples; the same arguments give the same ones.
+
+    Args:
+        num_training_seeds: 1 for what is not trained.
+        set_sizes: how many scenarios are of each set.
+        num_seeds: of each scenario.
+        stream: draws of two streams have the same pairs, and training seeds independent of each other.
+    """
+    chosen = np.random.default_rng([0, stream]).multinomial(
+        num_training_seeds, _equal(num_training_seeds), size=RESAMPLES
+    )
+    rng = np.random.default_rng([1])
+    pairs = []
+    for size in set_sizes:
+        scenarios = rng.multinomial(size, _equal(size), size=RESAMPLES)
+        # A scenario drawn twice has its seeds drawn twice, which are as many draws at once.
+        pairs.append(rng.multinomial(scenarios * num_seeds, _equal(num_seeds)).reshape(RESAMPLES, -1))
+    return Draws(chosen.astype(np.float64), np.concatenate(pairs, axis=1).astype(np.float64))
+
+
+def means(values: Floats, draws: Draws) -> Floats:
+    """(resamples,) the mean of values (training seeds, scenarios, seeds) in each resample."""
+    by_pair = draws.training @ values.reshape(len(values), -1)
+    return np.einsum("bp,bp->b", by_pair, draws.pairs) / values.size
+
+
+def trimmed_means(values: Floats, draws: Draws) -> Floats:
+    """(resamples,) the inter-quartile mean, as `scipy.stats.trim_mean` has it, in each resample."""
+    cut = int(TRIMMED * values.size)
+    ordered = np.sort(values, axis=None)
+    found = []
+    for upto in _cumulated(values, draws):
+        kept = np.diff(np.clip(upto, cut, values.size - cut), axis=1)
+        found.append(kept @ ordered / (values.size - 2 * cut))
+    return np.concatenate(found)
+
+
+def shares_within(values: Floats, thresholds: Floats, draws: Draws) -> Floats:
+    """(resamples, thresholds) the share of values that are at most the threshold, in each resample."""
+    places = np.searchsorted(np.sort(values, axis=None), thresholds, side="right")
+    return np.concatenate([upto[:, places] for upto in _cumulated(values, draws)]) / values.size
+
+
+def interval(resampled: Floats) -> Interval:
+    """95 % percentile interval of a statistic (resamples,)."""
+    tail = (1.0 - CONFIDENCE) / 2.0
+    low, high = np.quantile(resampled, [tail, 1.0 - tail])
+    return float(low), float(high)
+
+
+def _cumulated(values: Floats, draws: Draws) -> Iterator[Floats]:
+    """Counts of the values below each rank, (some resamples, values.size + 1), a part of all at a time."""
+    order = np.argsort(values, axis=None, kind="stable")
+    step = max(1, MOST_COUNTS // values.size)
+    for begin in range(0, len(draws.pairs), step):
+        part = slice(begin, begin + step)
+        counts = draws.training[part, :, None] * draws.pairs[part, None, :]
+        upto = np.zeros((len(counts), values.size + 1))
+        np.cumsum(counts.reshape(len(counts), -1)[:, order], axis=1, out=upto[:, 1:])
+        yield upto
+
+
+def _equal(number: int) -> Floats:
+    return np.full(number, 1.0 / number)

@@ -1,0 +1,124 @@
+"""Two samples of runs on the same scenarios and seeds, smaller values being better."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from experiments.statistics.bootstrap import Draws, Interval, interval, means
+from experiments.statistics.samples import mean_interval
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Paired runs of one controller against a baseline.
+
+    Attributes:
+        difference: mean of value - baseline.
+        interval: 95 % bootstrap interval of that mean.
+        superiority: Vargha-Delaney A12, probability that a run is better (smaller) than one of the
+            baseline's, ties counted half.
+        p_value: Wilcoxon signed-rank test, two-sided, not yet corrected.
+    """
+
+    difference: float
+    interval: Interval
+    superiority: float
+    p_value: float
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Runs of a group against those of a baseline group, both over all their training seeds.
+
+    Attributes:
+        difference: mean of value - baseline.
+        interval: its 95 % interval, over training seeds of both, scenarios and seeds.
+        relative_change: mean of the values over the mean of the baseline's, minus 1.
+        superiority: Vargha-Delaney A12 over all runs, paired or not.
+        improvement: probability of being better than the baseline on the same scenario and seed.
+        p_value: Wilcoxon signed-rank test of the means over training seeds, two-sided, not yet corrected.
+    """
+
+    difference: float
+    interval: Interval
+    relative_change: float
+    superiority: float
+    improvement: float
+    p_value: float
+
+
+def compare(values: Floats, baseline: Floats) -> Comparison:
+    """Compare two samples (seeds,) of the same seeds."""
+    differences = values - baseline
+    return Comparison(
+        float(differences.mean()),
+        mean_interval(differences),
+        superiority(values, baseline),
+        _signed_rank(differences),
+    )
+
+
+def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: Draws) -> Difference:
+    """Compare two samples (training seeds, scenarios, seeds) of the same scenarios and seeds.
+
+    Args:
+        values: of the group.
+        baseline: of the baseline; it may have another number of training seeds.
+        draws: resamples of the group.
+        baseline_draws: resamples of the baseline, of another stream.
+    """
+    resampled = means(values, draws) - means(baseline, baseline_draws)
+    return Difference(
+        float(values.mean() - baseline.mean()),
+        interval(resampled),
+        float(values.mean() / baseline.mean() - 1.0),
+        superiority(values, baseline),
+        probability_of_improvement(values, baseline),
+        # One value per pair: runs of several training seeds on it are not independent of each other.
+        _signed_rank((values.mean(axis=0) - baseline.mean(axis=0)).ravel()),
+    )
+
+
+def superiority(values: Floats, baseline: Floats) -> float:
+    """A12: the probability that one of the values is smaller than one of the baseline, ties counted half.
+
+    Source: A. Vargha, H. D. Delaney, "A critique and improvement of the CL common language effect size
+    statistics of McGraw and Wong", J. Educ. Behav. Stat. 25 (2000), from the sum of ranks.
+    """
+    m, n = values.size, baseline.size
+    ranks = stats.rankdata(np.concatenate([baseline.ravel(), values.ravel()]))
+    return float((ranks[:n].sum() - n * (n + 1) / 2.0) / (m * n))
+
+
+def probability_of_improvement(values: Floats, baseline: Floats) -> float:
+    """How often a run is better than one of the baseline on the same scenario and seed, ties counted half.
+
+    After Agarwal et al. (2021), who compare all runs on a task with each other; here they are paired.
+
+    Args:
+        values: (training seeds, scenarios, seeds).
+        baseline: the same, with any number of training seeds.
+    """
+    mine, theirs = values[:, None], baseline[None]
+    return float((mine < theirs).mean() + 0.5 * (mine == theirs).mean())
+
+
+def holm(p_values: list[float]) -> list[float]:
+    """Holm's step-down correction: adjusted p-values in the order given.
+
+    Source: S. Holm, "A simple sequentially rejective multiple test procedure", Scand. J. Stat. 6 (1979).
+    """
+    order = np.argsort(p_values)
+    adjusted, running = np.empty(len(p_values)), 0.0
+    for rank, index in enumerate(order):
+        running = max(running, (len(p_values) - rank) * p_values[index])
+        adjusted[index] = min(running, 1.0)
+    return adjusted.tolist()
+
+
+def _signed_rank(differences: Floats) -> float:
+    return 1.0 if not differences.any() else float(stats.wilcoxon(differences).pvalue)

@@ -1,0 +1,44 @@
+"""Tables of a suite, from stored runs, as Markdown, CSV and LaTeX.
+
+To add one: write a function of the suite and its outcomes that returns tables, enter it in `TABLES`, and name
+it in the suites that shall have it.
+"""
+
+from collections.abc import Callable
+
+from experiments.outcomes import Outcomes
+from experiments.results import Results
+from experiments.suites import Suite
+from experiments.tables import paper
+from experiments.tables.differences import difference_tables
+from experiments.tables.front import front_tables
+from experiments.tables.gaps import gap_tables, near_optimum_tables
+from experiments.tables.parameters import parameter_tables
+from experiments.tables.table import Table
+from swarm_gym.checks import look_up
+
+__all__ = ["TABLES", "Table", "make_tables"]
+
+TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
+    "parameters": parameter_tables,
+    "summary": paper.summary_tables,
+    "cases": paper.case_tables,
+    "comparison": paper.comparison_tables,
+    "reproduction": paper.reproduction_tables,
+    "gaps": gap_tables,
+    "differences": difference_tables,
+    "front": front_tables,
+    "near-optimum": near_optimum_tables,
+}
+
+
+def make_tables(suite: Suite, results: Results) -> list[Table]:
+    """All tables of a suite.
+
+    Raises:
+        ResultsError: if a run of the suite is missing.
+        UnknownNameError: if the suite names a table that is not there.
+    """
+    makers = [look_up("table", name, TABLES) for name in suite.tables]
+    outcomes = results.outcomes(suite.controllers, suite.seeds)
+    return [table for make in makers for table in make(suite, outcomes)]

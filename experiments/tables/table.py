@@ -1,0 +1,67 @@
+"""A table as Markdown, CSV and LaTeX, and how its cells are written."""
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: file name, caption, column heads and cells, already formatted."""
+
+    name: str
+    caption: str
+    columns: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+    def markdown(self) -> str:
+        """GitHub's Markdown, with the caption above."""
+        lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
+        body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+        return f"**{self.caption}**\n\n{body}\n"
+
+    def csv(self) -> str:
+        """Comma-separated values with a head line."""
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([self.columns, *self.rows])
+        return text.getvalue()
+
+    def latex(self) -> str:
+        """A `table` environment with booktabs rules."""
+        lines = [" & ".join(map(_escape, line)) + r" \\" for line in (self.columns, *self.rows)]
+        return "\n".join(
+            [
+                r"\begin{table}",
+                r"\centering",
+                rf"\caption{{{_escape(self.caption)}}}",
+                rf"\begin{{tabular}}{{l{'r' * (len(self.columns) - 1)}}}",
+                r"\toprule",
+                lines[0],
+                r"\midrule",
+                *lines[1:],
+                r"\bottomrule",
+                r"\end{tabular}",
+                r"\end{table}",
+                "",
+            ]
+        )
+
+
+def percent(value: float, form: str = ".1f") -> str:
+    """A share as a percentage, in a format for numbers; a dash where there is none."""
+    return "–" if np.isnan(value) else f"{100 * value:{form}} %"
+
+
+def percent_interval(ends: tuple[float, float], form: str = ".1f") -> str:
+    """Two shares in per cent, in brackets."""
+    return f"[{100 * ends[0]:{form}}, {100 * ends[1]:{form}}]"
+
+
+def _escape(text: str) -> str:
+    text = text.replace("**", "").replace("–", "--")
+    for character in "&%$#_":
+        text = text.replace(character, "\\" + character)
+    return text

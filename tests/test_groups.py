@@ -1,0 +1,80 @@
+"""Training seeds of a recipe belong together, and so do scenarios of a set; suites are sound data."""
+
+import pytest
+
+from agents.seeds import TEST
+from experiments.figures import FIGURES
+from experiments.groups import group_controllers, numbered, scenario_sets
+from experiments.labels import label
+from experiments.suites import FRESH_SEEDS, SUITES, training_seeds
+from experiments.tables import TABLES
+
+NEW = [suite for suite in SUITES.values() if suite.name != "paper"]
+
+
+def test_training_seeds_of_a_recipe_are_one_group():
+    controllers = ("spsfa", "ppo:a/0", "fixed:60", "ppo:a/1", "ppo:b/0", "ppo:a/12")
+    assert group_controllers(controllers) == {
+        "spsfa": ("spsfa",),
+        "ppo:a/*": ("ppo:a/0", "ppo:a/1", "ppo:a/12"),
+        "fixed:60": ("fixed:60",),
+        "ppo:b/*": ("ppo:b/0",),
+    }
+
+
+@pytest.mark.parametrize("alone", ["ppo:a", "ppo:runs/mine/best.safetensors", "fixed:60"])
+def test_a_policy_that_is_no_training_seed_is_not_pooled_with_any(alone):
+    assert group_controllers([alone, "ppo:a/0"]) == {alone: (alone,), "ppo:a/*": ("ppo:a/0",)}
+
+
+def test_scenarios_of_a_set_belong_together():
+    scenarios = ("case1", "random-fields:test:0", "random-fields:denser:7", "random-fields:test:11", "case2")
+    assert scenario_sets(scenarios) == {
+        "case1": ("case1",),
+        "random-fields:test": ("random-fields:test:0", "random-fields:test:11"),
+        "random-fields:denser": ("random-fields:denser:7",),
+        "case2": ("case2",),
+    }
+
+
+def test_a_group_is_called_by_its_recipe():
+    assert label("ppo:three-cases/*") == "PPO three-cases"
+    assert label("dqn:fields/*") == "DQN fields"
+
+
+def test_names_count_from_zero():
+    assert training_seeds("ppo:a", 2) == ("ppo:a/0", "ppo:a/1")
+    assert numbered("random-fields:test", 2) == ("random-fields:test:0", "random-fields:test:1")
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_what_a_suite_names_is_there(suite):
+    assert set(suite.tables) <= set(TABLES)
+    assert set(suite.figures) <= set(FIGURES)
+    groups = group_controllers(suite.controllers)
+    assert suite.baseline in groups
+    assert {group for family in suite.families for group in family.groups} <= set(groups)
+    assert len(set(suite.controllers)) == len(suite.controllers)
+    assert len(set(suite.scenarios)) == len(suite.scenarios)
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_suites_run_on_test_seeds(suite):
+    assert list(suite.seeds) == list(suite.scenarios)
+    for seeds in suite.seeds.values():
+        assert len(seeds) == suite.num_seeds
+        assert seeds[0] in TEST
+        assert seeds[-1] in TEST
+
+
+@pytest.mark.parametrize("suite", NEW, ids=lambda suite: suite.name)
+def test_new_suites_run_on_seeds_that_nothing_was_chosen_by(suite):
+    assert min(seeds[0] for seeds in suite.seeds.values()) == FRESH_SEEDS
+
+
+def test_fields_have_a_seed_of_their_own():
+    for name, number in (("generalisation", 200), ("out-of-distribution", 200)):
+        seeds = [seed for seeds in SUITES[name].seeds.values() for seed in seeds]
+        assert len(seeds) == len(set(seeds)) == number
+    assert SUITES["paper"].seeds == dict.fromkeys(("case1", "case2", "case3"), range(20))
+    assert [len(of) for of in scenario_sets(SUITES["out-of-distribution"].scenarios).values()] == [40] * 5
