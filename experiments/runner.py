@@ -22,7 +22,6 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.settings import Settings
-from swarm_gym.simulation import HISTORY
 from swarm_gym.warm_up import warm_up_single
 
 MOST_NAMED = 10  # in a message
@@ -80,7 +79,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
     _warm_up(suite.optimizer)
-    controller = _controller(name, suite.max_population_size)
+    controller = _controller(name)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     env = gymnasium.make(
         environment_id(suite.optimizer),
@@ -112,7 +111,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
         simulation.history[0].copy(),
         made_with,
         tuple(snapshots),
-        HISTORY,
+        simulation.columns,
     )
 
 
@@ -141,7 +140,7 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
 
 
 @cache
-def _controller(name: str, max_population_size: int) -> Controller:
+def _controller(name: str) -> Controller:
     return make_controller(name)
 
 
