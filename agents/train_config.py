@@ -79,6 +79,8 @@ class TrainConfig:
     """Initial step size of an evolution strategy."""
     rollouts_per_chunk: int = 10
     """Rollouts of one episode per swarm (or generations) between two checkpoints with validation."""
+    validation_scenarios: tuple[str, ...] = ()
+    """Scenarios for validation, a range counting as one; those of the training by default."""
     validation_seeds: int = 64
     """Episodes per scenario for validation."""
 

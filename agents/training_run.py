@@ -91,7 +91,7 @@ class TrainingRun:
                 num_threads=config.threads,
                 **config.env_options(),
             )
-            for scenario in config.scenarios
+            for scenario in config.validation_scenarios or config.scenarios
         }
         results = {}
         for scenario, episodes in by_scenario.items():
