@@ -44,7 +44,9 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
+    """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy or file>`.
+
+    Policies of one recipe are `ppo:<preset>/<training seed>`; open loops are `open-loop:<name or file>`.
 
     The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
 
