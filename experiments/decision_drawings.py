@@ -20,12 +20,13 @@ DECISIONS = {
     "attractiveness": "attractiveness β₀",
 }
 ALWAYS = ("population_size", "repair_degree")  # drawn; others where they are not the optimizer's constants
+CHANCE = "random"
 
 Courses = dict[str, Floats]  # (runs, iterations + 1) by name of the decision
 
 
 def deciding_groups(suite: Suite, results: Results) -> list[str]:
-    """Keys of the groups, without the baseline, whose decisions change during their first run.
+    """Keys of the groups, without the baseline and chance, whose decisions change during their first run.
 
     Iteration 0 is before the first decision: what is constant ever after does not change.
     """
@@ -34,7 +35,7 @@ def deciding_groups(suite: Suite, results: Results) -> list[str]:
     for group, members in group_controllers(suite.controllers).items():
         runs = results.runs(members[0], scenario, 1, seeds.start)
         courses = _courses(runs).values()
-        if group != suite.baseline and any(np.ptp(course[:, 1:]) > 0.0 for course in courses):
+        if group not in (suite.baseline, CHANCE) and any(np.ptp(course[:, 1:]) > 0.0 for course in courses):
             found.append(group)
     return found
 
@@ -57,8 +58,8 @@ def draw_decisions(suite: Suite, results: Results, group: str, among: Mapping[st
             for key in shown:
                 if name in loaded[key][scenario_set]:
                     _draw_course(axes, loaded[key][scenario_set][name], key, among)
-            axes.set_ylim(bottom=0.0)
         row[0].set_ylabel(DECISIONS[name])
+        row[0].set_ylim(bottom=0.0)  # of all panels, which share the axis: once all are drawn
     for axes, scenario_set in zip(panels[0], sets, strict=True):
         axes.set_title(scenario_set)
     for axes in panels[-1]:

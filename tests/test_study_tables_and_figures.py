@@ -11,7 +11,7 @@ from scipy import stats
 from experiments.decision_drawings import draw_decisions, load_courses
 from experiments.figure_style import styles
 from experiments.figures import plan, write_figures
-from experiments.gap_drawings import draw_front, draw_profiles
+from experiments.gap_drawings import draw_front, draw_profiles, logarithmic_ticks
 from experiments.labels import label
 from experiments.outcomes import Outcomes
 from experiments.results import Results, ResultsError, Run
@@ -265,6 +265,28 @@ def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(resul
     assert len(load_courses(SUITE, results, "spsfa-tip", FIELDS)) == 4
     panels = draw_decisions(SUITE, results, "fixed:60", among).axes
     assert [axes.get_ylabel() for axes in panels[::2]] == ["population size", "repair degree φ"]
+
+
+def test_panels_of_decisions_hold_all_that_is_drawn_in_them(results):
+    panels = draw_decisions(SUITE, results, "ppo:a/*", styles(["spsfa-tip", "ppo:a/*"])).axes
+    for axes in panels:
+        low, high = axes.get_ylim()
+        assert low == 0.0
+        assert axes.dataLim.y1 < high
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (0.0006, 0.5, [0.001, 0.01, 0.1]),
+        (0.0006, 0.05, [0.001, 0.003, 0.01, 0.03]),
+        (45e3, 550e3, [50e3, 100e3, 200e3, 500e3]),
+        (70e3, 160e3, [80e3, 100e3, 120e3, 150e3]),
+        (105e3, 125e3, [105e3, 110e3, 115e3, 120e3, 125e3]),
+    ],
+)
+def test_a_logarithmic_axis_has_labels_enough(low, high, expected):
+    np.testing.assert_allclose(logarithmic_ticks(low, high), expected)
 
 
 def test_figures_of_the_study_leave_out_who_decides_nothing(results, tmp_path):
