@@ -1,5 +1,8 @@
 """Names of controllers as tables and figures print them."""
 
+# Families whose members are called after what they were fitted to.
+FITTED = {"open-loop": "open loop", "tuned": "tuned schedule"}
+
 
 def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
@@ -13,6 +16,8 @@ def label(controller: str) -> str:
         return f"FA-{argument}"
     if family == "ppo":
         return f"PPO ({argument})"
+    if family in FITTED and argument:
+        return f"{FITTED[family]} ({argument})"
     if family.startswith("spsfa"):
         return f"{family.upper()} ({argument.replace(',', ', ')})" if argument else family.upper()
     return controller
