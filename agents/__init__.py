@@ -57,9 +57,8 @@ def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:
     """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:three-cases`.
 
     The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
-    What follows `ppo:` and `open-loop:` is shipped under that name, or a file; a policy that sees the price of
-    evaluations is told it after an at sign: `ppo:<policy>@0.3`. Policies of one recipe are
-    `ppo:<preset>/<training seed>`.
+    What follows `ppo:` and `open-loop:` is shipped under that name, or a file. Policies of one recipe are
+    `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it: `ppo:<policy>@0.3`.
 
     Args:
         name: the family, and after a colon its argument.

@@ -56,7 +56,7 @@ class TrainConfig:
     hidden_layers: tuple[int, ...] = (64, 64)
     """Sizes of the hidden layers, tanh, of actor and critic each."""
     exploration: str = "step"
-    """When PPO draws the noise of its actions: at every 'step', or as a function of the state by 'episode'."""
+    """When PPO draws the noise of its actions: at every 'step', or a function of the state by 'episode'."""
     log_std: float = -1.6
     """Logarithm of the initial standard deviation of normalised actions; by feature of the last layer, where
     the noise is drawn by episode."""
