@@ -24,8 +24,8 @@ class Episodes:
         final_fitness: (B,) best fitness of each episode.
         evaluations: (B,) calls of the cost function.
         returns: (B,) sum of the rewards.
-        sizes: (B, T) population size of each iteration.
-        repair_degrees: (B, T) phi of each iteration.
+        sizes: (B, T) population size of each iteration; NaN after an end before the last one.
+        repair_degrees: (B, T) phi of each iteration, likewise.
     """
 
     final_fitness: Floats
@@ -57,12 +57,16 @@ def run_episodes(
     controller.reset(len(seeds), seeds.start)
     observations, _ = env.reset(seed=seeds.start)
     returns = np.zeros(len(seeds))
+    swarms: Any = env.unwrapped
     ended = np.zeros(len(seeds), dtype=np.bool_)
     while not ended.all():
-        observations, rewards, ended, _, info = env.step(controller.act(observations))
+        observations, rewards, ended = swarms.step_running(controller.act(observations))
         returns += rewards
-    history = env.unwrapped.simulation.history[:, 1:]  # type: ignore[attr-defined]
+    history = swarms.simulation.history[:, 1:]
     sizes, repair_degrees = (
         history[..., HISTORY.index(name)] for name in ("population_size", "repair_degree")
     )
-    return Episodes(info["best_fitness"], info["evaluations"], returns, sizes, repair_degrees)
+    final = swarms.simulation.swarms
+    return Episodes(
+        final.best_fitness.copy(), final.evaluations.astype(np.float64), returns, sizes, repair_degrees
+    )

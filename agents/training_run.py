@@ -114,7 +114,7 @@ class TrainingRun:
     def _write_decisions(self, episodes: list[Episodes], step: int) -> None:
         """Mean size and phi by iteration, as scalars at every tenth."""
         for name in ("sizes", "repair_degrees"):
-            means = np.concatenate([getattr(e, name) for e in episodes]).mean(axis=0)
+            means = np.nanmean(np.concatenate([getattr(e, name) for e in episodes]), axis=0)
             for iteration in range(0, len(means), 10):
                 self.writer.add_scalar(f"{name}/iteration {iteration + 1:03}", means[iteration], step)
 

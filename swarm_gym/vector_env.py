@@ -128,6 +128,22 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos = {**self._infos(everyone), **infos}
         return self._batch.observe(), rewards, terminated, truncated, infos
 
+    def step_running(self, actions: NDArray) -> tuple[NDArray, NDArray, Flags]:
+        """As `step`, but swarms whose episode has ended rest: for whole episodes side by side.
+
+        Args:
+            actions: one per swarm; those of resting swarms are not read.
+
+        Returns:
+            observations, rewards (0 where a swarm rests), and which episodes have ended by now.
+
+        Raises:
+            ActionError: if the action of a running swarm is not in the action space.
+        """
+        rewards, terminated = self._batch.step(self._batch.simulation.running.copy(), actions)
+        self._ended |= terminated
+        return self._batch.observe(), rewards, self._ended.copy()
+
     def _infos(self, rows: Flags) -> dict[str, Any]:
         """Infos of these swarms; the entries of the others are zero or None, and masked."""
         infos: dict[str, Any] = {}

@@ -150,3 +150,27 @@ def test_bad_reset_masks_are_refused(mask):
 def test_a_wrong_number_of_seeds_is_refused():
     with pytest.raises(SettingError, match=r"2 seeds.*3"):
         SwarmVectorEnv(2, **OPTIONS).reset(seed=[1, 2, 3])
+
+
+def test_step_running_lets_swarms_rest_whose_episode_has_ended():
+    options = {"initial_population_size": 4, "max_population_size": 9, "iterations": 6, "max_evaluations": 60}
+    env = SwarmVectorEnv(5, scenario=["case1", "case2"], **options)
+    env.reset(seed=3)
+    ended, returns = np.zeros(5, dtype=bool), np.zeros(5)
+    actions = np.tile([4.0, 0.0], (5, 1))
+    actions[:2, 0] = 9.0
+    lengths = np.zeros(5, dtype=int)
+    while not ended.all():
+        lengths += ~ended
+        _, rewards, ended = env.step_running(actions)
+        returns += rewards
+    assert lengths[:2].max() < lengths[2:].min() == 6
+    for row in range(5):
+        single = SwarmEnv(scenario=["case1", "case2"], **options)
+        single.reset(seed=3 + row)
+        total, done = 0.0, False
+        while not done:
+            _, reward, done, _, info = single.step(actions[row])
+            total += reward
+        assert total == returns[row]
+        assert info["evaluations"] == env.simulation.swarms.evaluations[row]

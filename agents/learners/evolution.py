@@ -101,6 +101,7 @@ class EvolutionLearner(Learner):
         if self._base is not None:
             self._base.controller.reset(self.env.num_envs)
         layers = [(w.astype(np.float32), b.astype(np.float32)) for w, b in self._layers(candidates)]
+        swarms: Any = self.env.unwrapped
         returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
         while not ended.all():
             proposed: NDArray | float = 0.0
@@ -112,9 +113,9 @@ class EvolutionLearner(Learner):
                 if number < len(layers) - 1:
                     hidden = np.tanh(hidden)
             corrections = np.clip(hidden.reshape(self.env.num_envs, -1), -1.0, 1.0)
-            observations, rewards, ended, _, _ = self.env.step(np.clip(proposed + corrections, -1.0, 1.0))
+            self.num_steps += int((~ended).sum())
+            observations, rewards, ended = swarms.step_running(np.clip(proposed + corrections, -1.0, 1.0))
             returns += rewards
-            self.num_steps += self.env.num_envs
         return returns.reshape(len(candidates), episodes).mean(axis=1)
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
