@@ -21,7 +21,7 @@ MOST_COLUMNS = 3
 LEAST_WIDTH = 6.8  # inches that the titles take
 LEAST_LABELS = 3
 # Multiples of powers of ten that label a logarithmic axis: of these, the first that are enough.
-MULTIPLES = ((1,), (1, 3), (1, 2, 5), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
+MULTIPLES = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
 # Markers are the controllers', so families have lines only.
 FAMILY_LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 

@@ -2,12 +2,23 @@
 
 import pytest
 
+from agents import make_controller
+from agents.policy_file import shipped_policies
 from agents.seeds import TEST
 from experiments.figures import FIGURES
 from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
-from experiments.suites import FRESH_SEEDS, SUITES, training_seeds
+from experiments.suites import (
+    FRESH_SEEDS,
+    SUITES,
+    Family,
+    Fitted,
+    controllers_of,
+    families_of,
+    training_seeds,
+)
 from experiments.tables import TABLES
+from swarm_gym.scenarios import expand_name
 
 NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parameters")]
 
@@ -55,6 +66,29 @@ def test_what_a_suite_names_is_there(suite):
     assert {group for family in suite.families for group in family.groups} <= set(groups)
     assert len(set(suite.controllers)) == len(suite.controllers)
     assert len(set(suite.scenarios)) == len(suite.scenarios)
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_what_a_suite_runs_ships(suite):
+    for controller in suite.controllers:
+        assert make_controller(controller)
+    for scenario in suite.scenarios:
+        assert expand_name(scenario) == (scenario,)
+
+
+def test_policies_that_ship_are_in_a_suite():
+    run = {controller for suite in SUITES.values() for controller in suite.controllers}
+    assert {f"ppo:{name}" for name in shipped_policies()} <= run
+
+
+def test_families_of_a_suite_are_what_it_runs_beside_chance():
+    fitted = Fitted(learned=training_seeds("ppo:a", 2), open_loops=("open-loop:b",))
+    families = families_of(fitted, Family("others", ()), Family("more", ("ppo:c",)))
+    assert [family.name for family in families] == [
+        "fixed sizes", "schedules", "open loops", "learned (size, φ)", "more",
+    ]  # fmt: skip
+    assert families[3].groups == ("ppo:a/*",)
+    assert controllers_of(families)[-5:] == ("open-loop:b", "ppo:a/0", "ppo:a/1", "ppo:c", "random")
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
