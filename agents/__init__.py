@@ -12,6 +12,7 @@ from agents.fixed import Fixed, Random
 from agents.open_loop import load_open_loop
 from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
+from agents.tuned import load_tuned
 from swarm_gym.checks import look_up
 
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
@@ -42,6 +43,10 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
     return checked
 
 
+def _tuned(argument: str, limits: SizeLimits) -> Controller:
+    return make_controller(load_tuned(argument), limits)
+
+
 # Family name to a function of what stands after the colon and the size limits.
 CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": _fixed,
@@ -50,6 +55,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "ppo": _policy,
+    "tuned": _tuned,
 }
 
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
-from agents.open_loop import shipped_open_loops
+from agents.open_loop import OpenLoopFileError, shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
 from agents.ppo import PPOController
 from agents.rollout import run_episodes
+from agents.tuned import FORMAT, TunedFileError, shipped_tuned
 from swarm_gym.action import make_action
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
@@ -22,6 +23,7 @@ ARGUMENTS = {
     "open-loop": shipped_open_loops(),
     "ppo": shipped_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
+    "tuned": shipped_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
 }
 NAMES = [
@@ -116,7 +118,7 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*fixed, open-loop, ppo, random, spsfa, spsfa-tip"),
+        ("spfsa", UnknownNameError, "spfsa.*fixed, open-loop, ppo, random, spsfa, spsfa-tip, tuned"),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
@@ -126,11 +128,31 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("spsfa:3", ValueError, "3"),
         ("ppo:nowhere", PolicyFileError, "nowhere"),
         ("ppo", PolicyFileError, "neither"),
+        ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a shipped one"),
+        ("tuned:nowhere", TunedFileError, "nowhere.*neither a shipped one"),
     ],
 )
 def test_unknown_controllers_are_refused(name, error, message):
     with pytest.raises(error, match=message):
         make_controller(name)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "not a readable"),
+        ("[]", "not a readable"),
+        ({"format": "something"}, "expected format"),
+        ({"format": FORMAT}, "controller"),
+        ({"format": FORMAT, "controller": 3}, "got 3"),
+        ({"format": FORMAT, "controller": "tuned:itself"}, "tuned:itself"),
+    ],
+)
+def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, message):
+    path = tmp_path / "some.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content))
+    with pytest.raises(TunedFileError, match=message):
+        make_controller(f"tuned:{path}")
 
 
 def test_policy_equals_the_network_it_was_saved_from(policy):

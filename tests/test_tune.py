@@ -9,19 +9,21 @@ import pytest
 from agents import make_controller
 from agents.fixed import Fixed
 from agents.open_loop import OpenLoop
+from agents.parameters import format_parameters
 from agents.run_folder import RunFolderError
 from agents.schedules import SelfAdaptiveSchedule
-from agents.seeds import TRAINING_START
+from agents.seeds import TRAINING_START, training_seed
 from agents.tune import read_command_line
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import START, START_ITERATIONS, KnotSpace
+from agents.tuning.parameter_spaces import SCHEDULE
 from agents.tuning.run import TuningRun
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuners import TUNERS, kind_defaults
 from swarm_gym.env import SwarmEnv
 
 TINY = {"episodes": 4, "scenarios": ("case3", "case1"), "max_population_size": 12}
-ROUND = {"open-loop": 4 * 4 * 100, "constant": 4 * 4 * 100}
+ROUND = {"open-loop": 4 * 4 * 100, "constant": 4 * 4 * 100, "schedule": 4 * 100}
 SMALL_KIND = {"candidates": 4, "initial_population_size": 6}
 
 
@@ -217,3 +219,59 @@ def test_the_command_line_takes_defaults_from_kind_and_preset(tmp_path):
     assert (config.preset, config.price) == (str(preset), 0.1)
     expected = dataclasses.replace(TuneConfig(), sigma=0.3)
     assert read_command_line(["--sigma", "0.3"]) == expected
+
+
+def test_trials_meet_the_same_episodes_the_first_one_with_the_parameters_to_begin_with(tmp_path):
+    run = tune(tmp_path, "schedule", rounds=2, max_population_size=90)
+    path = run.run()
+    content = json.loads(path.read_text())
+    first = run.tuner._study.get_trials()[0]
+    assert first.params == SCHEDULE.first
+    seed, paper = training_seed(0, 0), make_controller("spsfa-tip", run.config.limits)
+    outcomes = SideBySide(run.config, 1, "paper", "natural").run([paper], seed)
+    assert first.value == outcomes.losses.mean() == content["manifest"]["first_trial_loss"]
+    best = make_controller(content["controller"], run.config.limits)
+    outcomes = SideBySide(run.config, 1, "paper", "natural").run([best], seed)
+    assert outcomes.losses.mean() == content["manifest"]["best_trial_loss"]
+
+
+def test_a_trial_that_was_killed_is_repeated(tmp_path, monkeypatch):
+    whole = tune(tmp_path, "schedule", rounds=14, name="whole").run()
+    killed = tune(tmp_path, "schedule", rounds=14, name="killed")
+    for _ in range(12):
+        killed.tuner.advance()
+    monkeypatch.setattr(killed.tuner, "_loss", lambda _: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        killed.tuner.advance()
+    resumed = tune(tmp_path, "schedule", rounds=14, name="killed", resume=True)
+    assert resumed.tuner.rounds == 12
+    assert stored(resumed.run()) == stored(whole)
+    trials = [
+        [trial.params for trial in run._study.get_trials() if trial.value is not None]
+        for run in (resumed.tuner, tune(tmp_path, "schedule", rounds=14, name="whole", resume=True).tuner)
+    ]
+    assert trials[0] == trials[1]
+
+
+def test_a_damaged_study_is_refused(tmp_path):
+    tune(tmp_path, "schedule", rounds=1).run()
+    (tmp_path / "it" / "study.db").write_bytes(b"no database" * 100)
+    with pytest.raises(RunFolderError, match=r"study\.db"):
+        tune(tmp_path, "schedule", resume=True)
+
+
+@pytest.mark.parametrize("space", [kind for kind in TUNERS if kind not in ("open-loop", "constant")])
+def test_every_parameter_of_a_family_can_be_tuned_over_its_span(space):
+    space = TUNERS[space].make.keywords["space"]
+    assert list(space.first) == list(space.spans)
+    for end in ("low", "high"):
+        values = {name: getattr(span, end) for name, span in space.spans.items()}
+        controller = make_controller(f"{space.family}:{format_parameters(values)}")
+        for name, value in values.items():
+            assert getattr(controller, name) == value
+
+
+@pytest.mark.parametrize("option", [{"action": "extended"}, {"sigma": 0.3}, {"candidates": 8}])
+def test_options_of_another_kind_are_refused(tmp_path, option):
+    with pytest.raises(ValueError, match=f"{next(iter(option))}: not an option of what 'schedule'"):
+        tune(tmp_path, "schedule", **option)

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from agents.tuning.config import TuneConfig
 from agents.tuning.evolution import OpenLoopTuner
+from agents.tuning.parameter_spaces import SCHEDULE
+from agents.tuning.study import ParameterTuner
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import look_up
 from swarm_gym.errors import SettingError
@@ -32,6 +35,7 @@ class Kind:
 TUNERS: dict[str, Kind] = {
     "open-loop": Kind(OpenLoopTuner, SPECIAL),
     "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
+    "schedule": Kind(partial(ParameterTuner, space=SCHEDULE), (), {"episodes": 48}),
 }
 
 

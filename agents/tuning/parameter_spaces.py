@@ -1,0 +1,59 @@
+"""What is searched of the parameters of hand-designed controllers, as data."""
+
+from dataclasses import dataclass
+
+from agents.controller import SizeLimits
+from agents.parameters import Number
+
+
+@dataclass(frozen=True)
+class Span:
+    """From `low` to `high`, logarithmic except where zero shall be possible; sizes are integers."""
+
+    low: float
+    high: float
+    size: bool = False
+    logarithmic: bool = True
+
+    def within(self, limits: SizeLimits) -> "Span":
+        """The part that these limits leave."""
+        if not self.size:
+            return self
+        return Span(limits.clip(int(self.low)), limits.clip(int(self.high)), True, self.logarithmic)
+
+
+@dataclass(frozen=True)
+class ParameterSpace:
+    """The parameters of a family of controllers.
+
+    Attributes:
+        family: what the parameters follow in a controller's name.
+        first: where the search begins: the parameters that its authors, or this project, give.
+        spans: of every parameter.
+    """
+
+    family: str
+    first: dict[str, Number]
+    spans: dict[str, Span]
+
+
+# Some two decades around the paper's values, of which its own studies of parameters cover the middle.
+SCHEDULE = ParameterSpace(
+    "spsfa-tip",
+    {
+        "growth": 1000.0,
+        "decay": 0.2,
+        "low_deviation": 20.0,
+        "initial_population_size": 80,
+        "smallest": 2,
+        "repair_factor": 1.0,
+    },
+    {
+        "growth": Span(10.0, 10_000.0),
+        "decay": Span(0.02, 2.0),
+        "low_deviation": Span(1.0, 1000.0),
+        "initial_population_size": Span(10, 200, size=True),
+        "smallest": Span(2, 60, size=True),
+        "repair_factor": Span(0.01, 100.0),
+    },
+)

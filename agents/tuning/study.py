@@ -1,0 +1,126 @@
+"""Parameters of a controller tuned by Optuna.
+
+Source: T. Akiba et al., "Optuna: a next-generation hyperparameter optimization framework", KDD 2019; its
+sampler: J. Bergstra et al., "Algorithms for hyper-parameter optimization", NIPS 24 (2011), in the
+multivariate form. All trials meet the same episodes, since the best of them is taken: on episodes of their
+own, the luckiest would be. With few parameters, little can be learned by heart of the episodes, and the
+estimate in the result is of others.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import optuna
+from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
+from optuna.trial import FrozenTrial, TrialState, create_trial
+
+from agents import make_controller
+from agents.controller import Controller
+from agents.parameters import Number, format_parameters
+from agents.run_folder import RunFolderError
+from agents.seeds import training_seed
+from agents.tuned import save_tuned
+from agents.tuning.config import TuneConfig
+from agents.tuning.parameter_spaces import ParameterSpace, Span
+from agents.tuning.side_by_side import SideBySide
+from agents.tuning.tuner import Tuner
+
+DIGITS = 4  # significant ones of a parameter: more would say more than 48 noisy episodes can
+
+
+class ParameterTuner(Tuner):
+    """Optuna on the parameters of a family of controllers; a round is a trial."""
+
+    family = "tuned"
+
+    def __init__(self, config: TuneConfig, space: ParameterSpace):
+        self._config = config
+        self._space = space
+        self._spans = {name: span.within(config.limits) for name, span in space.spans.items()}
+        first = self._controller(self._first())
+        self._places = SideBySide(config, 1, first.observation, first.action)
+        self.steps_per_round = self._places.steps
+
+    def open(self, folder: Path) -> None:
+        """Make or take up the study; a trial that was killed is repeated."""
+        path = folder / "study.db"
+        optuna.logging.set_verbosity(optuna.logging.WARNING)
+        try:
+            self._study = optuna.create_study(
+                storage=f"sqlite:///{path.resolve()}", study_name="tune", load_if_exists=True
+            )
+            trials = self._study.get_trials(deepcopy=False)
+        except Exception as error:
+            raise RunFolderError(f"{path}: not a readable study ({error})") from error
+        for trial in trials:
+            if not trial.state.is_finished():
+                self._study.tell(trial.number, state=TrialState.FAIL)
+        self.rounds = len(self._completed())
+
+    def advance(self) -> dict[str, float]:
+        """One trial; the first one has the parameters to begin with."""
+        distributions = {name: _distribution(span) for name, span in self._spans.items()}
+        if self.rounds == 0:
+            params = self._first()
+            loss = self._loss(params)
+            self._study.add_trial(create_trial(params=params, distributions=distributions, value=loss))
+        else:
+            # Seeded by the number of the trial, so that a resumed study equals one that was not stopped.
+            seed = np.random.SeedSequence([self._config.seed, self.rounds]).generate_state(1)[0]
+            self._study.sampler = optuna.samplers.TPESampler(
+                multivariate=True, constant_liar=False, seed=int(seed)
+            )
+            trial = self._study.ask(distributions)
+            loss = self._loss(trial.params)
+            self._study.tell(trial, loss)
+        self.rounds += 1
+        return {"loss": loss, "best": float(self._study.best_value)}
+
+    def seeds(self) -> list[int]:
+        """The same for all trials."""
+        return [training_seed(self._config.seed, 0)]
+
+    def result(self) -> Controller:
+        """The best trial's controller."""
+        return self._controller(self._best().params)
+
+    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+        """A file that `tuned:<path>` reads."""
+        best = self._best()
+        found = {"best_trial_loss": best.value, "first_trial_loss": self._completed()[0].value}
+        save_tuned(path, self._name(best.params), {**manifest, **found})
+
+    def _loss(self, params: Mapping[str, Number]) -> float:
+        outcomes = self._places.run([self._controller(params)], training_seed(self._config.seed, 0))
+        return float(outcomes.losses.mean())
+
+    def _completed(self) -> list[FrozenTrial]:
+        return self._study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+
+    def _best(self) -> FrozenTrial:
+        return min(self._completed(), key=lambda trial: (trial.value, trial.number))
+
+    def _first(self) -> dict[str, Number]:
+        return {
+            name: type(value)(min(max(value, span.low), span.high))
+            for (name, value), span in zip(self._space.first.items(), self._spans.values(), strict=True)
+        }
+
+    def _controller(self, params: Mapping[str, Number]) -> Controller:
+        return make_controller(self._name(params), self._config.limits)
+
+    def _name(self, params: Mapping[str, Number]) -> str:
+        """The controller's name; what is evaluated is what the name says."""
+        values = {
+            name: value if isinstance(value, int) else float(f"{value:.{DIGITS}g}")
+            for name, value in params.items()
+        }
+        return f"{self._space.family}:{format_parameters(values)}"
+
+
+def _distribution(span: Span) -> BaseDistribution:
+    if span.size:
+        return IntDistribution(int(span.low), int(span.high), log=span.logarithmic)
+    return FloatDistribution(span.low, span.high, log=span.logarithmic)
