@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 
 from agents.controller import Controller, SizeLimits
+from agents.distilled import load_rule
 from agents.fixed import Fixed, Random
 from agents.open_loop import load_open_loop
 from agents.ppo import PPOController
@@ -40,12 +41,14 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "ppo": PPOController,
+    "distilled": load_rule,
 }
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
     """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
 
+    `distilled:<rule name or file>` is a rule that says in ten numbers what a policy does.
     The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
 
     Args:

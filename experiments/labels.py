@@ -4,9 +4,12 @@
 def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
-    A group of training seeds, `ppo:three-cases/*`, is PPO three-cases, without the parentheses of one policy.
+    A distilled rule is Rule (its name). A group of training seeds, `ppo:three-cases/*`, is PPO three-cases,
+    without the parentheses of one policy.
     """
     family, _, argument = controller.partition(":")
+    if family == "distilled":
+        return f"Rule ({argument.removesuffix('/*')})"
     if argument.endswith("/*"):
         return f"{family.upper()} {argument.removesuffix('/*')}"
     if family == "fixed":
