@@ -42,6 +42,7 @@ def _column(name: str, scale: float = 1.0, power: int = 1) -> Callable[[NDArray]
     return lambda seen: scale * seen[:, place].astype(np.float64) ** power
 
 
+CURRENT_SIZE = "log(1+size)/log(1+largest size)"
 _TIME = "share of the iterations done"
 _LOG_TIME = "log(1 + iteration), relative to that of the last"
 # What formulas are made of, by how it is written: of observations (B, k) to (B,). t is the iteration, T the
@@ -55,7 +56,7 @@ INPUTS: dict[str, Callable[[NDArray], Floats]] = {
     "log(1+mean collision)": _column("log(1 + mean collision) / 8", 8.0),
     "log(1+deviation of collision)": _column("log(1 + standard deviation of the collision) / 8", 8.0),
     "log(E(P)/first E(P))": _column("log(E(P) / first E(P)) / 8", 8.0),
-    "log(1+size)/log(1+largest size)": _column("log population size, relative to that of the largest"),
+    CURRENT_SIZE: _column("log population size, relative to that of the largest"),
     "feasible share": _column("feasible share"),
     "log(best/lower bound)": _column("log(best fitness / lower bound)"),
     "log(gap 5 iterations ago/gap)": _column("log(gap 5 iterations ago / gap)"),

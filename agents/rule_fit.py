@@ -12,6 +12,8 @@ FOLDS = 4
 MOST_PASSES = 30
 LEAST_GAIN = 1e-3  # of the error, below which a further input is not worth its number
 
+EXACT = 1e-6  # an error that is rounding
+
 
 class Fit(NamedTuple):
     """A fit of one decision.
@@ -77,7 +79,7 @@ def select_forward(
             if column not in chosen
         ]
         best = min(candidates, key=lambda fit: fit.error, default=fits[-1])
-        if best.error >= (1.0 - LEAST_GAIN) * fits[-1].error or fits[-1].error < 1e-9:
+        if best.error >= (1.0 - LEAST_GAIN) * fits[-1].error or fits[-1].error < EXACT:
             break
         fits.append(best)
         chosen = best.inputs

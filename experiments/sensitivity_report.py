@@ -67,7 +67,7 @@ def draw_sensitivity(found: Sensitivity) -> Figure:
     panels = figure.subplots(1, num_panels, sharey=True)
     for column, (axes, decision) in enumerate(zip(panels, found.decisions, strict=False)):
         axes.barh(places, [row[column] for row in found.changes.values()], 0.6, color=BLUE)
-        axes.set_xlabel(f"change of {_unit(decision)}")
+        axes.set_xlabel(f"change of\n{_unit(decision)}")
     gaps = [100.0 * (found.blinded[name].gap - found.seeing.gap) for name in names]
     spent = [100.0 * _relative_evaluations(found.seeing, found.blinded[name]) for name in names]
     _draw_differences(panels[-2], places, gaps, "gap, % of the optimum")
@@ -121,7 +121,7 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
     axes.hlines(places, low, high, color=ORANGE, linewidth=1.5)
     axes.plot([mean for mean, _ in found], places, "o", color=ORANGE)
     axes.axvline(0.0, color="0.3", linewidth=0.8)
-    axes.set_xlabel(f"difference of {name}")
+    axes.set_xlabel(f"difference of\n{name}")
 
 
 def _thousands(outcome: Outcome) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from agents import SizeLimits, make_controller
 from agents.controller import Controller
-from agents.distil import DistilConfig, distil
+from agents.distil import DistilConfig, assess, distil
 from agents.distilled import (
     DISTILLED,
     INPUTS,
@@ -85,28 +85,32 @@ def stored(tmp_path):
 
 
 def test_a_policy_that_is_log_linear_is_recovered():
-    rule = distil(LogLinear(), TRAINING, config_of()).rule
+    found = distil(LogLinear(), TRAINING, config_of())
+    assert found.rule.num_numbers >= 5
+    rule = next(c.rule for c in found.candidates if c.rule.num_numbers == 6)
     size, phi = rule.formulas
     assert size.constant == pytest.approx(4.0, abs=0.01)
     assert size.weights == pytest.approx({LOG_TIME: -2.0}, abs=0.01)
     assert phi.weights == pytest.approx({"t/T": 0.3, "feasible share": 0.2}, abs=0.01)
     assert phi.constant == pytest.approx(0.0, abs=0.01)
-    assert rule.num_numbers == 6
+    assert max(c.rule.num_numbers for c in found.candidates) == 6
 
 
 @pytest.mark.parametrize("numbers", [5, 8, 10])
 def test_a_rule_never_has_more_numbers_than_allowed(numbers):
     found = distil(Everything(), TRAINING, config_of(numbers=numbers))
-    assert max(number for _, number, _ in found.candidates) <= numbers
+    assert 5 <= max(c.rule.num_numbers for c in found.candidates) <= numbers
     assert found.rule.action == "extended"
-    assert len(found.rule.formulas) == len(found.errors) == 4
+    assert len(found.rule.formulas) == len(found.chosen.errors) == 4
 
 
 def test_the_rule_that_earns_most_on_validation_seeds_is_taken():
-    found = distil(Everything(), TRAINING, config_of(rounds=2))
-    best = max(found.candidates, key=lambda candidate: candidate[2].mean_return)
-    assert found.rule.num_numbers == best[1]
-    assert {number for number, *_ in found.candidates} == {0, 1}
+    found = distil(Everything(), TRAINING, config_of(rounds=2, validation_seeds=8))
+    assert {candidate.round for candidate in found.candidates} == {0, 1}
+    finalists = sorted(found.candidates, key=lambda c: c.score.mean_return, reverse=True)[:4]
+    returns = [assess(c.rule, TRAINING, VALIDATION[:8]).mean_return for c in finalists]
+    assert found.chosen.score.mean_return == max(returns)
+    assert found.rule is finalists[int(np.argmax(returns))].rule
 
 
 def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):
