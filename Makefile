@@ -7,11 +7,11 @@ SEEDS ?= 20
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install study test test-slow test-checked test-lowest check format benchmark benchmark-peers \
+.PHONY: help install study study-full test test-slow test-checked test-lowest check format benchmark benchmark-peers \
     docs-results clean
 
 help: ## show this list
-	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-14s %s\n", $$1, $$2}'
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
 
 install: $(INSTALLED) ## make the virtual environment
 
@@ -25,6 +25,15 @@ $(INSTALLED): pyproject.toml constraints.txt
 study: $(INSTALLED) ## run the paper's study and write its tables and figures to results/paper
 	@echo "== the paper's study, $(SEEDS) seeds: controllers x cases x seeds, then tables and figures"
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds $(SEEDS)
+
+STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
+
+study-full: $(INSTALLED) ## run all suites of the study into results/study; OFFLINE=1: from its databases alone
+	@for suite in $(STUDY_SUITES); do \
+	    echo "== suite $$suite"; \
+	    $(BIN)/python -m experiments.evaluate --suite $$suite --output results/study \
+	        $(if $(filter 1,$(OFFLINE)),--no-simulate) || exit 1; \
+	done
 
 test: $(INSTALLED) ## run the tests
 	@echo "== compiling the kernels"

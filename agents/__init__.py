@@ -24,6 +24,16 @@ def _fixed(argument: str, limits: SizeLimits) -> Controller:
     return Fixed(int(argument), limits)
 
 
+def _policy(argument: str, limits: SizeLimits) -> Controller:
+    policy, at, price = argument.rpartition("@")
+    if not at:
+        return PPOController(argument, limits)
+    try:
+        return PPOController(policy, limits, float(price))
+    except ValueError as error:
+        raise ValueError(f"controller 'ppo:{argument}': {error}") from error
+
+
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
     def checked(argument: str, limits: SizeLimits) -> Controller:
         if argument:
@@ -40,16 +50,18 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
-    "ppo": PPOController,
+    "ppo": _policy,
     "distilled": load_rule,
 }
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
+    """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:three-cases`.
 
     `distilled:<rule name or file>` is a rule that says in ten numbers what a policy does.
     The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
+    What follows `ppo:` and `open-loop:` is shipped under that name, or a file. Policies of one recipe are
+    `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it: `ppo:<policy>@0.3`.
 
     Args:
         name: the family, and after a colon its argument.

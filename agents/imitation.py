@@ -34,7 +34,7 @@ def imitate(model: PPO, controller: Controller | None, env: SB3VecEnv) -> None:
     Seeded by the model's own seed. The critic is fitted too: PPO that starts with an ignorant one
     unlearns the actor first. Without a controller to imitate, the actor learns to correct nothing.
     """
-    noise = float(np.exp(model.policy.log_std.detach().numpy().mean()))
+    noise = 0.0 if model.use_sde else float(np.exp(model.policy.log_std.detach().numpy().mean()))
     observations, actions, returns = _demonstrate(controller, env, noise, _seed(model))
     generator = np.random.default_rng(_seed(model))
     policy = model.policy

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from agents.controller import Controller, Floats, SizeLimits
 from swarm_gym.files import write_atomically
 
-FORMAT = "swarm_gym open loop 1"
+FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "open_loops"
 
 
@@ -28,8 +28,9 @@ class OpenLoop(Controller):
     """Decisions interpolated between knots.
 
     Args:
+        initial_population_size: PS(0); what the first knot says holds from iteration 1 on.
         knots: iterations in increasing order, the first one 0.
-        sizes: population size at each knot; the first one, rounded, is PS(0) too.
+        sizes: population size at each knot.
         repair_degrees: phi at each knot, in [0, 1].
         knobs: further decisions at each knot by name, positive, in the order of the extended action.
         limits: the sizes that the environment allows.
@@ -37,6 +38,7 @@ class OpenLoop(Controller):
 
     def __init__(
         self,
+        initial_population_size: int,
         knots: list[int],
         sizes: list[float],
         repair_degrees: list[float],
@@ -53,7 +55,7 @@ class OpenLoop(Controller):
         if any(min(column) <= 0 for column in positive) or not all(0 <= d <= 1 for d in repair_degrees):
             raise ValueError("open loop: sizes and parameters must be positive, phi in [0, 1]")
         self.action = "extended" if knobs else "natural"
-        self.initial_population_size = limits.clip(int(sizes[0] + 0.5))
+        self.initial_population_size = limits.clip(initial_population_size)
         iterations = np.arange(knots[-1] + 1)
         table = [np.exp(np.interp(iterations, knots, np.log(column))) for column in positive]
         table[0] = np.clip(table[0], limits.smallest, limits.largest)
@@ -91,7 +93,12 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
         if content["format"] != FORMAT:
             raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
         return OpenLoop(
-            content["knots"], content["sizes"], content["repair_degrees"], content["knobs"], limits
+            content["initial_population_size"],
+            content["knots"],
+            content["sizes"],
+            content["repair_degrees"],
+            content["knobs"],
+            limits,
         )
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
@@ -99,6 +106,7 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
 
 def save_open_loop(
     path: Path,
+    initial_population_size: int,
     knots: list[int],
     sizes: list[float],
     repair_degrees: list[float],
@@ -108,6 +116,7 @@ def save_open_loop(
     """Write knots with what is known of them, at once or not at all."""
     content = {
         "format": FORMAT,
+        "initial_population_size": initial_population_size,
         "knots": knots,
         "sizes": sizes,
         "repair_degrees": repair_degrees,

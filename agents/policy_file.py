@@ -41,8 +41,9 @@ class PolicyFileError(ValueError):
 
 
 def shipped_policies() -> list[str]:
-    """Names of the policies that come with the project."""
-    return sorted(path.stem for path in POLICIES.glob(f"*{SUFFIX}"))
+    """Names of the policies that come with the project; of those in folders, `<folder>/<file>`."""
+    files = sorted(POLICIES.rglob(f"*{SUFFIX}"))
+    return [path.relative_to(POLICIES).with_suffix("").as_posix() for path in files]
 
 
 def resolve(name: str) -> Path:
@@ -54,8 +55,10 @@ def resolve(name: str) -> Path:
     for path in (POLICIES / f"{name}{SUFFIX}", Path(name)):
         if path.is_file():
             return path
+    split = [shipped.rpartition("/") for shipped in shipped_policies()]
+    forms = sorted({f"{folder}/<seed>" if folder else file for folder, _, file in split})
     raise PolicyFileError(
-        f"policy {name!r}: neither a shipped policy ({', '.join(shipped_policies()) or 'none'}) nor a file"
+        f"policy {name!r}: neither a shipped policy ({', '.join(forms) or 'none'}) nor a file"
     )
 
 

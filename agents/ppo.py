@@ -25,10 +25,16 @@ class PPOController(Controller):
         manifest: what is known of the policy: layouts, configuration, seeds, versions.
     """
 
-    def __init__(self, policy: str | Path, limits: SizeLimits = SizeLimits()):  # noqa: B008
+    def __init__(
+        self,
+        policy: str | Path,
+        limits: SizeLimits = SizeLimits(),  # noqa: B008
+        price: float | None = None,
+    ):
         path = resolve(str(policy))
         weights, self.manifest = load_policy(path)
         self._check_layouts(path, limits)
+        self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
         self._base = self._make_base(limits)
@@ -50,6 +56,19 @@ class PPOController(Controller):
         for weight, bias in self._layers[:-1]:
             hidden = np.tanh(_affine(hidden, weight, bias))
         return np.clip(proposed + np.clip(_affine(hidden, *self._layers[-1]), -1.0, 1.0), -1.0, 1.0)
+
+    def _checked_price(self, path: Path, price: float | None) -> float | None:
+        """The price that is shown to the policy; without one, the middle of those it was trained with."""
+        if "priced" not in self.manifest["observation"].split("+"):
+            if price is not None:
+                raise PolicyFileError(f"{path}: this policy does not see a price, got {price:g}")
+            return None
+        low, high = self.manifest["price"][0], self.manifest["price"][-1]
+        if price is None:
+            return float(np.sqrt(low * high))
+        if not low <= price <= high:
+            raise PolicyFileError(f"{path}: trained with prices in [{low:g}, {high:g}], got {price:g}")
+        return price
 
     def _make_base(self, limits: SizeLimits) -> Base | None:
         if self.manifest["base"] == "none":

@@ -56,8 +56,11 @@ class TrainConfig:
     """Controller to imitate first; 'none' starts from scratch."""
     hidden_layers: tuple[int, ...] = (64, 64)
     """Sizes of the hidden layers, tanh, of actor and critic each."""
+    exploration: str = "step"
+    """When PPO draws the noise of its actions: at every 'step', or a function of the state by 'episode'."""
     log_std: float = -1.6
-    """Logarithm of the initial standard deviation of normalised actions."""
+    """Logarithm of the initial standard deviation of normalised actions; by feature of the last layer, where
+    the noise is drawn by episode."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
     batch_size: int = 640

@@ -128,6 +128,7 @@ class TrainingRun:
             "max_evaluations": config.max_evaluations or None,
             "num_decisions": self.learner.num_decisions,
             "optimizer": config.optimizer,
+            "price": list(config.price),
             "hidden_layers": list(config.hidden_layers),
             "initial_population_size": config.initial_population_size,
             "max_population_size": config.max_population_size,

@@ -49,8 +49,9 @@ def evaluate(config: EvaluateConfig) -> Path:
     if config.controllers:
         suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
     if config.seeds is not None:
-        if config.seeds < 2:
-            raise ResultsError(f"--seeds must be at least 2, got {config.seeds}")
+        least = min(2, suite.num_seeds)  # where one is enough, the tables are over many scenarios
+        if config.seeds < least:
+            raise ResultsError(f"--seeds must be at least {least}, got {config.seeds}")
         suite = dataclasses.replace(suite, num_seeds=config.seeds)
     database = config.database or config.output / f"{suite.name}.sqlite"
     if not config.simulate and not database.exists():

@@ -20,7 +20,8 @@ from experiments.figure_style import FORMATS, render, settings, styles
 from experiments.gap_drawings import draw_front, draw_profiles
 from experiments.groups import group_controllers
 from experiments.outcomes import Outcomes
-from experiments.parameter_drawings import plan_parameter_figures
+from experiments.parameter_drawings import PARAMETER_DRAWINGS
+from experiments.parameter_study import SCENARIO, STUDIES
 from experiments.results import Results, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.checks import look_up
@@ -131,15 +132,26 @@ def _decisions(stored: Stored) -> Drawings:
     }
 
 
+def _parameters(stored: Stored) -> Drawings:
+    return {
+        f"parameter-{study.parameter.replace('_', '-')}-{kind}": partial(draw, study, case)
+        for case in stored.cases
+        if case.scenario.name == SCENARIO
+        for study in STUDIES
+        if study.compared(case.runs)
+        for kind, draw in PARAMETER_DRAWINGS.items()
+    }
+
+
 # To add a kind: a function of what is stored, a line here, and its name in the suites that have it.
 FIGURES: dict[str, Callable[[Stored], Drawings]] = {
-    "parameters": lambda stored: plan_parameter_figures(stored.suite, stored.results),
     "snapshots": _snapshots,
     "collision": _collision,
     "cases": _cases,
     "profiles": _profiles,
     "front": _front,
     "decisions": _decisions,
+    "parameters": _parameters,
 }
 
 

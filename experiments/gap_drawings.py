@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator, PercentFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator, PercentFormatter
 
 from experiments.figure_style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.labels import label
@@ -18,7 +18,10 @@ from experiments.suites import Suite
 NUM_THRESHOLDS = 161
 LEAST_GAP = 1e-4  # that a logarithmic axis goes down to
 MOST_COLUMNS = 3
-MOST_DECADES = 2.5  # of an axis that has room for three labels each
+LEAST_WIDTH = 6.8  # inches that the titles take
+LEAST_LABELS = 3
+# Multiples of powers of ten that label a logarithmic axis: of these, the first that are enough.
+MULTIPLES = ((1,), (1, 3), (1, 2, 5), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
 # Markers are the controllers', so families have lines only.
 FAMILY_LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
@@ -38,7 +41,7 @@ def draw_profiles(outcomes: Outcomes) -> Figure:
         axes.set(title=scenario_set, xlim=(thresholds[0], thresholds[-1]), ylim=(0.0, 1.02))
         axes.set_xscale("log")
         _label_logarithmic(axes.xaxis, _percent)
-        axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+        axes.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=" %"))
         axes.set(xlabel="optimality gap", ylabel="runs within the gap")
     figure.suptitle("Performance profiles with pointwise 95 % bands")
     legend_below(figure)
@@ -78,7 +81,7 @@ def _panels(outcomes: Outcomes) -> tuple[Figure, list[Axes]]:
     number = len(outcomes.sets)
     num_rows = math.ceil(number / MOST_COLUMNS)
     num_columns = math.ceil(number / num_rows)
-    figure = new_figure(3.6 * num_columns + 0.8, 3.3 * num_rows + 1.0)
+    figure = new_figure(max(3.6 * num_columns + 0.8, LEAST_WIDTH), 3.3 * num_rows + 1.0)
     panels = list(figure.subplots(num_rows, num_columns, squeeze=False).flat)
     for axes in panels[number:]:
         axes.set_axis_off()
@@ -110,12 +113,24 @@ def _draw_steps(axes: Axes, points: Floats) -> None:
 
 
 def _label_logarithmic(axis: Axis, form: Callable[[float, int], str]) -> None:
-    """Label an axis, whose limits or data are there, at 1, 2 and 5 times powers of ten, or at these alone."""
+    """Label an axis, whose limits or data are there, at few round numbers."""
     low, high = axis.get_view_interval()
-    short = math.log10(high / low) < MOST_DECADES
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
+    axis.set_major_locator(FixedLocator(logarithmic_ticks(low, high)))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(form))
+
+
+def logarithmic_ticks(low: float, high: float) -> list[float]:
+    """At least three round numbers between two positive ones, as evenly spaced in the logarithm as can be."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for multiples in MULTIPLES:
+        ticks = [multiple * 10.0**power for power in powers for multiple in multiples]
+        inside = [tick for tick in ticks if low <= tick <= high]
+        if len(inside) >= LEAST_LABELS:
+            return inside
+    return [
+        tick for tick in MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, high) if low <= tick <= high
+    ]
 
 
 def _family_lines(number: int) -> list:

@@ -39,8 +39,3 @@ def scenario_sets(scenarios: Iterable[str]) -> dict[str, tuple[str, ...]]:
         key = set_key(scenario)
         sets[key] = (*sets.get(key, ()), scenario)
     return sets
-
-
-def numbered(kind: str, number: int) -> tuple[str, ...]:
-    """Names of the first scenarios of a set: `random-fields:test:0` and so on."""
-    return tuple(f"{kind}:{k}" for k in range(number))

@@ -1,21 +1,23 @@
 """Names of controllers as tables and figures print them."""
 
+# Families whose members are called after what they were fitted to.
+FITTED = {"distilled": "rule", "open-loop": "open loop", "tuned": "tuned schedule"}
+
 
 def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
-    A distilled rule is Rule (its name). A group of training seeds, `ppo:three-cases/*`, is PPO three-cases,
-    without the parentheses of one policy.
+    A group of training seeds, `ppo:three-cases/*`, is PPO three-cases, without the parentheses of one policy.
     """
     family, _, argument = controller.partition(":")
-    if family == "distilled":
-        return f"Rule ({argument.removesuffix('/*')})"
     if argument.endswith("/*"):
         return f"{family.upper()} {argument.removesuffix('/*')}"
     if family == "fixed":
         return f"FA-{argument}"
     if family == "ppo":
         return f"PPO ({argument})"
+    if family in FITTED and argument:
+        return f"{FITTED[family]} ({argument})"
     if family.startswith("spsfa"):
         return f"{family.upper()} ({argument.replace(',', ', ')})" if argument else family.upper()
     return controller

@@ -4,8 +4,8 @@ They stand in the place of the SPSFA paper's figures 20 to 25, which show its st
 It prints numbers of the running times by omega and eta only; all else is drawn from our runs alone.
 """
 
+import dataclasses
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from matplotlib import colormaps
@@ -16,13 +16,9 @@ from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from experiments.drawings import MOST_POINTS, Case, columns, draw_optimum, scale_fitness
 from experiments.figure_style import BAND, BLACK, BLUE, GREEN, ORANGE, Style, legend_below, new_figure
-from experiments.parameter_study import SCENARIO, STUDIES, Study
-from experiments.parameter_tables import evaluations, fitness, ratio_interval, seconds
-from experiments.results import Floats, Results, Run
-from experiments.suites import Suite
-from swarm_gym.problem import Problem
-from swarm_gym.reference import known_optimum
-from swarm_gym.scenarios import make_scenario
+from experiments.parameter_study import Study
+from experiments.results import Floats, Run
+from experiments.statistics import ratio_interval
 
 Runs = dict[float, list[Run]]  # by value of the parameter
 MARKERS = "osD^v<>PX*"
@@ -37,21 +33,9 @@ COURSES: dict[str, Callable[..., Floats]] = {
 LIGHTEST = 0.88
 
 
-def plan_parameter_figures(suite: Suite, results: Results) -> dict[str, Callable[[], Figure]]:
-    """What can be drawn from the runs of a suite: functions without arguments, by name of the figure."""
-    drawings: dict[str, Callable[[], Figure]] = {}
-    for study in STUDIES:
-        runs = study.load(suite.controllers, results, suite.num_seeds)
-        if study.printed in runs and len(runs) > 1:
-            name = f"parameter-{study.parameter.replace('_', '-')}"
-            drawings[f"{name}-courses"] = partial(draw_courses, study, runs)
-            drawings[f"{name}-outcomes"] = partial(draw_outcomes, study, runs)
-    return drawings
-
-
-def draw_courses(study: Study, runs: Runs) -> Figure:
+def draw_courses(study: Study, case: Case) -> Figure:
     """Best fitness (median), population size, phi and evaluations spent (means) by iteration, by value."""
-    case = _case(study, runs)
+    case, runs = _of_study(study, case)
     figure = new_figure(10.0, 7.0)
     panels = figure.subplots(2, 2, sharex=True).ravel()
     for axes, (column, centre) in zip(panels, COURSES.items(), strict=True):
@@ -79,13 +63,13 @@ def draw_courses(study: Study, runs: Runs) -> Figure:
     return figure
 
 
-def draw_outcomes(study: Study, runs: Runs) -> Figure:
+def draw_outcomes(study: Study, case: Case) -> Figure:
     """Final fitness of every run, and what a run costs relative to the printed setting, by value.
 
     Cost is drawn three ways: our evaluations with the 95 % interval of the ratio, our processor time, and the
     paper's running time where it is printed.
     """
-    case = _case(study, runs)
+    case, runs = _of_study(study, case)
     figure = new_figure(10.0, 4.2)
     quality, cost = figure.subplots(1, 2)
     _draw_quality(quality, runs, case)
@@ -103,9 +87,15 @@ def draw_outcomes(study: Study, runs: Runs) -> Figure:
     return figure
 
 
+PARAMETER_DRAWINGS: dict[str, Callable[[Study, Case], Figure]] = {
+    "courses": draw_courses,
+    "outcomes": draw_outcomes,
+}
+
+
 def _draw_quality(axes: Axes, runs: Runs, case: Case) -> None:
     values = np.array(list(runs))
-    samples = [fitness(group) for group in runs.values()]
+    samples = [_final_fitness(group) for group in runs.values()]
     spread = 0.15 * np.diff(values).min()
     number = max(map(len, samples))
     text = "a run" if number <= MOST_POINTS else f"a run, {MOST_POINTS} of {number}"
@@ -124,11 +114,11 @@ def _draw_quality(axes: Axes, runs: Runs, case: Case) -> None:
 def _draw_cost(axes: Axes, study: Study, runs: Runs) -> None:
     values, unit = list(runs), runs[study.printed]
     low, high = np.transpose(
-        [ratio_interval(evaluations(group), evaluations(unit)) for group in runs.values()]
+        [ratio_interval(_evaluations(group), _evaluations(unit)) for group in runs.values()]
     )
     axes.fill_between(values, low, high, color=BLUE, alpha=2.0 * BAND, linewidth=0.0)
-    axes.plot(values, _ratios(runs, unit, evaluations), color=BLUE, marker="o", label="our evaluations")
-    axes.plot(values, _ratios(runs, unit, seconds), color=GREEN, linestyle="-.", marker="^",
+    axes.plot(values, _ratios(runs, unit, _evaluations), color=BLUE, marker="o", label="our evaluations")
+    axes.plot(values, _ratios(runs, unit, _seconds), color=GREEN, linestyle="-.", marker="^",
               label="our processor time")  # fmt: skip
     printed = {value: study.seconds[value] for value in values if value in study.seconds}
     if printed:
@@ -147,16 +137,29 @@ def _ratios(runs: Runs, unit: list[Run], measure: Callable[[list[Run]], Floats])
     return np.array([measure(group).mean() for group in runs.values()]) / measure(unit).mean()
 
 
-def _case(study: Study, runs: Runs) -> Case:
-    """The scenario with the runs by controller, coloured from dark to light; the printed setting is black."""
-    scenario = make_scenario(SCENARIO)
-    shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(runs)))]
-    styles = {}
-    for value, shade, marker in zip(runs, shades, MARKERS, strict=False):
+def _final_fitness(runs: list[Run]) -> Floats:
+    return np.array([run.final_fitness for run in runs])
+
+
+def _evaluations(runs: list[Run]) -> Floats:
+    return np.array([run.evaluations for run in runs], dtype=np.float64)
+
+
+def _seconds(runs: list[Run]) -> Floats:
+    return np.array([run.seconds for run in runs])
+
+
+def _of_study(study: Study, case: Case) -> tuple[Case, Runs]:
+    """The case with the runs of a study only, which are coloured from dark to light; the printed is black."""
+    compared = study.compared(case.runs)
+    shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(compared)))]
+    looks = {}
+    for (value, controller), shade, marker in zip(compared.items(), shades, MARKERS, strict=False):
         printed = value == study.printed
-        styles[study.controller(value)] = Style(BLACK if printed else shade, "--" if printed else "-", marker)
-    by_controller = {study.controller(value): group for value, group in runs.items()}
-    return Case(scenario, known_optimum(Problem(scenario)), by_controller, styles)
+        looks[controller] = Style(BLACK if printed else shade, "--" if printed else "-", marker)
+    runs = {controller: case.runs[controller] for controller in compared.values()}
+    by_value = dict(zip(compared, runs.values(), strict=True))
+    return dataclasses.replace(case, runs=runs, styles=looks), by_value
 
 
 def _text(study: Study, value: float) -> str:

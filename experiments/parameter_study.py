@@ -3,15 +3,13 @@
 To add a study, enter it in `STUDIES`; the suite `parameters`, its tables and its figures follow.
 """
 
+from collections.abc import Container
 from dataclasses import dataclass
 
-from agents.controller import SizeLimits
 from agents.schedules import SelfAdaptiveSchedule
 from experiments.paper_numbers import PARAMETER_SECONDS
-from experiments.results import Results, Run
 
 SCENARIO = "case3"
-MAX_POPULATION_SIZE = 1000  # not printed; high enough that no omega of the grid meets it
 
 
 @dataclass(frozen=True)
@@ -42,17 +40,15 @@ class Study:
 
     def controller(self, value: float) -> str:
         """Name of the controller with this value."""
-        limits = SizeLimits(largest=MAX_POPULATION_SIZE)
-        return SelfAdaptiveSchedule(True, **{self.parameter: value}, limits=limits).name  # type: ignore[arg-type]
+        return SelfAdaptiveSchedule(True, **{self.parameter: value}).name  # type: ignore[arg-type]
 
-    def load(self, controllers: tuple[str, ...], results: Results, num_seeds: int) -> dict[float, list[Run]]:
-        """Stored runs by value, in the order of the seeds, of those controllers that have any."""
-        return {
-            value: runs
-            for value in self.values
-            if (name := self.controller(value)) in controllers
-            and (runs := results.runs(name, SCENARIO, num_seeds))
-        }
+    def compared(self, controllers: Container[str]) -> dict[float, str]:
+        """Those of the controllers that this study compares, by value.
+
+        None unless the printed setting, which ratios relate to, and another value are among them.
+        """
+        found = {v: self.controller(v) for v in self.values if self.controller(v) in controllers}
+        return found if self.printed in found and len(found) > 1 else {}
 
 
 STUDIES = (

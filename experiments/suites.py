@@ -1,15 +1,17 @@
 """Suites: which controllers run on which scenarios, and what is made of the runs, as data.
 
-To add one, enter it in `SUITES`. To add a controller to one, enter its name in the tuple; training seeds of a
-recipe, `*training_seeds("ppo:three-cases", 10)`, are reported on together (see `experiments.groups`).
+To add one, enter it in `SUITES`. To add a controller, enter its name in a tuple of `FITTED_TO_CASES`,
+`FITTED_TO_FIELDS` or `ABLATED`; training seeds of a recipe, `*training_seeds("ppo:three-cases", 10)`, are
+reported on together (see `experiments.groups`).
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 from experiments import parameter_study
-from experiments.groups import numbered
+from experiments.groups import group_controllers
 from swarm_gym.checks import look_up
+from swarm_gym.scenarios import expand_name
 
 PAPER_TABLES = ("summary", "cases", "comparison", "reproduction")
 PAPER_FIGURES = ("snapshots", "collision", "cases")
@@ -26,11 +28,34 @@ class Family:
 
     Attributes:
         name: as printed.
-        groups: keys of groups of controllers; figures connect them in the order of their evaluations.
+        controllers: names for `agents.make_controller`; figures connect their groups in the order of their
+            evaluations.
     """
 
     name: str
-    groups: tuple[str, ...]
+    controllers: tuple[str, ...]
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Keys of the groups of the controllers."""
+        return tuple(group_controllers(self.controllers))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Controllers fitted to the same scenarios, by what decides; nothing is listed that does not ship.
+
+    Attributes:
+        schedules: the paper's schedule with tuned parameters.
+        open_loops: functions of the iteration, of size and phi or of the extended action.
+        learned: policies that decide size and phi.
+        learned_extended: policies that decide the optimizer's parameters too.
+    """
+
+    schedules: tuple[str, ...] = ()
+    open_loops: tuple[str, ...] = ()
+    learned: tuple[str, ...] = ()
+    learned_extended: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,22 +107,60 @@ def training_seeds(recipe: str, number: int) -> tuple[str, ...]:
     return tuple(f"{recipe}/{k}" for k in range(number))
 
 
+def families_of(fitted: Fitted, *others: Family) -> tuple[Family, ...]:
+    """What is printed or needs no fitting, what was fitted, and other families; those that are empty not."""
+    families = (
+        Family("fixed sizes", FIXED_SIZES),
+        Family("schedules", (*SCHEDULES, *fitted.schedules)),
+        Family("open loops", fitted.open_loops),
+        Family("learned (size, φ)", fitted.learned),
+        Family("learned (extended)", fitted.learned_extended),
+        *others,
+    )
+    return tuple(family for family in families if family.controllers)
+
+
+def controllers_of(families: tuple[Family, ...]) -> tuple[str, ...]:
+    """The controllers of all families, and chance as the floor of every comparison."""
+    return (*(controller for family in families for controller in family.controllers), "random")
+
+
 CASES = ("case1", "case2", "case3")
-FIXED_SIZES = Family("fixed sizes", ("fixed:60", "fixed:100"))
-SCHEDULES = Family("schedules", ("spsfa", "spsfa-tip"))
-STUDIED = ("fixed:60", "fixed:100", "spsfa", "spsfa-tip", "random", "ppo:three-cases")
+FIELDS = expand_name("random-fields:test:0-199")
+# Kinds of fields that no controller is fitted to.
+UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
+UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
+
+FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
+SCHEDULES = ("spsfa", "spsfa-tip")
+FITTED_TO_CASES = Fitted(
+    schedules=(),
+    open_loops=(),
+    learned=("ppo:three-cases",),
+    learned_extended=(),
+)
+FITTED_TO_FIELDS = Fitted(
+    schedules=(),
+    open_loops=(),
+    learned=(),
+    learned_extended=(),
+)
+# What a controller of the three cases owes to deciding anew each iteration, and to being one for all cases.
+ABLATED = (
+    Family("constants", ()),
+    Family("learned on one case", ()),
+)
+# How far what was learned on few maps carries, and what was learned on many.
+FROM_CASES = Family("learned on the cases", FITTED_TO_CASES.learned + FITTED_TO_CASES.learned_extended)
+FROM_FIELDS = Family("learned on fields", FITTED_TO_FIELDS.learned + FITTED_TO_FIELDS.learned_extended)
+
+HEADLINE_FAMILIES = families_of(FITTED_TO_CASES)
+ABLATION_FAMILIES = families_of(FITTED_TO_CASES, *ABLATED, FROM_FIELDS)
+FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
 
 PAPER = Suite(
     name="paper",
-    controllers=(
-        "fixed:60",
-        "fixed:80",
-        "fixed:100",
-        "spsfa",
-        "spsfa-tip",
-        "random",
-        "ppo:three-cases",
-    ),
+    controllers=(*FIXED_SIZES, *SCHEDULES, "random", "ppo:three-cases"),
     scenarios=CASES,
     num_seeds=20,
     baseline="spsfa-tip",
@@ -116,61 +179,56 @@ PARAMETERS = Suite(
 
 HEADLINE = Suite(
     name="headline",
-    controllers=STUDIED,
+    controllers=controllers_of(HEADLINE_FAMILIES),
     scenarios=CASES,
     num_seeds=200,
     baseline="spsfa-tip",
     first_seed=FRESH_SEEDS,
-    families=(FIXED_SIZES, SCHEDULES),
+    families=HEADLINE_FAMILIES,
     tables=STUDY_TABLES,
     figures=STUDY_FIGURES,
 )
 
 ABLATION = Suite(
     name="ablation",
-    controllers=STUDIED,
+    controllers=controllers_of(ABLATION_FAMILIES),
     scenarios=CASES,
     num_seeds=100,
     baseline="spsfa-tip",
     first_seed=FRESH_SEEDS,
-    families=(FIXED_SIZES, SCHEDULES),
+    families=ABLATION_FAMILIES,
     tables=STUDY_TABLES,
     figures=STUDY_FIGURES,
 )
 
 GENERALISATION = Suite(
     name="generalisation",
-    controllers=STUDIED,
-    scenarios=numbered("random-fields:test", 200),
+    controllers=controllers_of(FIELD_FAMILIES),
+    scenarios=FIELDS,
     num_seeds=1,
     baseline="spsfa-tip",
     first_seed=FRESH_SEEDS,
     seed_step=1,
-    families=(FIXED_SIZES, SCHEDULES),
+    families=FIELD_FAMILIES,
     tables=STUDY_TABLES,
     figures=STUDY_FIGURES,
 )
-
-# Kinds of fields that no policy is trained on.
-UNSEEN_KINDS = ("denser", "longer", "larger", "polygons", "grid-maps")
 
 OUT_OF_DISTRIBUTION = Suite(
     name="out-of-distribution",
-    controllers=STUDIED,
-    scenarios=tuple(name for kind in UNSEEN_KINDS for name in numbered(f"random-fields:{kind}", 40)),
+    controllers=controllers_of(FIELD_FAMILIES),
+    scenarios=UNSEEN_FIELDS,
     num_seeds=1,
     baseline="spsfa-tip",
     first_seed=FRESH_SEEDS,
     seed_step=1,
-    families=(FIXED_SIZES, SCHEDULES),
+    families=FIELD_FAMILIES,
     tables=STUDY_TABLES,
     figures=STUDY_FIGURES,
 )
 
-SUITES = {
-    suite.name: suite
-    for suite in (PAPER, PARAMETERS, HEADLINE, ABLATION, GENERALISATION, OUT_OF_DISTRIBUTION)
-}
+ALL = (PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS)
+SUITES = {suite.name: suite for suite in ALL}
 
 
 def get_suite(name: str) -> Suite:

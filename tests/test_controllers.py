@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from agents import CONTROLLERS, Controller, SizeLimits, make_controller
+from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
 from agents.distilled import shipped_rules
 from agents.open_loop import shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
@@ -153,6 +153,20 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
 def test_a_missing_policy_names_the_shipped_ones():
     with pytest.raises(PolicyFileError, match="shipped policy"):
         make_controller("ppo:no-such-policy")
+
+
+def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(policy_file, "POLICIES", tmp_path)
+    rng = np.random.default_rng(0)
+    for name in ("alone", "recipe/0", "recipe/1"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        make_policy(tmp_path / f"{name}.safetensors", rng)
+    assert shipped_policies() == ["alone", "recipe/0", "recipe/1"]
+    digests = {make_controller(f"ppo:{name}").manifest["weights_sha256"] for name in shipped_policies()}
+    assert len(digests) == 3
+    for name in ("recipe", "recipe/2"):
+        with pytest.raises(PolicyFileError, match=r"shipped policy \(alone, recipe/<seed>\)"):
+            make_controller(f"ppo:{name}")
 
 
 @pytest.mark.parametrize("kept", [0, 4, 100, -1])

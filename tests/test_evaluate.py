@@ -13,6 +13,7 @@ from experiments.runner import configuration, run_missing, run_one
 from experiments.suites import SUITES, Suite, get_suite
 from experiments.tables import make_tables
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.scenarios import expand_name
 from swarm_gym.simulation import HISTORY
 
 SUITE = Suite(
@@ -49,7 +50,9 @@ def test_every_run_of_a_suite_is_stored_once(results):
     runs = results.runs("spsfa-tip", "case1", 2)
     assert [run.seed for run in runs] == [0, 1]
     for run in runs:
-        assert run.trace.shape == (101, len(HISTORY))
+        assert run.columns == (*HISTORY, "noise", "attractiveness", "absorption")
+        assert run.trace.shape == (101, len(run.columns))
+        assert set(run.course("noise")) == {2.0}
         assert run.course("best_fitness")[-1] == run.final_fitness
         assert run.course("evaluations")[-1] == run.evaluations
         assert run.course("population_size")[0] == 80
@@ -244,6 +247,27 @@ def test_unknown_suite_names_the_valid_ones():
 def test_too_few_seeds_are_refused(tmp_path):
     with pytest.raises(ResultsError, match="at least 2"):
         evaluate(EvaluateConfig(seeds=1, output=tmp_path))
+    with pytest.raises(ResultsError, match="at least 1"):
+        evaluate(EvaluateConfig("generalisation", seeds=0, output=tmp_path))
+
+
+def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch):
+    fields = dataclasses.replace(
+        SUITES["generalisation"],
+        name="fields",
+        scenarios=(*expand_name("random-fields:test:0-2"), *expand_name("random-fields:larger:0-1")),
+    )
+    monkeypatch.setitem(SUITES, "fields", fields)
+    config = EvaluateConfig("fields", controllers=("fixed:3", "spsfa-tip"), output=tmp_path, jobs=1)
+    page = evaluate(config)
+    text = page.read_text()
+    assert text.startswith("# Suite fields: 1 seed per controller and scenario")
+    assert "--suite fields --seeds 1 --controllers fixed:3 spsfa-tip`" in text
+    assert "| random-fields:larger | FA-3 | 2 | 1 |" in text
+    assert {path.name for path in page.parent.glob("*.svg")} == {"figure-profiles.svg", "figure-front.svg"}
+    before = {path.name: path.read_bytes() for path in page.parent.iterdir()}
+    evaluate(dataclasses.replace(config, simulate=False))
+    assert {path.name: path.read_bytes() for path in page.parent.iterdir()} == before
 
 
 def test_the_database_is_readable_by_anyone(database):

@@ -360,6 +360,9 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("spsfa-tip:growth=500,decay=0.1", "SPSFA-TIP (growth=500, decay=0.1)"),
         ("random", "random"),
         ("ppo:three-cases", "PPO (three-cases)"),
+        ("ppo:three-cases/3", "PPO (three-cases/3)"),
+        ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
+        ("tuned:random-fields", "tuned schedule (random-fields)"),
     ],
 )
 def test_controllers_are_called_as_in_the_paper(controller, expected):

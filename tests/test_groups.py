@@ -4,12 +4,12 @@ import pytest
 
 from agents.seeds import TEST
 from experiments.figures import FIGURES
-from experiments.groups import group_controllers, numbered, scenario_sets
+from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
 from experiments.suites import FRESH_SEEDS, SUITES, training_seeds
 from experiments.tables import TABLES
 
-NEW = [suite for suite in SUITES.values() if suite.name != "paper"]
+NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parameters")]
 
 
 def test_training_seeds_of_a_recipe_are_one_group():
@@ -44,7 +44,6 @@ def test_a_group_is_called_by_its_recipe():
 
 def test_names_count_from_zero():
     assert training_seeds("ppo:a", 2) == ("ppo:a/0", "ppo:a/1")
-    assert numbered("random-fields:test", 2) == ("random-fields:test:0", "random-fields:test:1")
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)

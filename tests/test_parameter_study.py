@@ -7,16 +7,16 @@ import io
 import numpy as np
 import pytest
 from builders import make_problem
-from experiments.parameter_tables import parameter_tables, ratio_interval
 
-from agents import SizeLimits, make_controller
+from agents import make_controller
 from agents.schedules import SelfAdaptiveSchedule
-from experiments.figures import plan, write_figures
+from experiments.figures import load_cases, plan, write_figures
 from experiments.parameter_drawings import draw_courses, draw_outcomes
-from experiments.parameter_study import CONTROLLERS, MAX_POPULATION_SIZE, SCENARIO, STUDIES
+from experiments.parameter_study import CONTROLLERS, SCENARIO, STUDIES
 from experiments.results import Results, ResultsError, Run
-from experiments.runner import configuration, run_one
+from experiments.statistics import ratio_interval
 from experiments.suites import PARAMETERS, get_suite
+from experiments.tables import make_tables
 
 NUM_SEEDS, ITERATIONS = 4, 6
 SUITE = dataclasses.replace(PARAMETERS, num_seeds=NUM_SEEDS)
@@ -49,8 +49,10 @@ def results(tmp_path_factory):
     database.close()
 
 
-def loaded(study, results):
-    return study.load(CONTROLLERS, results, NUM_SEEDS)
+@pytest.fixture(scope="module")
+def case(results):
+    (found,) = load_cases(SUITE, results)
+    return found
 
 
 def line(axes, text):
@@ -70,16 +72,15 @@ def test_the_suite_is_the_papers_grid_with_the_printed_setting_once():
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_a_study_varies_one_parameter_and_nothing_else(study):
-    limits = SizeLimits(largest=MAX_POPULATION_SIZE)
     assert study.controller(study.printed) == "spsfa-tip"
     for value in study.values:
-        expected = SelfAdaptiveSchedule(True, limits=limits)
+        expected = SelfAdaptiveSchedule(True)
         setattr(expected, study.parameter, value)
-        assert make_controller(study.controller(value), limits) == expected
+        assert make_controller(study.controller(value)) == expected
 
 
 def test_tables_show_our_ratios_beside_the_papers(results):
-    tables = parameter_tables(SUITE, results)
+    tables = make_tables(SUITE, results)
     assert [table.name for table in tables] == [
         "table-12-parameter-growth",
         "table-13-parameter-decay",
@@ -114,16 +115,18 @@ def test_tables_show_our_ratios_beside_the_papers(results):
 
 def test_a_study_that_is_not_complete_is_refused(results):
     with pytest.raises(ResultsError, match="growth=500 on case3 has 4 of 5 runs"):
-        parameter_tables(dataclasses.replace(SUITE, num_seeds=5), results)
-    with pytest.raises(ResultsError, match="no parameter with the printed setting"):
-        parameter_tables(dataclasses.replace(SUITE, controllers=("spsfa-tip",)), results)
+        make_tables(dataclasses.replace(SUITE, num_seeds=5), results)
 
 
 def test_only_parameters_that_were_varied_have_tables_and_figures(results):
     some = dataclasses.replace(SUITE, controllers=("spsfa-tip", DECAY.controller(0.5)))
-    (table,) = parameter_tables(some, results)
+    (table,) = make_tables(some, results)
     assert [row[0] for row in table.rows] == ["**0.2**", "0.5"]
     assert list(plan(some, results)) == ["parameter-decay-courses", "parameter-decay-outcomes"]
+    for alone in ("spsfa-tip", DECAY.controller(0.5)):
+        nothing = dataclasses.replace(SUITE, controllers=(alone,))
+        assert make_tables(nothing, results) == []
+        assert plan(nothing, results) == {}
 
 
 def test_interval_of_a_ratio_covers_it_and_pairs_the_seeds():
@@ -137,9 +140,8 @@ def test_interval_of_a_ratio_covers_it_and_pairs_the_seeds():
 
 
 @pytest.mark.parametrize("study", STUDIES)
-def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, results):
-    runs = loaded(study, results)
-    panels = draw_courses(study, runs).axes
+def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, case):
+    panels = draw_courses(study, case).axes
     for value in study.values:
         text = f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"
         for axes, name, centre in zip(
@@ -148,16 +150,16 @@ def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, results
             (np.median, np.mean, np.mean, np.mean),
             strict=True,
         ):
-            expected = centre([run.course(name) for run in runs[value]], axis=0)
+            expected = centre([run.course(name) for run in case.runs[study.controller(value)]], axis=0)
             np.testing.assert_array_equal(line(axes, text)[1], expected)
     looks = {(each.get_color(), each.get_marker()) for each in panels[1].lines}
     assert len(looks) == len(study.values)
 
 
 @pytest.mark.parametrize("study", STUDIES)
-def test_outcomes_show_every_run_and_the_papers_ratios_where_it_prints_times(study, results):
-    runs = loaded(study, results)
-    figure = draw_outcomes(study, runs)
+def test_outcomes_show_every_run_and_the_papers_ratios_where_it_prints_times(study, case):
+    figure = draw_outcomes(study, case)
+    runs = {value: case.runs[study.controller(value)] for value in study.values}
     quality, cost = figure.axes
     for value, points in zip(runs, quality.lines, strict=False):
         assert list(points.get_ydata()) == [run.final_fitness for run in runs[value]]
@@ -179,11 +181,3 @@ def test_figures_are_written_and_the_same_runs_give_the_same_bytes(results, tmp_
     stems = ("figure-parameter-growth-courses", "figure-parameter-growth-outcomes")
     assert [path.name for path in first] == [f"{stem}.{form}" for stem in stems for form in ("svg", "png")]
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
-
-
-def test_the_largest_size_of_a_suite_holds_for_its_runs_and_is_stored():
-    small = dataclasses.replace(PARAMETERS, max_population_size=25)
-    run = run_one((GROWTH.controller(2250.0), SCENARIO, 0), small, {})
-    assert run.course("population_size").max() == 25
-    assert configuration(small)["settings"]["max_population_size"] == 25
-    assert configuration(get_suite("paper"))["settings"]["max_population_size"] == 200

@@ -11,8 +11,7 @@ from scipy import stats
 from experiments.decision_drawings import draw_decisions, load_courses
 from experiments.figure_style import styles
 from experiments.figures import plan, write_figures
-from experiments.gap_drawings import draw_front, draw_profiles
-from experiments.groups import numbered
+from experiments.gap_drawings import draw_front, draw_profiles, logarithmic_ticks
 from experiments.labels import label
 from experiments.outcomes import Outcomes
 from experiments.results import Results, ResultsError, Run
@@ -26,7 +25,7 @@ from swarm_gym.reference import known_optimum
 from swarm_gym.scenarios import SCENARIOS, Circle
 from swarm_gym.simulation import HISTORY
 
-FIELDS = numbered("fields:test", 6)
+FIELDS = tuple(f"fields:test:{k}" for k in range(6))
 LEARNED = training_seeds("ppo:a", 3)
 SUITE = Suite(
     name="made",
@@ -40,7 +39,7 @@ SUITE = Suite(
     tables=STUDY_TABLES,
     figures=STUDY_FIGURES,
 )
-WIDER = (*HISTORY, "noise", "attractiveness")
+WIDER = (*HISTORY, "noise", "attractiveness", "absorption")
 ITERATIONS = 6
 
 
@@ -73,10 +72,11 @@ def evaluations(controller):
 def make_run(key, gap):
     controller, scenario, seed = key
     rng = np.random.default_rng([SUITE.controllers.index(controller), seed])
-    names = WIDER if controller in LEARNED else HISTORY
-    trace = rng.uniform(1.0, 90.0, (ITERATIONS + 1, len(names)))
+    trace = rng.uniform(1.0, 90.0, (ITERATIONS + 1, len(WIDER)))
+    if controller not in LEARNED:
+        trace[:, len(HISTORY) :] = 2.0, 1.0, 1e-3
     if controller == "fixed:60":
-        trace[:, 1], trace[:, 2] = 60.0, 0.0
+        trace[:, 1], trace[1:, 2] = 60.0, 0.5
     return Run(
         controller,
         scenario,
@@ -88,7 +88,7 @@ def make_run(key, gap):
         best_path=np.zeros((4, 2)),
         trace=trace,
         provenance={},
-        columns=names,
+        columns=WIDER,
     )
 
 
@@ -261,8 +261,32 @@ def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(resul
     noise = np.median([run.course("noise") for run in runs], axis=0)
     np.testing.assert_allclose(line(panels[5], "PPO a")[1], noise)
     assert "SPSFA-TIP" in panels[0].get_legend_handles_labels()[1]
-    assert "SPSFA-TIP" not in panels[4].get_legend_handles_labels()[1]  # its runs recorded no noise
-    assert load_courses(SUITE, results, "spsfa-tip", FIELDS).keys() == {"population_size", "repair_degree"}
+    assert set(line(panels[4], "SPSFA-TIP")[1]) == {2.0}
+    assert len(load_courses(SUITE, results, "spsfa-tip", FIELDS)) == 4
+    panels = draw_decisions(SUITE, results, "fixed:60", among).axes
+    assert [axes.get_ylabel() for axes in panels[::2]] == ["population size", "repair degree φ"]
+
+
+def test_panels_of_decisions_hold_all_that_is_drawn_in_them(results):
+    panels = draw_decisions(SUITE, results, "ppo:a/*", styles(["spsfa-tip", "ppo:a/*"])).axes
+    for axes in panels:
+        low, high = axes.get_ylim()
+        assert low == 0.0
+        assert axes.dataLim.y1 < high
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (0.0006, 0.5, [0.001, 0.01, 0.1]),
+        (0.0006, 0.05, [0.001, 0.003, 0.01, 0.03]),
+        (45e3, 550e3, [50e3, 100e3, 200e3, 500e3]),
+        (70e3, 160e3, [80e3, 100e3, 120e3, 150e3]),
+        (105e3, 125e3, [105e3, 110e3, 115e3, 120e3, 125e3]),
+    ],
+)
+def test_a_logarithmic_axis_has_labels_enough(low, high, expected):
+    np.testing.assert_allclose(logarithmic_ticks(low, high), expected)
 
 
 def test_figures_of_the_study_leave_out_who_decides_nothing(results, tmp_path):

@@ -104,6 +104,7 @@ class PPOLearner(Learner):
             clip_range=config.clip_range,
             ent_coef=config.entropy_weight,
             target_kl=config.target_kl,
+            use_sde=config.exploration == "episode",
             policy_kwargs={"net_arch": list(config.hidden_layers), "log_std_init": config.log_std},
             seed=config.seed,
             device="cpu",

@@ -8,6 +8,7 @@ from experiments.statistics.comparison import (
     difference,
     holm,
     probability_of_improvement,
+    ratio_interval,
     superiority,
 )
 from experiments.statistics.front import hypervolume, non_dominated
@@ -39,6 +40,7 @@ __all__ = [
     "non_dominated",
     "performance_profile",
     "probability_of_improvement",
+    "ratio_interval",
     "summarise",
     "summarise_group",
     "superiority",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from experiments.statistics.bootstrap import Draws, Interval, interval, means
+from experiments.statistics.bootstrap import Draws, Interval, draw, interval, means
 from experiments.statistics.samples import mean_interval
 
 Floats = NDArray[np.float64]
@@ -81,6 +81,12 @@ def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: D
         # One value per pair: runs of several training seeds on it are not independent of each other.
         _signed_rank((values.mean(axis=0) - baseline.mean(axis=0)).ravel()),
     )
+
+
+def ratio_interval(values: Floats, baseline: Floats) -> Interval:
+    """95 % interval, by `bootstrap`, of the ratio of the means of two samples (seeds,) of the same seeds."""
+    draws = draw(1, (1,), len(values))
+    return interval(means(values[None, None], draws) / means(baseline[None, None], draws))
 
 
 def superiority(values: Floats, baseline: Floats) -> float:

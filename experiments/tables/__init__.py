@@ -20,7 +20,6 @@ from swarm_gym.checks import look_up
 __all__ = ["TABLES", "Table", "make_tables"]
 
 TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
-    "parameters": parameter_tables,
     "summary": paper.summary_tables,
     "cases": paper.case_tables,
     "comparison": paper.comparison_tables,
@@ -29,6 +28,7 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "differences": difference_tables,
     "front": front_tables,
     "near-optimum": near_optimum_tables,
+    "parameters": parameter_tables,
 }
 
 

@@ -1,0 +1,52 @@
+"""The folder of a run: its configuration is written once, and a run is only resumed with the same one."""
+
+import dataclasses
+import json
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from swarm_gym.files import write_atomically
+
+
+class RunFolderError(RuntimeError):
+    """A run cannot be started or resumed."""
+
+
+def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
+    """Store the configuration of a new run, or compare that of a run that is resumed.
+
+    Args:
+        folder: of the run.
+        config: a dataclass.
+        resume: whether the run is there already.
+        not_compared: entries that a resumed run may have changed.
+
+    Raises:
+        RunFolderError: if a new run is there already, or a resumed one is not, or was another.
+    """
+    stored = folder / "config.json"
+    mine = as_json(config)
+    if not resume:
+        if stored.exists():
+            raise RunFolderError(f"{folder} holds a run already; use --resume, another --name, or delete it")
+        write_atomically(stored, json.dumps(mine, indent=2) + "\n")
+        return
+    if not stored.exists():
+        raise RunFolderError(f"--resume: there is no run in {folder}")
+    try:
+        theirs = dict(json.loads(stored.read_text(encoding="utf-8")))
+    except (OSError, ValueError) as error:
+        raise RunFolderError(f"{stored}: not a readable configuration ({error})") from error
+    different = [
+        f"{key} was {theirs.get(key)!r}, is {mine[key]!r}"
+        for key in mine
+        if key not in not_compared and theirs.get(key) != mine[key]
+    ]
+    if different:
+        raise RunFolderError(f"--resume: {folder} was run with {'; '.join(different)}")
+
+
+def as_json(config: Any) -> dict[str, Any]:
+    """The entries of a dataclass as JSON has them."""
+    return json.loads(json.dumps(dataclasses.asdict(config), default=str))

@@ -1,0 +1,55 @@
+"""Tune a hand-designed controller: `python -m agents.tune --help`.
+
+What is minimised is the mean over episodes of log(final gap) plus the price of the evaluations; the gap is
+the best fitness above mu times the straight line. Episodes have training scenarios and training seeds only.
+The budget is in environment steps, by default that of a training preset, so that tuned and learned
+controllers have cost the same. A run that was stopped and resumed equals one that was not.
+"""
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Sequence
+
+import tyro
+
+from agents.presets import load_preset
+from agents.run_folder import RunFolderError
+from agents.tuning.config import TuneConfig
+from agents.tuning.run import TuningRun
+from agents.tuning.tuners import kind_defaults
+
+FROM_PRESET = (
+    "preset",
+    "total_steps",
+    "optimizer",
+    "scenarios",
+    "min_population_size",
+    "max_population_size",
+)
+
+
+def read_command_line(arguments: Sequence[str] | None = None) -> TuneConfig:
+    """The configuration: that of `--what` and `--preset`, changed by the other options."""
+    finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    finder.add_argument("--what", default=TuneConfig.what)
+    finder.add_argument("--preset", default=TuneConfig.preset)
+    found = finder.parse_known_args(arguments)[0]
+    preset = load_preset(found.preset)
+    shared = {name: getattr(preset, name) for name in FROM_PRESET}
+    defaults = dataclasses.replace(TuneConfig(**kind_defaults(found.what)), **shared)
+    return tyro.cli(TuneConfig, default=defaults, description=__doc__, args=arguments)
+
+
+def main() -> None:
+    """Tune as the command line says."""
+    try:
+        run = TuningRun(read_command_line())
+        result = run.run()
+    except (RunFolderError, ValueError) as error:
+        sys.exit(f"error: {error}")
+    print(f"tuned in {run.num_steps} steps: {result}\nuse it as controller {run.tuner.family}:{result}")
+
+
+if __name__ == "__main__":
+    main()

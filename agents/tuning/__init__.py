@@ -1,0 +1,1 @@
+"""Tuning of hand-designed controllers; started by `python -m agents.tune`."""

@@ -1,0 +1,119 @@
+"""Open loops tuned by CMA-ES.
+
+Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv 1604.00772 (2016). The candidates of a
+generation meet the same episodes, every generation new ones. The result is the mean of the search
+distribution: the best sample of a noisy function is the luckiest one.
+"""
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from cmaes import CMA
+from numpy.typing import NDArray
+
+from agents.open_loop import OpenLoop, save_open_loop
+from agents.run_folder import RunFolderError
+from agents.seeds import training_seed
+from agents.tuning.config import TuneConfig
+from agents.tuning.knots import KnotSpace
+from agents.tuning.side_by_side import SideBySide
+from agents.tuning.tuner import Tuner
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.files import write_atomically
+
+Arrays = dict[str, NDArray]
+
+
+class OpenLoopTuner(Tuner):
+    """CMA-ES on the decisions at the knots; a round is a generation."""
+
+    family = "open-loop"
+
+    def __init__(self, config: TuneConfig):
+        require_integer("candidates", config.candidates, 4)
+        require_number("sigma", config.sigma, 1e-6, 1.0)
+        self._config = config
+        self._space = KnotSpace(config)
+        start = self._space.start
+        bounds = np.tile([0.0, 1.0], (len(start), 1))
+        self._strategy = CMA(
+            mean=start,
+            sigma=config.sigma,
+            bounds=bounds,
+            seed=config.seed,
+            population_size=config.candidates,
+        )
+        first = self.result()
+        self._places = SideBySide(config, config.candidates, first.observation, first.action)
+        self.steps_per_round = self._places.steps
+        self._points = np.empty((0, config.candidates, len(start)))
+        self._losses = np.empty((0, config.candidates))
+
+    def open(self, folder: Path) -> None:
+        """Take up the checkpoint, if there is one."""
+        self._checkpoint = folder / "checkpoint.npz"
+        if not self._checkpoint.exists():
+            return
+        try:
+            with np.load(self._checkpoint, allow_pickle=False) as stored:
+                content = {name: stored[name] for name in stored.files}
+            self._points, self._losses = content.pop("points"), content.pop("losses")
+            load_strategy(self._strategy, content)
+        except Exception as error:
+            raise RunFolderError(f"{self._checkpoint}: not a readable checkpoint ({error})") from error
+        self.rounds = len(self._losses)
+
+    def advance(self) -> dict[str, float]:
+        """One generation."""
+        points = np.stack([self._strategy.ask() for _ in range(self._config.candidates)])
+        controllers = [self._space.controller(point) for point in points]
+        outcomes = self._places.run(controllers, training_seed(self._config.seed, self.rounds))
+        losses = outcomes.losses.mean(axis=1)
+        self._strategy.tell(list(zip(points, losses.tolist(), strict=True)))
+        self._points = np.concatenate([self._points, points[None]])
+        self._losses = np.concatenate([self._losses, losses[None]])
+        self.rounds += 1
+        content = io.BytesIO()
+        state: dict[str, Any] = {"points": self._points, "losses": self._losses}
+        state |= strategy_state(self._strategy)
+        np.savez_compressed(content, **state)
+        write_atomically(self._checkpoint, content.getvalue())
+        return {"best": losses.min(), "mean": losses.mean(), "sigma": float(self._strategy._sigma)}
+
+    def seeds(self) -> list[int]:
+        """New ones for every generation."""
+        return [training_seed(self._config.seed, generation) for generation in range(self.rounds)]
+
+    def result(self) -> OpenLoop:
+        """What the mean of the search distribution decides."""
+        return self._space.controller(self._strategy.mean)
+
+    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+        """An open loop that `open-loop:<path>` reads."""
+        decided = self._space.decode(self._strategy.mean)
+        config = self._config
+        save_open_loop(path, config.initial_population_size, list(config.knots), *decided, manifest)
+
+
+def strategy_state(strategy: CMA) -> Arrays:
+    """Everything that changes in a strategy between `tell` and `ask`, as arrays without objects."""
+    state = {
+        f"strategy.{name}": np.asarray(value)
+        for name, value in vars(strategy).items()
+        if name != "_rng" and value is not None
+    }
+    _, keys, *numbers = strategy._rng.get_state()
+    return {**state, "generator.keys": np.asarray(keys), "generator.numbers": np.array(numbers, dtype=float)}
+
+
+def load_strategy(strategy: CMA, state: Arrays) -> None:
+    """Make a strategy go on from a state."""
+    for name in vars(strategy):
+        if name != "_rng":
+            value = state.get(f"strategy.{name}")  # absent where it was None
+            setattr(strategy, name, value.item() if value is not None and value.ndim == 0 else value)
+    place, has_gauss, gauss = state["generator.numbers"].tolist()
+    strategy._rng.set_state(("MT19937", state["generator.keys"], int(place), int(has_gauss), gauss))

@@ -1,0 +1,108 @@
+"""Several controllers on the same episodes at once, and what these cost."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from agents.controller import Controller
+from agents.tuning.config import TuneConfig
+from swarm_gym.registration import environment_id
+
+Floats = NDArray[np.float64]
+
+
+class Outcomes(NamedTuple):
+    """What became of n controllers on the same E episodes; every array has shape (n, E).
+
+    The loss is log(final gap / lower bound) + price * evaluations / reference evaluations: up to a constant
+    of the episode what the environment's reward adds up to, with the sign turned, for controllers that share
+    PS(0); but it counts the first population too, so that controllers with another PS(0) compare as well.
+    """
+
+    losses: Floats
+    final_fitness: Floats
+    evaluations: NDArray[np.int64]
+    scenarios: NDArray[np.object_]
+
+    def by_scenario(self, row: int) -> dict[str, dict[str, float]]:
+        """Means of controller `row` on every scenario."""
+        found = {}
+        for name in sorted(set(self.scenarios[row])):
+            there = self.scenarios[row] == name
+            found[name] = {
+                "loss": float(self.losses[row, there].mean()),
+                "final_fitness": float(self.final_fitness[row, there].mean()),
+                "evaluations": float(self.evaluations[row, there].mean()),
+            }
+        return found
+
+
+class SideBySide:
+    """Places for n controllers with `config.episodes` episodes each.
+
+    Attributes:
+        steps: environment steps that one evaluation takes.
+    """
+
+    def __init__(self, config: TuneConfig, num_controllers: int, observation: str, action: str):
+        self._shape = (num_controllers, config.episodes)
+        self._env = gymnasium.make_vec(
+            environment_id(config.optimizer),
+            num_envs=num_controllers * config.episodes,
+            scenario=list(config.scenarios),
+            observation=observation,
+            action=action,
+            price=config.price,
+            min_population_size=config.min_population_size,
+            max_population_size=config.max_population_size,
+            initial_population_size=config.limits.clip(config.initial_population_size),
+            autoreset_mode=AutoresetMode.DISABLED,
+            num_threads=config.threads,
+        )
+        inner: Any = self._env.unwrapped
+        self._simulation = inner.simulation
+        self.steps = self._env.num_envs * inner.settings.iterations
+
+    def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:
+        """One evaluation: episode e of every controller has the seed `seed` + e and the same scenario."""
+        count, episodes = self._shape
+        observations = self._begin([c.initial_population_size for c in controllers], seed)
+        for controller in controllers:
+            controller.reset(episodes, seed)
+        ended = np.zeros(count * episodes, dtype=np.bool_)
+        while not ended.all():
+            parts = observations.reshape(count, episodes, -1)
+            actions = [controller.act(part) for controller, part in zip(controllers, parts, strict=True)]
+            observations, _, ended, _, info = self._env.step(np.concatenate(actions))
+        simulation = self._simulation
+        gaps = simulation.gap() / simulation.lower_bounds[simulation.swarms.problem]
+        costs = simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
+        columns = np.log(gaps) + costs, info["best_fitness"], info["evaluations"], info["scenario"]
+        return Outcomes(*(column.reshape(self._shape) for column in columns))
+
+    def _begin(self, first_sizes: list[int], seed: int) -> NDArray:
+        """Reset all swarms; the first observations."""
+        count, episodes = self._shape
+        names = [problem.scenario.name for problem in self._simulation.problems]
+        scenarios = np.tile(_balanced(len(names), episodes, seed), count)
+        sizes = np.repeat(first_sizes, episodes)
+        seeds: Any = [seed + episode for episode in range(episodes)] * count
+        for scenario, size in sorted(set(zip(scenarios.tolist(), sizes.tolist(), strict=True))):
+            options = {
+                "reset_mask": (scenarios == scenario) & (sizes == size),
+                "scenario": names[scenario],
+                "initial_population_size": size,
+            }
+            observations, _ = self._env.reset(seed=seeds, options=options)
+        return observations
+
+
+def _balanced(count: int, episodes: int, seed: int) -> NDArray[np.int64]:
+    """(episodes,) draws of `count` scenarios, each as often as any other, up to one."""
+    generator = np.random.default_rng(seed)
+    rounds = -(-episodes // count)
+    return np.concatenate([generator.permutation(count) for _ in range(rounds)])[:episodes]

@@ -1,0 +1,60 @@
+"""What can be tuned, by name."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from agents.tuning.config import TuneConfig
+from agents.tuning.evolution import OpenLoopTuner
+from agents.tuning.tuner import Tuner
+from swarm_gym.checks import look_up
+from swarm_gym.errors import SettingError
+
+# Options that not every kind has.
+SPECIAL = ("action", "initial_population_size", "knots", "candidates", "sigma")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of controller that is tuned.
+
+    Attributes:
+        make: its tuner.
+        options: which of the `SPECIAL` options it has.
+        defaults: options whose defaults are others than those of `TuneConfig`.
+    """
+
+    make: Callable[[TuneConfig], Tuner]
+    options: tuple[str, ...] = ()
+    defaults: dict[str, Any] = field(default_factory=dict)
+
+
+TUNERS: dict[str, Kind] = {
+    "open-loop": Kind(OpenLoopTuner, SPECIAL),
+    "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
+}
+
+
+def kind_defaults(what: str) -> dict[str, Any]:
+    """Defaults of the options for a kind, where they are others than those of `TuneConfig`.
+
+    Raises:
+        UnknownNameError: if there is no such kind.
+    """
+    return {"what": what, **look_up("kind to tune", what, TUNERS).defaults}
+
+
+def make_tuner(config: TuneConfig) -> Tuner:
+    """The tuner of a configuration.
+
+    Raises:
+        UnknownNameError: for a kind, scenario or optimizer that does not exist.
+        SettingError: for an option that the kind does not have, or a value that cannot be.
+    """
+    kind = look_up("kind to tune", config.what, TUNERS)
+    defaults = TuneConfig(**kind_defaults(config.what))
+    for name in SPECIAL:
+        given, default = getattr(config, name), getattr(defaults, name)
+        if name not in kind.options and given != default:
+            raise SettingError(f"{name}: not an option of what {config.what!r}, got {given!r}")
+    return kind.make(config)
