@@ -2,8 +2,8 @@
 
 A rule is PS(0) and one formula per decision: phi is a weighted sum of a few inputs, population size and
 parameters of the optimizer are the exponential of one, each within the bounds of the decision. All numbers of
-a rule are PS(0), constants and weights; inputs have none of their own. See `agents.distil` for where rules
-come from.
+a rule are PS(0), constants and weights; inputs hold none that was fitted, and are the same for all rules. See
+`agents.distil` for where rules come from.
 """
 
 import json
