@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 
 from agents.controller import Controller, SizeLimits
+from agents.distilled import load_rule
 from agents.fixed import Fixed, Random
 from agents.open_loop import load_open_loop
 from agents.ppo import PPOController
@@ -56,12 +57,14 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "open-loop": load_open_loop,
     "ppo": _policy,
     "tuned": _tuned,
+    "distilled": load_rule,
 }
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
     """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:three-cases`.
 
+    `distilled:<rule name or file>` is a rule that says in ten numbers what a policy does.
     The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
     What follows `ppo:` and `open-loop:` is shipped under that name, or a file. Policies of one recipe are
     `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it: `ppo:<policy>@0.3`.

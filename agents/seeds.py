@@ -4,6 +4,7 @@ import numpy as np
 
 TEST = range(100_000)  # suites take their seeds from the start of this range
 VALIDATION = range(100_000, 200_000)  # model selection while training
+ANALYSIS = VALIDATION[50_000:]  # those of them that no model is selected by
 TRAINING_START = 1_000_000  # training takes seeds from here on
 
 

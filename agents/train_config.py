@@ -1,6 +1,7 @@
 """The options of a training run: one documented dataclass, which is also the command line."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -106,3 +107,18 @@ class TrainConfig:
             "price": self.price[0] if len(self.price) == 1 else self.price,
             "max_evaluations": self.max_evaluations or None,
         }
+
+
+def stored_config(manifest: Mapping[str, Any]) -> TrainConfig:
+    """The configuration that a policy's manifest says it was trained with; defaults where it says nothing.
+
+    Entries that there are no longer are passed over, and numbers that are ranges by now are read as such.
+    """
+    values: dict[str, Any] = {}
+    for field in fields(TrainConfig):
+        if field.name in manifest.get("config", {}):
+            value = manifest["config"][field.name]
+            if isinstance(field.default, tuple) and not isinstance(value, list | tuple):
+                value = (value,)
+            values[field.name] = tuple(value) if isinstance(value, list) else value
+    return TrainConfig(**values)

@@ -1,7 +1,7 @@
 """Names of controllers as tables and figures print them."""
 
 # Families whose members are called after what they were fitted to.
-FITTED = {"open-loop": "open loop", "tuned": "tuned schedule"}
+FITTED = {"distilled": "rule", "open-loop": "open loop", "tuned": "tuned schedule"}
 
 
 def label(controller: str) -> str:

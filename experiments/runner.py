@@ -11,6 +11,7 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from agents import Controller, make_controller
+from agents.distilled import DistilledRule
 from agents.ppo import PPOController
 from agents.provenance import provenance
 from experiments.groups import group_key, set_key
@@ -120,10 +121,15 @@ def configuration(suite: Suite) -> dict[str, Any]:
     found = environment_configuration(suite)
     for name in suite.controllers:
         controller = _controller(name)
-        found[f"controller {name}"] = (
-            controller.manifest["weights_sha256"] if isinstance(controller, PPOController) else name
-        )
+        found[f"controller {name}"] = _identity(name, controller)
     return found
+
+
+def _identity(name: str, controller: Controller) -> Any:
+    """What a controller is, where its name does not say: files may be replaced."""
+    if isinstance(controller, PPOController):
+        return controller.manifest["weights_sha256"]
+    return controller.lines() if isinstance(controller, DistilledRule) else name
 
 
 def environment_configuration(suite: Suite) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
+from agents.distilled import shipped_rules
 from agents.open_loop import OpenLoopFileError, shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
 from agents.ppo import PPOController
@@ -20,6 +21,7 @@ from swarm_gym.settings import Settings
 
 ARGUMENTS = {
     "fixed": ["60", "2", "200"],
+    "distilled": shipped_rules(),
     "open-loop": shipped_open_loops(),
     "ppo": shipped_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
@@ -41,9 +43,9 @@ def random_observations(layout, rng, count):
     return observations.astype(OBSERVATIONS[layout].dtype)
 
 
-def make_policy(path, rng, observation="extended", **changes):
+def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     features = [feature.name for feature in OBSERVATIONS[observation].features]
-    sizes = [len(features), 8, 2]
+    sizes = [len(features) + extra_features, 8, 2]
     weights = {}
     for number, (out, into) in enumerate(zip(sizes[1:], sizes, strict=False)):
         weights[f"{number}.weight"] = rng.normal(size=(out, into)).astype(np.float32)
@@ -118,7 +120,11 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*fixed, open-loop, ppo, random, spsfa, spsfa-tip, tuned"),
+        (
+            "spfsa",
+            UnknownNameError,
+            "spfsa.*distilled, fixed, open-loop, ppo, random, spsfa, spsfa-tip, tuned",
+        ),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),

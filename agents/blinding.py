@@ -1,0 +1,76 @@
+"""Controllers that do not see some of their inputs: these follow their mean course over the iterations."""
+
+import copy
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.controller import Controller, Floats
+from swarm_gym.observation import make_observation
+
+# Inputs that are the iteration in other words: at a given iteration there is nothing in them to be blind for.
+CLOCKS = (
+    "iteration",
+    "share of the iterations done",
+    "log(1 + iteration), relative to that of the last",
+)
+
+
+class Blinded(Controller):
+    """A controller, with some of its inputs replaced by what they are on average at the same iteration.
+
+    Where a controller corrects another one, inputs of both are among the observation's columns, those of the
+    other one first.
+
+    Args:
+        controller: what decides; a copy of it, since it may have a memory.
+        courses: (T, k) of its observation, by iteration; later iterations see the last row.
+        columns: of the observation that are replaced.
+    """
+
+    def __init__(self, controller: Controller, courses: Floats, columns: Sequence[int]):
+        self._controller = copy.deepcopy(controller)
+        self._courses = courses
+        self._columns = list(columns)
+        self._iteration = 0
+        self.observation = controller.observation
+        self.action = controller.action
+        self.initial_population_size = controller.initial_population_size
+        self.max_evaluations = controller.max_evaluations
+        self.price = controller.price
+
+    def reset(self, num_swarms: int, seed: int = 0) -> None:
+        """Begin episodes; all swarms go through them side by side."""
+        self._iteration = 0
+        self._controller.reset(num_swarms, seed)
+
+    def act(self, observations: NDArray) -> NDArray:
+        """What is decided without these inputs."""
+        seen = observations.copy()
+        course = self._courses[min(self._iteration, len(self._courses) - 1)]
+        seen[:, self._columns] = course[self._columns]
+        self._iteration += 1
+        return self._controller.act(seen)
+
+
+def mean_courses(seen: NDArray, running: NDArray[np.bool_]) -> Floats:
+    """(T, k) mean of observations (T, B, k) at each iteration, over the episodes that were running then."""
+    counts = np.maximum(running.sum(axis=1), 1)[:, None]
+    return np.where(running[..., None], seen, 0.0).sum(axis=1, dtype=np.float64) / counts
+
+
+def input_names(controller: Controller) -> list[str]:
+    """Names of what a controller sees; a name that is there twice says of which layout the first is."""
+    layout, parts = controller.observation, controller.observation.split("+")
+    names = [feature.name for feature in make_observation(layout).features]
+    if len(parts) > 1:
+        of_base = len(make_observation(parts[0]).features)
+        names = [f"{name} (base)" if k < of_base else name for k, name in enumerate(names)]
+    return names
+
+
+def clock_columns(controller: Controller) -> list[int]:
+    """Which of these are the iteration."""
+    names = [name.removesuffix(" (base)") for name in input_names(controller)]
+    return [column for column, name in enumerate(names) if name in CLOCKS]

@@ -1,0 +1,249 @@
+"""Distilled rules: what a trained policy does, said in at most ten numbers, as a controller of its own.
+
+A rule is PS(0) and one formula per decision: phi is a weighted sum of a few inputs, population size and
+parameters of the optimizer are the exponential of one, each within the bounds of the decision. All numbers of
+a rule are PS(0), constants and weights; inputs hold none that was fitted, and are the same for all rules. See
+`agents.distil` for where rules come from.
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.controller import Controller, Floats, SizeLimits
+from swarm_gym.action import make_action
+from swarm_gym.files import write_atomically
+from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.settings import Settings
+
+FORMAT = "swarm_gym distilled rule 1"
+DISTILLED = Path(__file__).parent / "distilled"
+MOST_NUMBERS = 10
+DIGITS = 3  # significant ones, of every number
+OBSERVATION = "rich"
+LINEAR = "repair degree"  # all other decisions are exponentials
+
+_COLUMNS = {feature.name: place for place, feature in enumerate(OBSERVATIONS[OBSERVATION].features)}
+
+
+class DistilledFileError(ValueError):
+    """A file of a rule is missing or damaged; the message names it."""
+
+
+def _column(name: str, scale: float = 1.0, power: int = 1) -> Callable[[NDArray], Floats]:
+    place = _COLUMNS[name]
+    return lambda seen: scale * seen[:, place].astype(np.float64) ** power
+
+
+CURRENT_SIZE = "log(1+size)/log(1+largest size)"
+_TIME = "share of the iterations done"
+_LOG_TIME = "log(1 + iteration), relative to that of the last"
+# What formulas are made of, by how it is written: of observations (B, k) to (B,). t is the iteration, T the
+# last one; "size" is the population size relative to the largest.
+INPUTS: dict[str, Callable[[NDArray], Floats]] = {
+    "t/T": _column(_TIME),
+    "(t/T)^2": _column(_TIME, power=2),
+    "log(1+t)/log(1+T)": _column(_LOG_TIME),
+    "(log(1+t)/log(1+T))^2": _column(_LOG_TIME, power=2),
+    "log(1+E(P))": _column("log(1 + E(P)) / 8", 8.0),
+    "log(1+mean collision)": _column("log(1 + mean collision) / 8", 8.0),
+    "log(1+deviation of collision)": _column("log(1 + standard deviation of the collision) / 8", 8.0),
+    "log(E(P)/first E(P))": _column("log(E(P) / first E(P)) / 8", 8.0),
+    CURRENT_SIZE: _column("log population size, relative to that of the largest"),
+    "feasible share": _column("feasible share"),
+    "log(best/lower bound)": _column("log(best fitness / lower bound)"),
+    "log(gap 5 iterations ago/gap)": _column("log(gap 5 iterations ago / gap)"),
+    "log(1+diversity)": _column("log(1 + diversity) / 8", 8.0),
+    "spent share of the budget": _column("share of the evaluation budget spent"),
+}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One decision: a constant plus weighted inputs, of which the exponential is taken unless it is phi.
+
+    Attributes:
+        decision: its name in the action layout.
+        constant: the sum without inputs.
+        weights: of inputs, by name in `INPUTS`.
+    """
+
+    decision: str
+    constant: float
+    weights: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        unknown = sorted(set(self.weights) - set(INPUTS))
+        if unknown:
+            raise ValueError(f"unknown inputs {unknown}, expected some of {list(INPUTS)}")
+        numbers = (self.constant, *self.weights.values())
+        if not all(isinstance(n, int | float) and math.isfinite(n) for n in numbers):
+            raise ValueError(f"{self.decision}: a constant or weight is not a finite number: {numbers}")
+
+    @property
+    def num_numbers(self) -> int:
+        """How many numbers it has."""
+        return 1 + len(self.weights)
+
+    def rounded(self) -> "Formula":
+        """The same with numbers as they are printed."""
+        weights = {name: _round(weight) for name, weight in self.weights.items()}
+        return Formula(self.decision, _round(self.constant), weights)
+
+    def evaluate(self, seen: NDArray, low: float, high: float) -> Floats:
+        """(B,) decisions in natural units within bounds, of observations (B, k) in the layout `rich`."""
+        total = np.full(len(seen), float(self.constant))
+        for name, weight in self.weights.items():  # row by row: the width does not matter
+            total += weight * INPUTS[name](seen)
+        if self.decision == LINEAR:
+            return np.clip(total, low, high)
+        return np.clip(np.exp(np.clip(total, math.log(low), math.log(high))), low, high)
+
+    def __str__(self) -> str:
+        words = [f"{self.constant:.{DIGITS}g}"]
+        for name, weight in self.weights.items():
+            words.append(f"{'-' if weight < 0 else '+'} {abs(weight):.{DIGITS}g} * {name}")
+        total = " ".join(words)
+        return f"{self.decision} = {total if self.decision == LINEAR else f'exp({total})'}"
+
+
+class DistilledRule(Controller):
+    """Decides by formulas.
+
+    Args:
+        initial_population_size: PS(0).
+        formulas: one per decision, in the order of the action layout `natural` or `extended`.
+        optimizer: whose parameters the further decisions are.
+        max_evaluations: budget of an episode, where the policy that it was distilled from needs one.
+        limits: the sizes that the environment allows.
+
+    Raises:
+        ValueError: for more than `MOST_NUMBERS` numbers, or decisions that no layout has.
+    """
+
+    observation = OBSERVATION
+
+    def __init__(
+        self,
+        initial_population_size: int,
+        formulas: Sequence[Formula],
+        optimizer: str = "firefly",
+        max_evaluations: int | None = None,
+        limits: SizeLimits = SizeLimits(),  # noqa: B008
+    ):
+        self.formulas = tuple(formula.rounded() for formula in formulas)  # what is printed is what is done
+        self.optimizer = optimizer
+        self.action = "natural" if len(self.formulas) == 2 else "extended"
+        self.max_evaluations = max_evaluations
+        self.initial_population_size = limits.clip(initial_population_size)
+        if self.num_numbers > MOST_NUMBERS:
+            raise ValueError(f"a rule has at most {MOST_NUMBERS} numbers, this one has {self.num_numbers}")
+        bounds = decision_bounds(limits, optimizer)
+        decisions = [formula.decision for formula in self.formulas]
+        if decisions not in (list(bounds)[:2], list(bounds)):
+            raise ValueError(f"a rule has to decide {list(bounds)[:2]} or {list(bounds)}, not {decisions}")
+        self._bounds = [bounds[decision] for decision in decisions]
+
+    @property
+    def num_numbers(self) -> int:
+        """How many numbers the rule has: PS(0), constants and weights."""
+        return 1 + sum(formula.num_numbers for formula in self.formulas)
+
+    def lines(self) -> list[str]:
+        """The rule as text."""
+        return [
+            f"first population size = {self.initial_population_size}",
+            *(
+                f"{formula}, within [{low:g}, {high:g}]"
+                for formula, (low, high) in zip(self.formulas, self._bounds, strict=True)
+            ),
+        ]
+
+    def reset(self, num_swarms: int, seed: int = 0) -> None:
+        """Nothing to begin."""
+
+    def act(self, observations: NDArray) -> Floats:
+        """What the formulas say."""
+        return np.stack(
+            [
+                formula.evaluate(observations, low, high)
+                for formula, (low, high) in zip(self.formulas, self._bounds, strict=True)
+            ],
+            axis=1,
+        )
+
+
+def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float, float]]:
+    """Bounds of all that can be decided for an optimizer, in natural units, in the order of actions."""
+    chosen = get_optimizer(optimizer)
+    settings = Settings(
+        action="extended" if chosen.decided_knobs() else "natural",
+        min_population_size=limits.smallest,
+        max_population_size=limits.largest,
+        initial_population_size=limits.smallest,
+    )
+    layout = make_action(settings, chosen)
+    return {name: (scale.low, scale.high) for name, scale in zip(layout.labels, layout.scales, strict=True)}
+
+
+def shipped_rules() -> list[str]:
+    """Names of the rules that come with the project."""
+    files = (path.relative_to(DISTILLED) for path in DISTILLED.rglob("*.json"))
+    return sorted(file.with_suffix("").as_posix() for file in files)
+
+
+def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  # noqa: B008
+    """A rule from a shipped file by name, or from the file that is given.
+
+    Raises:
+        DistilledFileError: if there is none, or its content is not what it should be.
+    """
+    for path in (DISTILLED / f"{name}.json", Path(name)):
+        if path.is_file():
+            break
+    else:
+        shipped = ", ".join(shipped_rules()) or "none"
+        raise DistilledFileError(f"distilled rule {name!r}: neither a shipped one ({shipped}) nor a file")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
+        formulas = [Formula(f["decision"], f["constant"], f["weights"]) for f in content["formulas"]]
+        arguments = content["initial_population_size"], formulas, content["optimizer"]
+        own_limits = SizeLimits(*content["population_sizes"])
+        text = DistilledRule(*arguments, content["max_evaluations"], own_limits).lines()
+        if content["rule"] != text:
+            raise ValueError(f"its text does not say what its numbers do, which is {text}")
+        return DistilledRule(*arguments, content["max_evaluations"], limits)
+    except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
+        raise DistilledFileError(f"{path}: not a readable distilled rule ({error!r})") from error
+
+
+def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Mapping[str, Any]) -> None:
+    """Write a rule, as text and as numbers, with what is known of it, at once or not at all."""
+    content = {
+        "format": FORMAT,
+        "rule": rule.lines(),
+        "num_numbers": rule.num_numbers,
+        "initial_population_size": rule.initial_population_size,
+        "population_sizes": [limits.smallest, limits.largest],
+        "formulas": [
+            {"decision": f.decision, "constant": f.constant, "weights": dict(f.weights)}
+            for f in rule.formulas
+        ],
+        "optimizer": rule.optimizer,
+        "max_evaluations": rule.max_evaluations,
+        "manifest": dict(manifest),
+    }
+    write_atomically(path, json.dumps(content, indent=2) + "\n")
+
+
+def _round(number: float) -> float:
+    return float(f"{number:.{DIGITS}g}")
