@@ -15,7 +15,7 @@ from swarm_gym.action import make_action
 from swarm_gym.errors import StepOrderError
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.reward import Transition, make_reward
+from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
@@ -45,6 +45,8 @@ class SwarmBatch:
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
         self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
+        if self.settings.reward in NEED_AN_OPTIMUM:
+            self.simulation.require_optima(f"reward {self.settings.reward!r}")
         self._scenario_names = np.array(
             [problem.scenario.name for problem in self.simulation.problems], dtype=object
         )
@@ -87,6 +89,7 @@ class SwarmBatch:
                 simulation.gap(),
                 simulation.price * spent / self.settings.reference_evaluations,
                 ended,
+                simulation.optimality_gap(),
             )
         )
         return np.where(chosen, reward, 0.0), ended

@@ -23,6 +23,7 @@ class Transition(NamedTuple):
     gap_after: Floats
     cost: Floats  # price of the evaluations spent
     ended: NDArray[np.bool_]
+    optimality_gap: Floats  # best fitness so far above the known optimum, relative to it
 
 
 Reward = Callable[[Transition], Floats]
@@ -39,7 +40,17 @@ def final(transition: Transition) -> Floats:
     return np.where(transition.ended, gain, 0.0) - transition.cost
 
 
-REWARDS: dict[str, Reward] = {"progress": progress, "final": final}
+def optimality(transition: Transition) -> Floats:
+    """The optimality gap in percent, paid at the end with a minus, minus the cost at every step.
+
+    What studies report; unlike the logarithm it counts the rare run that fails by how far it fails.
+    """
+    return np.where(transition.ended, -100.0 * transition.optimality_gap, 0.0) - transition.cost
+
+
+REWARDS: dict[str, Reward] = {"progress": progress, "final": final, "optimality": optimality}
+# Rewards that only scenarios with a known optimum have.
+NEED_AN_OPTIMUM = ("optimality",)
 
 
 def make_reward(name: str) -> Reward:

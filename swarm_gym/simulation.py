@@ -180,6 +180,19 @@ class Simulation:
         optimum = self.optima[self.swarms.problem]
         return (self.swarms.best_fitness - optimum) / optimum
 
+    def require_optima(self, purpose: str) -> None:
+        """Refuse scenarios whose optimum is not known.
+
+        Raises:
+            SettingError: naming the first of them.
+        """
+        for problem, optimum in zip(self.problems, self.optima, strict=True):
+            if np.isnan(optimum):
+                raise SettingError(
+                    f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "
+                    f"see swarm_gym.reference.ensure_optima"
+                )
+
     def best_paths(self) -> Floats:
         """(B, n + 2, 2) best paths so far in map coordinates."""
         lines, across = self._lines[self.swarms.problem], self._across[self.swarms.problem]

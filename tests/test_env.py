@@ -16,7 +16,6 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.registration import environment_id
-from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import Scenario, sample_names
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
@@ -104,8 +103,23 @@ def test_progress_reward_is_log_gap_improvement_minus_the_price_of_evaluations()
     assert spent > 3  # three new members, and moves
 
 
-@pytest.mark.parametrize("reward", REWARDS)
-def test_every_reward_sums_to_total_gain_minus_total_cost(reward):
+def test_the_optimality_reward_is_the_final_gap_in_percent_minus_the_cost():
+    env = small(reward="optimality", price=0.5, reference_evaluations=1000)
+    _, first = env.reset(seed=3)
+    last, rewards = finish(env)
+    spent = np.array(last["evaluations"] - first["evaluations"])
+    assert sum(rewards) == pytest.approx(-100 * last["optimality_gap"] - 0.5 * spent / 1000, rel=1e-9)
+    assert max(rewards[:-1]) < 0 < -rewards[-1]
+
+
+def test_the_optimality_reward_needs_a_known_optimum():
+    scenario = Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50))
+    with pytest.raises(SettingError, match="optimality.*'mine'"):
+        small(scenario=["case1", scenario], reward="optimality")
+
+
+@pytest.mark.parametrize("reward", ["progress", "final"])
+def test_logarithmic_rewards_sum_to_total_gain_minus_total_cost(reward):
     env = small(reward=reward, price=0.5, reference_evaluations=1000)
     _, first = env.reset(seed=3)
     last, rewards = finish(env)
