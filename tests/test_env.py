@@ -114,7 +114,7 @@ def test_the_optimality_reward_is_the_final_gap_in_percent_minus_the_cost():
 
 def test_the_optimality_reward_needs_a_known_optimum():
     scenario = Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50))
-    with pytest.raises(SettingError, match="optimality.*'mine'"):
+    with pytest.raises(SettingError, match=r"optimality.*mine"):
         small(scenario=["case1", scenario], reward="optimality")
 
 
