@@ -9,8 +9,8 @@ from functools import partial
 
 from agents.controller import Controller, SizeLimits
 from agents.fixed import Fixed, Random
+from agents.learned import load_learned
 from agents.open_loop import load_open_loop
-from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
 from swarm_gym.checks import look_up
 
@@ -39,7 +39,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
-    "ppo": PPOController,
+    "ppo": load_learned,
 }
 
 

@@ -39,7 +39,12 @@ def final(transition: Transition) -> Floats:
     return np.where(transition.ended, gain, 0.0) - transition.cost
 
 
-REWARDS: dict[str, Reward] = {"progress": progress, "final": final}
+def final_gap(transition: Transition) -> Floats:
+    """-log(final gap) at the end, gaps in map units, minus the cost at every step: comparable to others'."""
+    return np.where(transition.ended, -np.log(transition.gap_after), 0.0) - transition.cost
+
+
+REWARDS: dict[str, Reward] = {"progress": progress, "final": final, "final-gap": final_gap}
 
 
 def make_reward(name: str) -> Reward:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
+from agents.paired_reward import ENV_REWARD, PAIRED
 from agents.policy_file import Weights
 from agents.train_config import TrainConfig
 
@@ -36,6 +37,13 @@ class EvolutionLearner(Learner):
                 f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
                 f"{config.candidates}"
             )
+        if config.reward == PAIRED:
+            raise ValueError(
+                "evolution: all candidates begin alike, so a paired reward changes nothing; "
+                f"use reward {ENV_REWARD!r}"
+            )
+        if config.warm_start != "none":
+            raise ValueError(f"evolution imitates nobody: warm_start {config.warm_start!r} must be 'none'")
         self.num_steps = 0
         self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
         self.features = feature_names(config, self._base)

@@ -1,0 +1,25 @@
+"""Learned controllers from their files: which class one is of is told by its manifest."""
+
+from pathlib import Path
+
+from agents.controller import SizeLimits
+from agents.policy_file import PolicyFileError, load_policy, resolve
+from agents.ppo import PPOController, network_of
+from agents.recurrent import RecurrentController
+
+NETWORKS: dict[str, type[PPOController]] = {
+    network.network: network for network in (PPOController, RecurrentController)
+}
+
+
+def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> PPOController:  # noqa: B008
+    """The controller of a shipped policy by name, or of a policy file.
+
+    Raises:
+        PolicyFileError: if the file is missing, damaged, or made for something else.
+    """
+    path = resolve(str(policy))
+    network = network_of(load_policy(path)[1])
+    if not isinstance(network, str) or network not in NETWORKS:
+        raise PolicyFileError(f"{path}: network {network!r} is not one of {', '.join(NETWORKS)}")
+    return NETWORKS[network](path, limits)
