@@ -105,8 +105,11 @@ def network_of(manifest: dict[str, Any]) -> object:
 
 
 def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
-    """(B, outputs) of values (B, inputs), weight (outputs, inputs) and bias, summed row by row, float32."""
-    return (values[:, None, :] * weight[None]).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
+    """(..., outputs) of values (..., inputs), weight (..., outputs, inputs) and bias (..., outputs), float32.
+
+    Each sum is made alone, in float64, so that it is the same in any company.
+    """
+    return (values[..., None, :] * weight).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
 
 
 def read_layers(

@@ -20,6 +20,7 @@ from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
 from agents.paired_reward import ENV_REWARD, PAIRED
 from agents.policy_file import Weights
+from agents.ppo import affine
 from agents.train_config import TrainConfig
 
 Floats = NDArray[np.float64]
@@ -77,9 +78,9 @@ class EvolutionLearner(Learner):
     def weights(self) -> Weights:
         """The mean of the search distribution."""
         weights = {}
-        for number, (weight, bias) in enumerate(self._layers(self._strategy.mean[None])):
-            weights[f"{number}.weight"] = np.ascontiguousarray(weight[0].T, dtype=np.float32)
-            weights[f"{number}.bias"] = bias[0].astype(np.float32)
+        for number, layer in enumerate(self._layers(self._strategy.mean[None])):
+            weight, bias = _rounded(*layer)
+            weights[f"{number}.weight"], weights[f"{number}.bias"] = weight[0], bias[0]
         return weights
 
     def state(self) -> dict[str, Any]:
@@ -108,7 +109,7 @@ class EvolutionLearner(Learner):
         observations, _ = self.env.reset(seed=seeds)
         if self._base is not None:
             self._base.controller.reset(self.env.num_envs)
-        layers = [(w.astype(np.float32), b.astype(np.float32)) for w, b in self._layers(candidates)]
+        layers = [_rounded(*layer) for layer in self._layers(candidates)]
         returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
         while not ended.all():
             proposed: NDArray | float = 0.0
@@ -116,7 +117,7 @@ class EvolutionLearner(Learner):
                 proposed, observations = self._base.propose(observations)
             hidden = observations.reshape(len(candidates), episodes, -1)
             for number, (weight, bias) in enumerate(layers):
-                hidden = hidden @ weight + bias[:, None]
+                hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
                     hidden = np.tanh(hidden)
             corrections = np.clip(hidden.reshape(self.env.num_envs, -1), -1.0, 1.0)
@@ -143,5 +144,12 @@ class EvolutionLearner(Learner):
         return np.concatenate(parts)
 
 
+def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A layer as policy files have it: (n, outputs, inputs) and (n, outputs)."""
+    return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)
+
+
 def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()  # a checkpoint is read without running code, and has no NumPy numbers
     return torch.as_tensor(value.copy()) if isinstance(value, np.ndarray) else value
