@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.vector import AutoresetMode
+from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 from test_controllers import make_policy, random_observations
 from trainings import STEPS, tiny_config, train
 
@@ -11,6 +12,7 @@ from agents import make_controller
 from agents.imitation import _cut, demonstrate, imitate
 from agents.learned import NETWORKS, load_learned
 from agents.learners import make_learner
+from agents.learners.recurrent import SequencePolicy
 from agents.policy_file import PolicyFileError, load_policy, save_policy
 from agents.ppo import PPOController
 from agents.recurrent import ITERATION, RecurrentController
@@ -152,6 +154,20 @@ def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, mon
     before = error()
     imitate(learner.model.policy, shown, learner._predict, 0)
     assert error() < 0.3 * before
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_sequences_at_a_time_equal_the_librarys_steps(inside):
+    torch.manual_seed(0)
+    lstm = torch.nn.LSTM(4, SIZE)
+    features, states = torch.randn(3 * 7, 4), (torch.randn(1, 3, SIZE), torch.randn(1, 3, SIZE))
+    starts = torch.zeros(3, 7)
+    starts[1, 0], starts[2, 4] = 1.0, float(inside)
+    with torch.no_grad():
+        ours = SequencePolicy._process_sequence(features, states, starts.flatten(), lstm)
+        theirs = MlpLstmPolicy._process_sequence(features, states, starts.flatten(), lstm)
+    for one, other in zip((ours[0], *ours[1]), (theirs[0], *theirs[1]), strict=True):
+        torch.testing.assert_close(one, other)
 
 
 def test_demonstrations_are_cut_into_whole_episodes():

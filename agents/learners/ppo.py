@@ -27,7 +27,7 @@ class PPOLearner(Learner):
     """PPO with an actor and a critic of their own hidden layers."""
 
     algorithm: ClassVar[type] = PPO
-    policy: ClassVar[str] = "MlpPolicy"
+    policy: ClassVar[str | type] = "MlpPolicy"
 
     def __init__(self, config: TrainConfig):
         self.config = config
