@@ -10,8 +10,8 @@ from functools import partial
 from agents.controller import Controller, SizeLimits
 from agents.distilled import load_rule
 from agents.fixed import Fixed, Random
+from agents.learned import load_learned
 from agents.open_loop import load_open_loop
-from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
 from agents.tuned import load_tuned
 from swarm_gym.checks import look_up
@@ -23,16 +23,6 @@ def _fixed(argument: str, limits: SizeLimits) -> Controller:
     if not argument.isdigit():
         raise ValueError(f"controller 'fixed:{argument}': expected a population size, as fixed:60")
     return Fixed(int(argument), limits)
-
-
-def _policy(argument: str, limits: SizeLimits) -> Controller:
-    policy, at, price = argument.rpartition("@")
-    if not at:
-        return PPOController(argument, limits)
-    try:
-        return PPOController(policy, limits, float(price))
-    except ValueError as error:
-        raise ValueError(f"controller 'ppo:{argument}': {error}") from error
 
 
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
@@ -55,7 +45,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
-    "ppo": _policy,
+    "ppo": load_learned,
     "tuned": _tuned,
     "distilled": load_rule,
 }

@@ -49,15 +49,22 @@ class OpenLoop(Controller):
         columns = [sizes, repair_degrees, *knobs.values()]
         if any(len(column) != len(knots) for column in columns):
             raise ValueError(f"open loop: {len(knots)} knots, but {[len(c) for c in columns]} values")
-        if len(knots) < 1 or knots[0] != 0 or (np.diff(knots) <= 0).any():
-            raise ValueError(f"open loop: knots must begin with 0 and increase, got {knots}")
+        whole = all(isinstance(knot, int | np.integer) for knot in knots)
+        if not whole or len(knots) < 1 or knots[0] != 0 or (np.diff(knots) <= 0).any():
+            raise ValueError(f"open loop: knots must be integers, begin with 0 and increase, got {knots}")
         positive = [sizes, *knobs.values()]
-        if any(min(column) <= 0 for column in positive) or not all(0 <= d <= 1 for d in repair_degrees):
-            raise ValueError("open loop: sizes and parameters must be positive, phi in [0, 1]")
+        if not all(0 < value < np.inf for column in positive for value in column) or not all(
+            0 <= degree <= 1 for degree in repair_degrees
+        ):
+            raise ValueError("open loop: sizes and parameters must be positive and finite, phi in [0, 1]")
         self.action = "extended" if knobs else "natural"
         self.initial_population_size = limits.clip(initial_population_size)
         iterations = np.arange(knots[-1] + 1)
-        table = [np.exp(np.interp(iterations, knots, np.log(column))) for column in positive]
+        # Clipped, since exp(log(x)) may be the next number after x, and x the bound of an action.
+        table = [
+            np.clip(np.exp(np.interp(iterations, knots, np.log(column))), min(column), max(column))
+            for column in positive
+        ]
         table[0] = np.clip(table[0], limits.smallest, limits.largest)
         table.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
         self._table: Floats = np.stack(table, axis=1)

@@ -1,4 +1,4 @@
-"""A controller trained by PPO: the actor network's forward pass in NumPy."""
+"""A learned controller: the forward pass of a feedforward actor in NumPy."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, SizeLimits
-from agents.policy_file import PolicyFileError, load_policy, resolve
+from agents.policy_file import PolicyFileError, Weights, load_policy, resolve
 from agents.residual import Base
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.observation import OBSERVATIONS
@@ -23,7 +23,10 @@ class PPOController(Controller):
 
     Attributes:
         manifest: what is known of the policy: layouts, configuration, seeds, versions.
+        network: the kind of network, as the manifest names it.
     """
+
+    network = "feedforward"
 
     def __init__(
         self,
@@ -33,6 +36,10 @@ class PPOController(Controller):
     ):
         path = resolve(str(policy))
         weights, self.manifest = load_policy(path)
+        if network_of(self.manifest) != self.network:
+            raise PolicyFileError(
+                f"{path}: the network is {network_of(self.manifest)!r}, expected {self.network!r}"
+            )
         self._check_layouts(path, limits)
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
@@ -40,10 +47,10 @@ class PPOController(Controller):
         self._base = self._make_base(limits)
         self.initial_population_size = self.manifest["initial_population_size"]
         self.max_evaluations = self.manifest.get("max_evaluations")
-        self._layers = _layers(path, weights, self.manifest)
+        self._read_weights(path, weights)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """The policy has no memory and takes no chances; the controller that it corrects may."""
+        """The policy itself has no memory and takes no chances; the controller that it corrects may."""
         if self._base is not None:
             self._base.controller.reset(num_swarms, seed)
 
@@ -52,10 +59,18 @@ class PPOController(Controller):
         proposed: NDArray | float = 0.0
         if self._base is not None:
             proposed, observations = self._base.propose(observations)
-        hidden = np.asarray(observations, dtype=np.float32)
+        hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
-            hidden = np.tanh(_affine(hidden, weight, bias))
-        return np.clip(proposed + np.clip(_affine(hidden, *self._layers[-1]), -1.0, 1.0), -1.0, 1.0)
+            hidden = np.tanh(affine(hidden, weight, bias))
+        return np.clip(proposed + np.clip(affine(hidden, *self._layers[-1]), -1.0, 1.0), -1.0, 1.0)
+
+    def _read_weights(self, path: Path, weights: Weights) -> None:
+        """Keep the weights, held against the shapes that the manifest implies."""
+        self._layers = read_layers(path, weights, self.manifest, len(self.manifest["features"]))
+
+    def _features(self, seen: NDArray) -> NDArray:
+        """What the first layer gets, of what the policy sees, (B, number of features) float32."""
+        return seen
 
     def _checked_price(self, path: Path, price: float | None) -> float | None:
         """The price that is shown to the policy; without one, the middle of those it was trained with."""
@@ -103,24 +118,48 @@ class PPOController(Controller):
             raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
 
 
-def _affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
-    return (values[:, None, :] * weight[None]).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
+def network_of(manifest: dict[str, Any]) -> object:
+    """The kind of network that a manifest names; the first files did not, and are feedforward."""
+    return manifest.get("network", PPOController.network)
 
 
-def _layers(
-    path: Path, weights: dict[str, NDArray], manifest: dict[str, Any]
+def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
+    """(..., outputs) of values (..., inputs), weight (..., outputs, inputs) and bias (..., outputs), float32.
+
+    Each sum is made alone, in float64, so that it is the same in any company.
+    """
+    return (values[..., None, :] * weight).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
+
+
+def read_layers(
+    path: Path, weights: Weights, manifest: dict[str, Any], inputs: int
 ) -> list[tuple[NDArray, NDArray]]:
-    """Weights and biases by layer, held against the shapes that the manifest implies."""
-    sizes = [len(manifest["features"]), *manifest["hidden_layers"], manifest["num_decisions"]]
+    """Weights and biases by layer, the first of this many inputs, held against the manifest.
+
+    Raises:
+        PolicyFileError: if a tensor is missing or has another shape.
+    """
+    sizes = [inputs, *manifest["hidden_layers"], manifest["num_decisions"]]
     layers = []
     for number, shape in enumerate(zip(sizes[1:], sizes, strict=False)):
-        try:
-            weight, bias = weights[f"{number}.weight"], weights[f"{number}.bias"]
-        except KeyError as error:
-            raise PolicyFileError(f"{path}: tensor {error} is missing") from error
-        if weight.shape != shape or bias.shape != shape[:1]:
-            raise PolicyFileError(
-                f"{path}: layer {number} has shapes {weight.shape} and {bias.shape}, expected {shape}"
-            )
-        layers.append((weight, bias))
+        layers.append(read_layer(path, weights, number, shape))
     return layers
+
+
+def read_layer(
+    path: Path, weights: Weights, name: int | str, shape: tuple[int, int]
+) -> tuple[NDArray, NDArray]:
+    """Weight and bias of one layer, of shape (outputs, inputs).
+
+    Raises:
+        PolicyFileError: if a tensor is missing or has another shape.
+    """
+    try:
+        weight, bias = weights[f"{name}.weight"], weights[f"{name}.bias"]
+    except KeyError as error:
+        raise PolicyFileError(f"{path}: tensor {error} is missing") from error
+    if weight.shape != shape or bias.shape != shape[:1]:
+        raise PolicyFileError(
+            f"{path}: layer {name} has shapes {weight.shape} and {bias.shape}, expected {shape}"
+        )
+    return weight, bias

@@ -3,11 +3,14 @@
 import dataclasses
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 
 from agents.train_config import TrainConfig
 
 PRESETS = Path(__file__).parent / "presets"
+
+_HINTS = get_type_hints(TrainConfig)
+_IN_TOML = {bool: "boolean", int: "integer", float: "float", str: "string", Path: "string"}
 
 
 class PresetError(ValueError):
@@ -34,21 +37,25 @@ def load_preset(name: str) -> TrainConfig:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise PresetError(f"{path}: not a readable preset ({error})") from error
-    defaults = TrainConfig()
-    known = {field.name: getattr(defaults, field.name) for field in dataclasses.fields(TrainConfig)}
+    kinds = {field.name: _HINTS[field.name] for field in dataclasses.fields(TrainConfig)}
+    del kinds["preset"]
     values: dict[str, Any] = {"preset": path.stem}
     for key, value in content.items():
-        if key not in known:
-            raise PresetError(f"{path}: unknown key {key!r}, expected one of {', '.join(sorted(known))}")
-        values[key] = _as(type(known[key]), value, f"{path}: {key}")
-    return dataclasses.replace(defaults, **values)
+        if key not in kinds:
+            raise PresetError(f"{path}: unknown key {key!r}, expected one of {', '.join(sorted(kinds))}")
+        values[key] = _as(kinds[key], value, f"{path}: {key}")
+    return dataclasses.replace(TrainConfig(), **values)
 
 
-def _as(kind: type, value: Any, where: str) -> Any:
-    if isinstance(value, list):
-        value = tuple(value)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
-    if not isinstance(value, kind):
-        raise PresetError(f"{where} must be a {kind.__name__}, got {value!r}")
+def _as(kind: Any, value: Any, where: str) -> Any:
+    if get_origin(kind) is tuple:
+        if not isinstance(value, list):
+            raise PresetError(f"{where} must be a list, got {value!r}")
+        return tuple(_as(get_args(kind)[0], entry, where) for entry in value)
+    if kind is Path and isinstance(value, str):
+        return Path(value)
+    if kind is float and type(value) is int:
+        return float(value)
+    if type(value) is not kind:  # a bool is no int here
+        raise PresetError(f"{where} must be of type {_IN_TOML[kind]}, got {value!r}")
     return value

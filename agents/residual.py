@@ -25,7 +25,10 @@ class Base:
     """
 
     def __init__(self, controller: Controller, layout: Action):
-        if controller.action not in ("natural", "extended") or layout.name.endswith("paced"):
+        scaled = (layout.space.low == -1.0).all() and (layout.space.high == 1.0).all()
+        paced = layout.name.endswith("paced")
+        more = controller.action == "extended" and not layout.name.startswith("extended")
+        if controller.action not in ("natural", "extended") or not scaled or paced or more:
             raise ValueError(
                 f"a controller with actions {controller.action!r} cannot be corrected in the layout "
                 f"{layout.name!r}"

@@ -8,6 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from agents.paired_reward import Reference
 from agents.residual import Base
 
 
@@ -17,14 +18,16 @@ class SB3VecEnv(VecEnv):
     Args:
         env: scaled actions; with a base, its observations are the base's and then the policy's.
         base: the controller whose decisions the actions are added to, if any.
+        reference: whose return from the same start is subtracted at the end of an episode, if any.
     """
 
-    def __init__(self, env: VectorEnv, base: Base | None = None):
+    def __init__(self, env: VectorEnv, base: Base | None = None, reference: Reference | None = None):
         if env.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
             raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
         self.env = env
         self.render_mode = None
         self.base = base
+        self.reference = reference
         self._proposed: NDArray = np.zeros((env.num_envs, *(env.single_action_space.shape or ())), np.float32)
         observation_space: Any = env.single_observation_space
         if base is not None:
@@ -36,7 +39,12 @@ class SB3VecEnv(VecEnv):
 
     def reset(self) -> NDArray:
         """Begin new episodes everywhere, with the seed given to `seed`, if any."""
-        observations, _ = self.env.reset(seed=self._seeds[0])
+        seed = self._seeds[0]
+        if self.reference is not None:
+            if seed is None:
+                raise ValueError("a reference needs a seed to begin the same episodes: call seed() first")
+            self.reference.reset(seed)
+        observations, _ = self.env.reset(seed=seed)
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
@@ -51,9 +59,12 @@ class SB3VecEnv(VecEnv):
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
         """Advance all swarms; infos of ended episodes hold `episode` and `terminal_observation`."""
         observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
+        dones = terminated | truncated
+        if self.reference is not None and dones.any():
+            rewards = rewards.copy()
+            rewards[dones] -= self.reference.next_returns(np.flatnonzero(dones))
         self._returns += rewards
         self._lengths += 1
-        dones = terminated | truncated
         by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for row in np.flatnonzero(dones):
             by_env[row] = {

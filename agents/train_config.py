@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from agents import SizeLimits
+from agents.paired_reward import ENV_REWARD, PAIRED
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class TrainConfig:
     algorithm: str = "ppo"
     """What learns, a name in `agents.learners.LEARNERS`."""
     threads: int = 1
-    """Threads that the swarms are spread over. Results do not depend on it."""
+    """Threads that the swarms are spread over. Results do not depend on it; more than one slows torch."""
     seed: int = 0
     """Seed of everything random in the run."""
     total_steps: int = 640_000
@@ -47,7 +48,9 @@ class TrainConfig:
     max_evaluations: int = 0
     """Evaluation budget of an episode; 0 is no budget."""
     reward: str = "progress"
-    """Reward by name."""
+    """Reward by name; `paired` is the reference's log(final gap) minus one's own, from the same start."""
+    reference: str = "spsfa-tip"
+    """Controller that a paired reward compares with."""
     price: tuple[float, ...] = (0.17,)
     """What 100,000 evaluations cost, in units of the reward; two are the range that episodes draw from."""
     base: str = "none"
@@ -56,11 +59,10 @@ class TrainConfig:
     """Controller to imitate first; 'none' starts from scratch."""
     hidden_layers: tuple[int, ...] = (64, 64)
     """Sizes of the hidden layers, tanh, of actor and critic each."""
-    exploration: str = "step"
-    """When PPO draws the noise of its actions: at every 'step', or a function of the state by 'episode'."""
+    lstm_size: int = 32
+    """Size of the memory before these layers, of recurrent PPO."""
     log_std: float = -1.6
-    """Logarithm of the initial standard deviation of normalised actions; by feature of the last layer, where
-    the noise is drawn by episode."""
+    """Logarithm of the initial standard deviation of normalised actions."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
     batch_size: int = 640
@@ -103,7 +105,7 @@ class TrainConfig:
         return {
             "min_population_size": self.min_population_size,
             "max_population_size": self.max_population_size,
-            "reward": self.reward,
+            "reward": ENV_REWARD if self.reward == PAIRED else self.reward,
             "price": self.price[0] if len(self.price) == 1 else self.price,
             "max_evaluations": self.max_evaluations or None,
         }

@@ -1,4 +1,4 @@
-"""A training run: PPO in chunks, with checkpoints, validation, and exact resuming."""
+"""A training run: in chunks, with checkpoints, validation, and exact resuming."""
 
 import dataclasses
 import io
@@ -11,9 +11,12 @@ import torch
 from torch.utils.tensorboard import SummaryWriter
 from tqdm import tqdm
 
+from agents.controller import Controller
+from agents.learned import load_learned
 from agents.learners import make_learner
+from agents.learners.environments import reference_controller
+from agents.paired_reward import PAIRED
 from agents.policy_file import save_policy
-from agents.ppo import PPOController
 from agents.provenance import provenance
 from agents.rollout import Episodes, run_episodes
 from agents.seeds import VALIDATION, training_seed
@@ -30,6 +33,9 @@ _LOCATION = ("runs", "name", "resume", "threads")
 _NOT_COMPARED = (*_LOCATION, "total_steps")
 
 
+PACKAGES = ("cmaes", "gymnasium", "numba", "numpy", "sb3-contrib", "stable-baselines3", "torch")
+
+
 class TrainingRun:
     """A run on disk: configuration, checkpoint, TensorBoard events, latest and best policy."""
 
@@ -40,7 +46,7 @@ class TrainingRun:
         self.chunk = 0
         self.best_return = -np.inf
         # Asked for once: what runs is what was imported now.
-        self.provenance = provenance("gymnasium", "numba", "numpy", "stable-baselines3", "torch")
+        self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
         self._prepare_folder()
@@ -53,6 +59,7 @@ class TrainingRun:
             self._load_checkpoint()
         else:
             self.learner.begin()
+        self._baseline = self._run_reference()
         if self.chunk == 0:
             self._validate()
             self._save_checkpoint()
@@ -80,23 +87,11 @@ class TrainingRun:
         config, step = self.config, self.learner.num_steps
         latest = self.folder / "latest.safetensors"
         self._save_policy(latest, {})
-        controller = PPOController(latest, config.limits)
-        seeds = VALIDATION[: config.validation_seeds]
-        by_scenario: dict[str, Episodes] = {
-            scenario: run_episodes(
-                controller,
-                scenario,
-                seeds,
-                config.optimizer,
-                num_threads=config.threads,
-                **config.env_options(),
-            )
-            for scenario in config.validation_scenarios or config.scenarios
-        }
+        by_scenario = self._run_validation(load_learned(latest, config.limits), config.env_options())
         results = {}
         for scenario, episodes in by_scenario.items():
             results[scenario] = {
-                "return": float(episodes.returns.mean()),
+                "return": float(episodes.returns.mean()) - self._baseline.get(scenario, 0.0),
                 "final_fitness": float(episodes.final_fitness.mean()),
                 "evaluations": float(episodes.evaluations.mean()),
             }
@@ -110,6 +105,23 @@ class TrainingRun:
             self.best_return = mean_return
             self._save_policy(self.folder / "best.safetensors", results)
         return mean_return
+
+    def _run_reference(self) -> dict[str, float]:
+        """What a paired reward takes off the mean return, by validation scenario."""
+        if self.config.reward != PAIRED:
+            return {}
+        by_scenario = self._run_validation(*reference_controller(self.config))
+        return {scenario: float(episodes.returns.mean()) for scenario, episodes in by_scenario.items()}
+
+    def _run_validation(self, controller: Controller, options: dict[str, Any]) -> dict[str, Episodes]:
+        config = self.config
+        seeds = VALIDATION[: config.validation_seeds]
+        return {
+            scenario: run_episodes(
+                controller, scenario, seeds, config.optimizer, num_threads=config.threads, **options
+            )
+            for scenario in config.validation_scenarios or config.scenarios
+        }
 
     def _write_decisions(self, episodes: list[Episodes], step: int) -> None:
         """Mean size and phi by iteration, as scalars at every tenth."""
@@ -130,6 +142,8 @@ class TrainingRun:
             "optimizer": config.optimizer,
             "price": list(config.price),
             "hidden_layers": list(config.hidden_layers),
+            "lstm_size": config.lstm_size,
+            "network": self.learner.network,
             "initial_population_size": config.initial_population_size,
             "max_population_size": config.max_population_size,
             "min_population_size": config.min_population_size,
@@ -153,11 +167,16 @@ class TrainingRun:
             return
         if not stored.exists():
             raise TrainingError(f"--resume: there is no run in {self.folder}")
-        theirs = json.loads(stored.read_text())
+        try:
+            theirs = dict(json.loads(stored.read_text()))
+        except ValueError as error:
+            raise TrainingError(f"{stored}: not a readable configuration ({error})") from error
+        # What an option did before it was there is what it does by default.
+        theirs = {**_as_json(TrainConfig()), **theirs}
         different = [
-            f"{key} was {theirs.get(key)!r}, is {mine[key]!r}"
-            for key in mine
-            if key not in _NOT_COMPARED and theirs.get(key) != mine[key]
+            f"{key} was {theirs[key]!r}, is {mine.get(key, 'no option')!r}"
+            for key in theirs
+            if key not in _NOT_COMPARED and theirs[key] != mine.get(key, "no option")
         ]
         if different:
             raise TrainingError(f"--resume: {self.folder} was run with {'; '.join(different)}")

@@ -48,7 +48,17 @@ def optimality(transition: Transition) -> Floats:
     return np.where(transition.ended, -100.0 * transition.optimality_gap, 0.0) - transition.cost
 
 
-REWARDS: dict[str, Reward] = {"progress": progress, "final": final, "optimality": optimality}
+def final_gap(transition: Transition) -> Floats:
+    """-log(final gap) at the end, gaps in map units, minus the cost at every step: comparable to others'."""
+    return np.where(transition.ended, -np.log(transition.gap_after), 0.0) - transition.cost
+
+
+REWARDS: dict[str, Reward] = {
+    "progress": progress,
+    "final": final,
+    "final-gap": final_gap,
+    "optimality": optimality,
+}
 # Rewards that only scenarios with a known optimum have.
 NEED_AN_OPTIMUM = ("optimality",)
 

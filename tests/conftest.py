@@ -8,3 +8,9 @@ import pytest
 def numba_threads():
     """How many threads kernels can be spread over here."""
     return numba.config.NUMBA_NUM_THREADS
+
+
+@pytest.fixture
+def little_imitation(monkeypatch):
+    """Imitation that ends before it has learned anything."""
+    monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)

@@ -8,39 +8,20 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
+from trainings import STEPS, train
 
 from agents.policy_file import load_policy
 from agents.ppo import PPOController
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TEST, VALIDATION, training_seed
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingError, TrainingRun
+from agents.training_run import TrainingError
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
-TINY = {
-    "num_swarms": 4,
-    "scenarios": ("case3",),
-    "initial_population_size": 4,
-    "max_population_size": 12,
-    "batch_size": 100,
-    "epochs": 2,
-    "rollouts_per_chunk": 1,
-    "validation_seeds": 2,
-    "hidden_layers": (8,),
-}
-STEPS = 4 * 100  # one rollout of one episode per swarm
-
 
 @pytest.fixture(autouse=True)
-def little_imitation(monkeypatch):
-    monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)
-
-
-def train(folder, **options):
-    return TrainingRun(
-        TrainConfig(runs=folder, **{**TINY, "name": "ppo", "total_steps": 3 * STEPS, **options})
-    )
+def _little(little_imitation):
+    pass
 
 
 def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
@@ -56,11 +37,19 @@ def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
         assert scalar in events
 
 
-def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path):
-    whole = train(tmp_path, name="whole")
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"algorithm": "recurrent-ppo", "warm_start": "none"},
+        {"base": "spsfa-tip", "warm_start": "none", "reward": "paired"},
+    ],
+)
+def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, options):
+    whole = train(tmp_path, name="whole", **options)
     whole.run()
-    train(tmp_path, name="stopped", total_steps=STEPS).run()
-    resumed = train(tmp_path, name="stopped", resume=True)
+    train(tmp_path, name="stopped", total_steps=STEPS, **options).run()
+    resumed = train(tmp_path, name="stopped", resume=True, **options)
     resumed.run()
     assert resumed.learner.num_steps == whole.learner.num_steps == 3 * STEPS
     one, other = whole.learner.model.policy.state_dict(), resumed.learner.model.policy.state_dict()
@@ -88,6 +77,25 @@ def test_resuming_with_another_configuration_is_refused(tmp_path, change):
     train(tmp_path, total_steps=STEPS).run()
     with pytest.raises(TrainingError, match=f"{next(iter(change))} was"):
         train(tmp_path, resume=True, **change)
+
+
+def test_an_unreadable_configuration_is_named_when_resuming(tmp_path):
+    train(tmp_path)
+    (tmp_path / "ppo" / "config.json").write_text("{")
+    with pytest.raises(TrainingError, match=r"config\.json"):
+        train(tmp_path, resume=True)
+
+
+def test_options_that_a_stored_configuration_lacks_are_the_defaults(tmp_path):
+    train(tmp_path)
+    path = tmp_path / "ppo" / "config.json"
+    stored = json.loads(path.read_text())
+    del stored["reference"]
+    path.write_text(json.dumps({**stored, "temperature": 3}))
+    with pytest.raises(TrainingError, match="with temperature was 3, is 'no option'"):
+        train(tmp_path, resume=True)
+    path.write_text(json.dumps(stored))
+    train(tmp_path, resume=True)
 
 
 def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(tmp_path):
@@ -119,6 +127,10 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"initial_population_size": 13}, "initial_population_size.*13"),
         ({"min_population_size": 14}, "smallest <= largest"),
         ({"price": (-1.0,)}, "price.*-1"),
+        ({"algorithm": "sac"}, "sac.*recurrent-ppo"),
+        ({"base": "spsfa"}, "'spsfa' and warm_start 'spsfa-tip' exclude"),
+        ({"base": "spfsa", "warm_start": "none"}, "spfsa.*spsfa"),
+        ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
     ],
 )
 def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from agents.learners.evolution import EvolutionLearner
 from agents.learners.learner import Learner
 from agents.learners.ppo import PPOLearner
+from agents.learners.recurrent import RecurrentPPOLearner
 from agents.train_config import TrainConfig
 from swarm_gym.checks import look_up
 
@@ -15,6 +16,7 @@ __all__ = ["LEARNERS", "Learner", "make_learner"]
 
 LEARNERS: dict[str, Callable[[TrainConfig], Learner]] = {
     "ppo": PPOLearner,
+    "recurrent-ppo": RecurrentPPOLearner,
     "evolution": EvolutionLearner,
 }
 
@@ -26,4 +28,10 @@ def make_learner(config: TrainConfig) -> Learner:
         UnknownNameError: if there is none of that name.
         ValueError: for options that it cannot work with.
     """
-    return look_up("algorithm", config.algorithm, LEARNERS)(config)
+    learner = look_up("algorithm", config.algorithm, LEARNERS)
+    if config.base != "none" and config.warm_start != "none":
+        raise ValueError(
+            f"base {config.base!r} and warm_start {config.warm_start!r} exclude each other: a policy that "
+            "corrects a controller begins as that one; set warm_start to 'none'"
+        )
+    return learner(config)

@@ -5,7 +5,8 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from agents import make_controller
+from agents import Controller, make_controller
+from agents.paired_reward import PAIRED, Reference
 from agents.residual import Base
 from agents.train_config import TrainConfig
 from swarm_gym.action import make_action
@@ -25,21 +26,57 @@ def make_swarms(
     observation = config.observation
     if controller is not None:
         observation = f"{controller.observation}+{observation}"
-    env = gymnasium.make_vec(
-        environment_id(config.optimizer),
-        num_envs=num_swarms,
-        scenario=list(config.scenarios),
-        observation=observation,
-        action=config.action,
-        initial_population_size=config.initial_population_size,
-        autoreset_mode=autoreset_mode,
-        num_threads=config.threads,
-        **config.env_options(),
+    env = _make_env(
+        config,
+        num_swarms,
+        autoreset_mode,
+        {
+            **config.env_options(),
+            "observation": observation,
+            "action": config.action,
+            "initial_population_size": config.initial_population_size,
+        },
     )
     if controller is None:
         return env, None
     inner: Any = env.unwrapped
     return env, Base(controller, make_action(inner.settings, get_optimizer(config.optimizer)))
+
+
+def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
+    """The controller that a paired reward compares with, in swarms of its own; None for other rewards."""
+    if config.reward != PAIRED:
+        return None
+    controller, options = reference_controller(config)
+    options = {**options, **controller.env_options()}
+    return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options))
+
+
+def reference_controller(config: TrainConfig) -> tuple[Controller, dict[str, Any]]:
+    """The controller that is compared with, and the options of its environments beside its own.
+
+    It pays nothing, and the budget is not its: it is the yardstick, whatever the policy may spend.
+
+    Raises:
+        ValueError: for one that sees the price.
+    """
+    controller = make_controller(config.reference, config.limits)
+    if controller.price is not None:
+        raise ValueError(f"reference {config.reference!r}: it sees a price, but a reference pays none")
+    return controller, {**config.env_options(), "price": 0.0, "max_evaluations": None}
+
+
+def _make_env(
+    config: TrainConfig, num_swarms: int, autoreset_mode: AutoresetMode, options: dict[str, Any]
+) -> VectorEnv:
+    return gymnasium.make_vec(
+        environment_id(config.optimizer),
+        num_envs=num_swarms,
+        scenario=list(config.scenarios),
+        autoreset_mode=autoreset_mode,
+        num_threads=config.threads,
+        **options,
+    )
 
 
 def feature_names(config: TrainConfig, base: Base | None) -> list[str]:

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
+from agents.paired_reward import ENV_REWARD, PAIRED
 from agents.policy_file import Weights
+from agents.ppo import affine
 from agents.train_config import TrainConfig
 
 Floats = NDArray[np.float64]
@@ -36,6 +38,13 @@ class EvolutionLearner(Learner):
                 f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
                 f"{config.candidates}"
             )
+        if config.reward == PAIRED:
+            raise ValueError(
+                "evolution: all candidates begin alike, so a paired reward changes nothing; "
+                f"use reward {ENV_REWARD!r}"
+            )
+        if config.warm_start != "none":
+            raise ValueError(f"evolution imitates nobody: warm_start {config.warm_start!r} must be 'none'")
         self.num_steps = 0
         self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
         self.features = feature_names(config, self._base)
@@ -69,9 +78,9 @@ class EvolutionLearner(Learner):
     def weights(self) -> Weights:
         """The mean of the search distribution."""
         weights = {}
-        for number, (weight, bias) in enumerate(self._layers(self._strategy.mean[None])):
-            weights[f"{number}.weight"] = np.ascontiguousarray(weight[0].T, dtype=np.float32)
-            weights[f"{number}.bias"] = bias[0].astype(np.float32)
+        for number, layer in enumerate(self._layers(self._strategy.mean[None])):
+            weight, bias = _rounded(*layer)
+            weights[f"{number}.weight"], weights[f"{number}.bias"] = weight[0], bias[0]
         return weights
 
     def state(self) -> dict[str, Any]:
@@ -100,7 +109,7 @@ class EvolutionLearner(Learner):
         observations, _ = self.env.reset(seed=seeds)
         if self._base is not None:
             self._base.controller.reset(self.env.num_envs)
-        layers = [(w.astype(np.float32), b.astype(np.float32)) for w, b in self._layers(candidates)]
+        layers = [_rounded(*layer) for layer in self._layers(candidates)]
         swarms: Any = self.env.unwrapped
         returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
         while not ended.all():
@@ -109,7 +118,7 @@ class EvolutionLearner(Learner):
                 proposed, observations = self._base.propose(observations)
             hidden = observations.reshape(len(candidates), episodes, -1)
             for number, (weight, bias) in enumerate(layers):
-                hidden = hidden @ weight + bias[:, None]
+                hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
                     hidden = np.tanh(hidden)
             corrections = np.clip(hidden.reshape(self.env.num_envs, -1), -1.0, 1.0)
@@ -136,5 +145,12 @@ class EvolutionLearner(Learner):
         return np.concatenate(parts)
 
 
+def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A layer as policy files have it: (n, outputs, inputs) and (n, outputs)."""
+    return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)
+
+
 def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()  # a checkpoint is read without running code, and has no NumPy numbers
     return torch.as_tensor(value.copy()) if isinstance(value, np.ndarray) else value

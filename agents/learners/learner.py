@@ -15,12 +15,14 @@ class Learner(ABC):
         num_steps: environment steps so far, over all swarms.
         features: names of what the policy sees.
         num_decisions: numbers in an action.
+        network: the kind of the actor, a name in `agents.learned.NETWORKS`.
     """
 
     config: TrainConfig
     num_steps: int
     features: list[str]
     num_decisions: int
+    network: str = "feedforward"
 
     @abstractmethod
     def begin(self) -> None:
@@ -32,7 +34,10 @@ class Learner(ABC):
 
     @abstractmethod
     def weights(self) -> Weights:
-        """The actor: `<layer>.weight` (outputs, inputs) and `<layer>.bias`, tanh between layers."""
+        """The actor: `<layer>.weight` (outputs, inputs) and `<layer>.bias`, tanh between layers.
+
+        Other networks than feedforward ones have more, see the controller of that network.
+        """
 
     @abstractmethod
     def state(self) -> dict[str, Any]:

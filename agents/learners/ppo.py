@@ -4,7 +4,7 @@ Source: J. Schulman et al., "Proximal policy optimization algorithms", arXiv 170
 one episode of every swarm.
 """
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
@@ -14,26 +14,32 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
 
 from agents import make_controller
-from agents.imitation import imitate
-from agents.learners.environments import feature_names, make_swarms
+from agents.imitation import Demonstration, demonstrate, imitate
+from agents.learners.environments import feature_names, make_reference, make_swarms
 from agents.learners.learner import Learner
 from agents.policy_file import Weights
 from agents.sb3_vec_env import SB3VecEnv
+from agents.seeds import TRAINING_START
 from agents.train_config import TrainConfig
 
 
 class PPOLearner(Learner):
     """PPO with an actor and a critic of their own hidden layers."""
 
+    algorithm: ClassVar[type] = PPO
+    policy: ClassVar[str | type] = "MlpPolicy"
+
     def __init__(self, config: TrainConfig):
         self.config = config
         self._teacher = None
         if config.warm_start != "none":
             self._teacher = make_controller(config.warm_start, config.limits)
+        # One thread for all of this process, the environments included: the threads of a second OpenMP, which
+        # is Numba's, spin between its parallel regions and slow torch down tenfold.
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
-        self.env = SB3VecEnv(env, base)
+        self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self.model = self._make_model(self.env.get_attr("settings")[0].iterations)
@@ -47,7 +53,10 @@ class PPOLearner(Learner):
     def begin(self) -> None:
         """Imitate the teacher, if any; the critic at least learns what the base earns."""
         if self._teacher is not None or self.env.base is not None:
-            imitate(self.model, self._teacher, self.env)
+            noise = float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
+            seed = TRAINING_START + self.config.seed
+            shown = self._lessons(demonstrate(self._teacher, self.env, noise, seed))
+            imitate(self.model.policy, shown, self._predict, seed)
 
     def learn(self, seed: int) -> dict[str, float]:
         """A number of rollouts with an update after each."""
@@ -66,7 +75,7 @@ class PPOLearner(Learner):
 
     def weights(self) -> Weights:
         """The mean of the actor."""
-        policy: Any = self.model.policy
+        policy = self.model.policy
         layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
         weights = {}
         for number, layer in enumerate([*layers, policy.action_net]):
@@ -90,10 +99,23 @@ class PPOLearner(Learner):
         self.model.num_timesteps = state["num_timesteps"]
         self.model._n_updates = state["updates"]
 
-    def _make_model(self, iterations: int) -> PPO:
+    def _lessons(self, shown: Demonstration) -> Demonstration:
+        """What is learned at a time: single steps."""
+        return shown.one_by_one()
+
+    def _predict(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Mean actions (N, k) and values (N,) of observations (number of sequences, length, features)."""
+        flat = seen.flatten(0, 1)
+        policy = self.model.policy
+        return policy.get_distribution(flat).mode(), policy.predict_values(flat).flatten()
+
+    def _policy_options(self) -> dict[str, Any]:
+        return {"net_arch": list(self.config.hidden_layers), "log_std_init": self.config.log_std}
+
+    def _make_model(self, iterations: int) -> Any:
         config = self.config
-        return PPO(
-            "MlpPolicy",
+        return self.algorithm(
+            self.policy,
             self.env,
             learning_rate=config.learning_rate,
             n_steps=iterations,
@@ -104,8 +126,7 @@ class PPOLearner(Learner):
             clip_range=config.clip_range,
             ent_coef=config.entropy_weight,
             target_kl=config.target_kl,
-            use_sde=config.exploration == "episode",
-            policy_kwargs={"net_arch": list(config.hidden_layers), "log_std_init": config.log_std},
+            policy_kwargs=self._policy_options(),
             seed=config.seed,
             device="cpu",
         )

@@ -1,0 +1,31 @@
+"""Learned controllers from their files: which class one is of is told by its manifest."""
+
+from pathlib import Path
+
+from agents.controller import SizeLimits
+from agents.policy_file import PolicyFileError, load_policy, resolve
+from agents.ppo import PPOController, network_of
+from agents.recurrent import RecurrentController
+
+NETWORKS: dict[str, type[PPOController]] = {
+    network.network: network for network in (PPOController, RecurrentController)
+}
+
+
+def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> PPOController:  # noqa: B008
+    """The controller of a shipped policy by name, or of a policy file; `<policy>@<price>` tells it a price.
+
+    Raises:
+        PolicyFileError: if the file is missing, damaged, or made for something else.
+    """
+    name, at, told = str(policy).rpartition("@")
+    path, price = resolve(name if at else told), None
+    if at:
+        try:
+            price = float(told)
+        except ValueError as error:
+            raise PolicyFileError(f"policy {str(policy)!r}: {told!r} is not a price") from error
+    network = network_of(load_policy(path)[1])
+    if not isinstance(network, str) or network not in NETWORKS:
+        raise PolicyFileError(f"{path}: network {network!r} is not one of {', '.join(NETWORKS)}")
+    return NETWORKS[network](path, limits, price)

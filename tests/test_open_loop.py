@@ -1,0 +1,116 @@
+"""Open loops: what stands between the knots, what is refused, what is read back."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from agents import SizeLimits
+from agents.open_loop import OpenLoop, OpenLoopFileError, load_open_loop, save_open_loop, shipped_open_loops
+from agents.rollout import run_episodes
+from swarm_gym.optimizers.firefly import Firefly
+
+KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]
+KNOBS = {"noise": [0.2, 5.0, 1.0]}
+
+
+def between(knots, values, iteration):
+    """Straight lines between knots, constant after the last one."""
+    for (a, x), (b, y) in zip(
+        zip(knots, values, strict=True), zip(knots[1:], values[1:], strict=False), strict=False
+    ):
+        if a <= iteration <= b:
+            return x + (y - x) * (iteration - a) / (b - a)
+    return values[-1]
+
+
+def decided(loop, iterations):
+    return loop.act(np.array([[0.0, 0.0, 0.0, iteration] for iteration in iterations]))
+
+
+def test_decisions_are_interpolated_in_logarithm_and_square_root():
+    loop = OpenLoop(KNOTS, SIZES, DEGREES, KNOBS)
+    for iteration, row in enumerate(decided(loop, range(12))):
+        expected = [
+            math.exp(between(KNOTS, [math.log(v) for v in SIZES], iteration)),
+            between(KNOTS, [math.sqrt(v) for v in DEGREES], iteration) ** 2,
+            math.exp(between(KNOTS, [math.log(v) for v in KNOBS["noise"]], iteration)),
+        ]
+        assert row.tolist() == pytest.approx(expected, rel=1e-12)
+    assert (loop.action, loop.initial_population_size) == ("extended", 70)
+    assert OpenLoop(KNOTS, SIZES, DEGREES).action == "natural"
+
+
+def test_sizes_keep_the_limits():
+    loop = OpenLoop(KNOTS, SIZES, DEGREES, limits=SizeLimits(12, 40))
+    sizes = decided(loop, range(12))[:, 0]
+    assert (sizes.min(), sizes.max(), loop.initial_population_size) == (12, 40, 40)
+
+
+def test_one_knot_is_a_constant():
+    np.testing.assert_array_equal(decided(OpenLoop([0], [7.0], [0.25]), [0, 1, 99]), [[7.0, 0.25]] * 3)
+
+
+def test_knobs_at_their_bounds_stay_inside():
+    bounds = [knob.decided for knob in Firefly.decided_knobs().values()]
+    names = [name for name, knob in Firefly.knobs.items() if knob.decided]
+    for end in (0, 1):
+        knobs = {name: [bound[end]] * 2 for name, bound in zip(names, bounds, strict=True)}
+        loop = OpenLoop([0, 4], [5.0, 5.0], [0.5, 1.0], knobs)
+        run_episodes(loop, "case3", range(2), iterations=6)  # an action out of bounds is an error
+    values = [x for x in np.random.default_rng(0).random(200) * 30 if np.exp(np.log(x)) > x]
+    for value in values:
+        assert (
+            decided(OpenLoop([0, 5], [5.0] * 2, [0.5] * 2, {"noise": [value] * 2}), [0, 2])[:, 2].max()
+            <= value
+        )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0, 3], SIZES, DEGREES), "2 knots"),
+        ((KNOTS, SIZES, [0.0]), "3 knots"),
+        ((KNOTS, SIZES, DEGREES, {"noise": [1.0]}), "3 knots"),
+        (([], [], []), "begin with 0"),
+        (([1, 3, 8], SIZES, DEGREES), "begin with 0"),
+        (([0, 3, 3], SIZES, DEGREES), "increase"),
+        (([0, 2.5, 8], SIZES, DEGREES), "integers"),
+        ((KNOTS, [70.0, 0.0, 9.0], DEGREES), "positive"),
+        ((KNOTS, [70.0, math.nan, 9.0], DEGREES), "positive"),
+        ((KNOTS, [70.0, math.inf, 9.0], DEGREES), "finite"),
+        ((KNOTS, SIZES, DEGREES, {"noise": [1.0, -1.0, 1.0]}), "positive"),
+        ((KNOTS, SIZES, [0.0, 1.1, 0.0]), "phi"),
+        ((KNOTS, SIZES, [0.0, math.nan, 0.0]), "phi"),
+    ],
+)
+def test_impossible_knots_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        OpenLoop(*arguments)
+
+
+def test_what_is_saved_is_read_back(tmp_path):
+    path = tmp_path / "some.json"
+    save_open_loop(path, KNOTS, SIZES, DEGREES, KNOBS, {"seed": 3})
+    ours, theirs = OpenLoop(KNOTS, SIZES, DEGREES, KNOBS), load_open_loop(str(path))
+    np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
+    assert json.loads(path.read_text())["manifest"] == {"seed": 3}
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["", "{", "[]", "3", '{"format": "other"}', '{"format": "swarm_gym open loop 1", "knots": [0]}',
+     '{"format": "swarm_gym open loop 1", "knots": [0], "sizes": ["a"], "repair_degrees": [0], "knobs": {}}',
+     '{"format": "swarm_gym open loop 1", "knots": [0], "sizes": [5], "repair_degrees": [2], "knobs": {}}'],
+)  # fmt: skip
+def test_a_file_that_is_no_open_loop_is_refused_by_name(tmp_path, content):
+    path = tmp_path / "some.json"
+    path.write_text(content)
+    with pytest.raises(OpenLoopFileError, match=r"some\.json"):
+        load_open_loop(str(path))
+
+
+def test_a_missing_file_names_the_shipped_ones():
+    with pytest.raises(OpenLoopFileError, match=f"nowhere.*{shipped_open_loops()[0]}"):
+        load_open_loop("nowhere")

@@ -1,0 +1,120 @@
+"""Presets and the command line of training."""
+
+from pathlib import Path
+
+import pytest
+
+from agents.learners import LEARNERS
+from agents.presets import PresetError, load_preset, preset_names
+from agents.train import main, read_command_line
+from agents.train_config import TrainConfig
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_every_shipped_preset_loads(name):
+    config = load_preset(name)
+    assert config.preset == name
+    assert config.algorithm in LEARNERS
+
+
+def test_the_default_preset_ships():
+    assert TrainConfig.preset in preset_names()
+
+
+@pytest.fixture
+def preset(tmp_path):
+    path = tmp_path / "mine.toml"
+
+    def write(content):
+        path.write_text(content)
+        return str(path)
+
+    return write
+
+
+def test_a_preset_changes_what_it_names(preset):
+    config = load_preset(
+        preset('price = [1, 2.5]\nscenarios = ["case1"]\nseed = 4\nlog_std = -2\nruns = "x"')
+    )
+    assert config == TrainConfig(
+        preset="mine", price=(1.0, 2.5), scenarios=("case1",), seed=4, log_std=-2.0, runs=Path("x")
+    )
+    assert isinstance(config.price[0], float)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("sed = 3", "unknown key 'sed'.*seed"),
+        ('preset = "other"', "unknown key 'preset'"),
+        ("seed = 1.5", "seed must be of type integer, got 1.5"),
+        ("seed = true", "seed must be of type integer, got True"),
+        ('seed = "3"', "seed must be of type integer"),
+        ("resume = 1", "resume must be of type boolean"),
+        ("price = 0.5", "price must be a list, got 0.5"),
+        ('price = ["a"]', "price must be of type float"),
+        ('scenarios = "case1"', "scenarios must be a list"),
+        ("scenarios = [1]", "scenarios must be of type string, got 1"),
+        ("hidden_layers = [8.0]", "hidden_layers must be of type integer"),
+        ("runs = 3", "runs must be of type string"),
+        ("[seed]\nvalue = 3", "seed must be of type integer"),
+        ("seed = ", "not a readable preset"),
+        ("seed = 1\nseed = 2", "not a readable preset"),
+    ],
+)
+def test_a_wrong_preset_is_refused_by_file_and_entry(preset, content, message):
+    path = preset(content)
+    with pytest.raises(PresetError, match=message) as error:
+        load_preset(path)
+    assert path in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "", ".", "agents"])
+def test_a_missing_preset_names_those_that_ship(name):
+    with pytest.raises(PresetError, match=r"neither one of .*three-cases.* nor a file"):
+        load_preset(name)
+
+
+def test_bytes_that_are_no_text_are_no_preset(tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(PresetError, match=r"x\.toml"):
+        load_preset(str(path))
+
+
+def test_options_change_the_preset(preset):
+    path = preset("seed = 4\ntotal_steps = 7")
+    for arguments in (["--preset", path, "--seed", "3"], ["--seed", "3", f"--preset={path}"]):
+        given = read_command_line(arguments)
+        assert given.config == TrainConfig(preset="mine", seed=3, total_steps=7)
+        assert given.config.folder == Path("runs/mine/3")
+        assert given.seeds == ()
+
+
+def test_several_seeds_are_read():
+    given = read_command_line(
+        ["--preset", "three-cases", "--seeds", "0", "1", "--jobs", "2", "--price", "1", "2"]
+    )
+    assert (given.seeds, given.jobs, given.config.price) == ((0, 1), 2, (1.0, 2.0))
+
+
+@pytest.mark.parametrize("option", ["--sed=3", "--seed=x", "--resum"])
+def test_an_option_that_is_none_is_refused(option, capsys):
+    with pytest.raises(SystemExit):
+        read_command_line([option])
+    assert option.split("=", maxsplit=1)[0] in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--preset", "nowhere"], "error: preset 'nowhere'"),
+        (["--scenarios", "case9"], "error: .*case9"),
+        (["--seeds", "1", "1"], "error: --seeds: each one once"),
+        (["--seeds", "1", "--jobs", "0"], "error: --jobs must be positive"),
+    ],
+)
+def test_the_program_ends_with_one_line(tmp_path, arguments, message):
+    with pytest.raises(SystemExit, match=message):
+        main([*arguments, "--runs", str(tmp_path)])
+    assert list(tmp_path.iterdir()) == []
