@@ -8,10 +8,13 @@ from collections.abc import Callable
 from functools import partial
 
 from agents.controller import Controller, SizeLimits
+from agents.diversity_ladder import DiversityLadder
 from agents.fixed import Fixed, Random
+from agents.linear_reduction import LinearReduction
 from agents.open_loop import load_open_loop
 from agents.ppo import PPOController
 from agents.schedules import SelfAdaptiveSchedule
+from agents.status_monitor import StatusMonitor
 from agents.tuned import load_tuned
 from swarm_gym.checks import look_up
 
@@ -42,6 +45,9 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": _fixed,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
+    "linear-reduction": LinearReduction.from_argument,
+    "diversity-ladder": DiversityLadder.from_argument,
+    "status-monitor": StatusMonitor.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "ppo": PPOController,
@@ -50,9 +56,9 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name: `fixed:60`, `spsfa`, `spsfa-tip`, `random`, `ppo:<policy name or file>`.
+    """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:<policy name or file>`; see `CONTROLLERS`.
 
-    The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
+    Hand-designed ones take parameters, see their `parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
 
     Args:
         name: the family, and after a colon its argument.

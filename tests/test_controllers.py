@@ -21,6 +21,9 @@ from swarm_gym.settings import Settings
 ARGUMENTS = {
     "fixed": ["60", "2", "200"],
     "open-loop": shipped_open_loops(),
+    "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
+    "linear-reduction": ["", "start=120,smallest=20"],
+    "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
     "ppo": shipped_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
     "tuned": shipped_tuned(),
