@@ -9,10 +9,13 @@ from functools import partial
 
 from agents.controller import Controller, SizeLimits
 from agents.distilled import load_rule
+from agents.diversity_ladder import DiversityLadder
 from agents.fixed import Fixed, Random
 from agents.learned import load_learned
+from agents.linear_reduction import LinearReduction
 from agents.open_loop import load_open_loop
 from agents.schedules import SelfAdaptiveSchedule
+from agents.status_monitor import StatusMonitor
 from agents.tuned import load_tuned
 from swarm_gym.checks import look_up
 
@@ -43,6 +46,9 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": _fixed,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
+    "linear-reduction": LinearReduction.from_argument,
+    "diversity-ladder": DiversityLadder.from_argument,
+    "status-monitor": StatusMonitor.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "ppo": load_learned,
@@ -52,12 +58,11 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:three-cases`.
-
-    `distilled:<rule name or file>` is a rule that says in ten numbers what a policy does.
-    The schedules take parameters, see `agents.schedules.parameter_ranges`: `spsfa-tip:growth=500,decay=0.1`.
-    What follows `ppo:` and `open-loop:` is shipped under that name, or a file. Policies of one recipe are
-    `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it: `ppo:<policy>@0.3`.
+from agents.distilled import load_rule
+from agents.diversity_ladder import DiversityLadder
+from agents.fixed import Fixed, Random
+from agents.learned import load_learned
+from agents.linear_reduction import LinearReduction
 
     Args:
         name: the family, and after a colon its argument.

@@ -23,6 +23,9 @@ ARGUMENTS = {
     "fixed": ["60", "2", "200"],
     "distilled": shipped_rules(),
     "open-loop": shipped_open_loops(),
+    "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
+    "linear-reduction": ["", "start=120,smallest=20"],
+    "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
     "ppo": shipped_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
     "tuned": shipped_tuned(),
@@ -123,7 +126,7 @@ def test_random_covers_the_action_space_and_is_seeded():
         (
             "spfsa",
             UnknownNameError,
-            "spfsa.*distilled, fixed, open-loop, ppo, random, spsfa, spsfa-tip, tuned",
+            "spfsa.*distilled.*fixed.*linear-reduction.*ppo.*spsfa-tip.*tuned",
         ),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
