@@ -103,7 +103,6 @@ def test_progress_reward_is_log_gap_improvement_minus_the_price_of_evaluations()
     assert spent > 3  # three new members, and moves
 
 
-<<<<<<< HEAD
 def test_the_optimality_reward_is_the_final_gap_in_percent_minus_the_cost():
     env = small(reward="optimality", price=0.5, reference_evaluations=1000)
     _, first = env.reset(seed=3)
@@ -119,13 +118,9 @@ def test_the_optimality_reward_needs_a_known_optimum():
         small(scenario=["case1", scenario], reward="optimality")
 
 
-@pytest.mark.parametrize("reward", ["progress", "final"])
+@pytest.mark.parametrize("reward", ["progress", "final", "final-gap"])
 def test_logarithmic_rewards_sum_to_total_gain_minus_total_cost(reward):
-=======
-@pytest.mark.parametrize("reward", REWARDS)
-def test_every_reward_sums_to_total_gain_minus_total_cost(reward):
     """The gain is over the first gap, or, where gaps of different starts are compared, over 1."""
->>>>>>> h7
     env = small(reward=reward, price=0.5, reference_evaluations=1000)
     _, first = env.reset(seed=3)
     last, rewards = finish(env)
