@@ -42,6 +42,7 @@ Floats = NDArray[np.float64]
 RIVAL = "spsfa-tip"  # reported on beside policy and rule
 SCREENING = 4  # rules are compared on one in so many validation seeds, and the best
 FINALISTS = 4  # few of these on all
+RUNAWAY = 3.0  # times the most evaluations of the policy, an episode is broken off while screening
 # A rule that sees the current size says how to change it; one that does not says what it is.
 FAMILIES = (tuple(INPUTS), tuple(name for name in INPUTS if name != CURRENT_SIZE))
 
@@ -120,11 +121,12 @@ def distil(policy: Controller, training: TrainConfig, config: DistilConfig) -> D
     candidates: list[Candidate] = []
     for number in range(config.rounds):
         collected.append(_collect(driver, policy, training, config, number))
+        most = int(RUNAWAY * collected[0].evaluations.max())
         together = Collected(*(np.concatenate(parts) for parts in zip(*collected, strict=True)))
         fitted = []
         for inputs in FAMILIES:
             for rule, errors in _fit_rules(together, inputs, policy, training, config.numbers):
-                score = assess(rule, training, few, policy.price)
+                score = assess(rule, training, few, policy.price, most)
                 fitted.append(Candidate(number, rule, errors, score))
                 print(f"round {number}, {rule.num_numbers} numbers: {describe(score)}", flush=True)
         driver = max(fitted, key=_mean_return).rule
@@ -135,10 +137,26 @@ def distil(policy: Controller, training: TrainConfig, config: DistilConfig) -> D
     return Distillation(max(compared, key=_mean_return), candidates)
 
 
-def assess(controller: Controller, training: TrainConfig, seeds: range, price: float | None = None) -> Score:
-    """How a controller does on the validation scenarios of a training, with its reward."""
+def assess(
+    controller: Controller,
+    training: TrainConfig,
+    seeds: range,
+    price: float | None = None,
+    most_evaluations: int | None = None,
+) -> Score:
+    """How a controller does on the validation scenarios of a training, with its reward.
+
+    Args:
+        controller: what is assessed.
+        training: says the scenarios, the optimizer, sizes and the reward.
+        seeds: one episode each, per scenario.
+        price: of evaluations, where it is not the training's.
+        most_evaluations: a controller that has no budget itself is stopped there.
+    """
+    options = _options(training, price)
+    options["max_evaluations"] = options["max_evaluations"] or most_evaluations
     found = [
-        watch(controller, [], [scenario], seeds, optimizer=training.optimizer, **_options(training, price))
+        watch(controller, [], [scenario], seeds, optimizer=training.optimizer, **options)
         for scenario in training.validation_scenarios or training.scenarios
     ]
     return Score(
@@ -165,11 +183,13 @@ class Collected(NamedTuple):
         inputs: (N, number of inputs) in the order of `INPUTS`.
         decided: (N, d) decisions of the policy, all but phi in the logarithm.
         episodes: (N,) which episode each is of.
+        evaluations: (number of episodes,) calls of the cost function.
     """
 
     inputs: Floats
     decided: Floats
     episodes: NDArray[np.int64]
+    evaluations: Floats
 
 
 def _collect(
@@ -187,7 +207,10 @@ def _collect(
     names = decision_names(policy, training.optimizer)
     columns = [c if name == LINEAR else np.log(c) for name, c in zip(names, decided.T, strict=True)]
     return Collected(
-        np.stack([read(seen) for read in INPUTS.values()], axis=1), np.stack(columns, axis=1), episodes
+        np.stack([read(seen) for read in INPUTS.values()], axis=1),
+        np.stack(columns, axis=1),
+        episodes,
+        watched.evaluations,
     )
 
 

@@ -113,6 +113,13 @@ def test_the_rule_that_earns_most_on_validation_seeds_is_taken():
     assert found.rule is finalists[int(np.argmax(returns))].rule
 
 
+def test_an_episode_that_runs_away_is_broken_off():
+    large = make_controller("fixed:60")
+    stopped = assess(large, TRAINING, VALIDATION[:2], most_evaluations=3000)
+    assert 3000 <= stopped.mean_evaluations < 6000
+    assert assess(large, TRAINING, VALIDATION[:2]).mean_evaluations > 100_000
+
+
 def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):
     from test_controllers import make_policy
 
