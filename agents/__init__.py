@@ -62,8 +62,9 @@ def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:
 
     Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
     `linear-reduction:start=120`; a wrong one is refused with the list of those there are. What follows
-    `ppo:`, `open-loop:`, `tuned:` and `distilled:` is shipped under that name, or a file. Policies of one recipe
-    are `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it: `ppo:<policy>@0.3`.
+    `ppo:`, `open-loop:`, `tuned:` and `distilled:` is shipped under that name, or a file. Policies of one
+    recipe are `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it:
+    `ppo:<policy>@0.3`.
 
     Args:
         name: the family, and after a colon its argument.
