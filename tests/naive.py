@@ -254,6 +254,17 @@ def repaired(scenario, offsets, repair_degree):
 # Populations.
 
 
+def summary(swarm, mean_weight):
+    """E(P), mean and standard deviation of the collision, feasible share, diversity."""
+    return *population_collision(swarm.collision, mean_weight), diversity(swarm.positions)
+
+
+def diversity(positions):
+    """Root mean square of the distances from the mean position."""
+    mean = [statistics.mean(column) for column in zip(*positions, strict=True)]
+    return math.sqrt(statistics.mean(math.dist(position, mean) ** 2 for position in positions))
+
+
 def population_collision(collisions, mean_weight):
     """E(P), mean, standard deviation and feasible share (eq. 7)."""
     mean = statistics.mean(collisions)

@@ -280,7 +280,7 @@ def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive(parallel):
         twin.resize(size)
         twin.iterate(repair_degree, PAPER)
         assert_same_swarm(swarms, twin)
-        expected = naive.population_collision(twin.collision, MEAN_WEIGHT)
+        expected = naive.summary(twin, MEAN_WEIGHT)
         np.testing.assert_allclose(swarms.summary[0], expected, rtol=1e-10, atol=1e-9)
     assert swarms.evaluations[0] == 160
 
@@ -303,9 +303,7 @@ def test_the_first_population_is_uniform_in_the_initial_range_as_naive(source):
     Firefly.initialise(swarms, stack([table]), np.array([True]), np.array([12]), MEAN_WEIGHT)
     twin.add(12, *bounds)
     assert_same_swarm(swarms, twin)
-    np.testing.assert_allclose(
-        swarms.summary[0], naive.population_collision(twin.collision, MEAN_WEIGHT), rtol=1e-10
-    )
+    np.testing.assert_allclose(swarms.summary[0], naive.summary(twin, MEAN_WEIGHT), rtol=1e-10)
     # A second beginning forgets the first one, but not where the stream is.
     twin.positions, twin.fitness, twin.collision = [], [], []
     twin.evaluations, twin.best = 0, (math.inf, math.inf, None)

@@ -10,6 +10,7 @@ import numpy as np
 
 from experiments.speed.measurement import Measurement, Quantity, derived, medians, seconds_of
 from swarm_gym.scenarios import Polygon, Scenario
+from swarm_gym.simulation import Decisions
 from swarm_gym.vector_env import SwarmVectorEnv
 
 START, TARGET = (20.0, 300.0), (980.0, 300.0)
@@ -106,16 +107,15 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
     """Of the compiled part of the second iteration of an episode, or of one of its moves."""
     options = axis.options(value)
     rows = options["num_envs"]
-    constant = (
-        np.ones(rows, dtype=np.bool_),
-        np.full(rows, options["initial_population_size"]),
-        np.zeros(rows),
-    )
 
     def once() -> float:
         env = SwarmVectorEnv(**options)
         env.reset(seed=0)
         simulation = env.simulation
+        constant = (
+            np.ones(rows, dtype=np.bool_),
+            Decisions(np.full(rows, options["initial_population_size"]), np.zeros(rows), simulation.knobs),
+        )
         simulation.advance(*constant)
         before = simulation.swarms.evaluations.sum()
         spent = seconds_of(lambda: simulation.advance(*constant)) * 1e6
