@@ -121,7 +121,7 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*fixed, open-loop, ppo, random, spsfa, spsfa-tip, tuned"),
+        ("spfsa", UnknownNameError, "spfsa.*diversity-ladder, fixed, linear-reduction, .*tuned"),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
