@@ -37,7 +37,7 @@ class DiversityLadder(SizeRule):
     @classmethod
     def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
         """What the parameters may be."""
-        own = {"rung": Range(1, limits.largest, integer=True), "band": Range(0.0, 1.0)}
+        own = {"rung": Range(1, 1000, integer=True), "band": Range(0.0, 1.0)}
         return super().parameter_ranges(limits) | own
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:

@@ -30,7 +30,7 @@ def decided(loop, iterations):
 
 
 def test_decisions_are_interpolated_in_logarithm_and_square_root():
-    loop = OpenLoop(KNOTS, SIZES, DEGREES, KNOBS)
+    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS)
     for iteration, row in enumerate(decided(loop, range(12))):
         expected = [
             math.exp(between(KNOTS, [math.log(v) for v in SIZES], iteration)),
@@ -38,18 +38,18 @@ def test_decisions_are_interpolated_in_logarithm_and_square_root():
             math.exp(between(KNOTS, [math.log(v) for v in KNOBS["noise"]], iteration)),
         ]
         assert row.tolist() == pytest.approx(expected, rel=1e-12)
-    assert (loop.action, loop.initial_population_size) == ("extended", 70)
-    assert OpenLoop(KNOTS, SIZES, DEGREES).action == "natural"
+    assert (loop.action, loop.initial_population_size) == ("extended", 60)
+    assert OpenLoop(60, KNOTS, SIZES, DEGREES).action == "natural"
 
 
 def test_sizes_keep_the_limits():
-    loop = OpenLoop(KNOTS, SIZES, DEGREES, limits=SizeLimits(12, 40))
+    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, limits=SizeLimits(12, 40))
     sizes = decided(loop, range(12))[:, 0]
     assert (sizes.min(), sizes.max(), loop.initial_population_size) == (12, 40, 40)
 
 
 def test_one_knot_is_a_constant():
-    np.testing.assert_array_equal(decided(OpenLoop([0], [7.0], [0.25]), [0, 1, 99]), [[7.0, 0.25]] * 3)
+    np.testing.assert_array_equal(decided(OpenLoop(60, [0], [7.0], [0.25]), [0, 1, 99]), [[7.0, 0.25]] * 3)
 
 
 def test_knobs_at_their_bounds_stay_inside():
@@ -57,12 +57,12 @@ def test_knobs_at_their_bounds_stay_inside():
     names = [name for name, knob in Firefly.knobs.items() if knob.decided]
     for end in (0, 1):
         knobs = {name: [bound[end]] * 2 for name, bound in zip(names, bounds, strict=True)}
-        loop = OpenLoop([0, 4], [5.0, 5.0], [0.5, 1.0], knobs)
+        loop = OpenLoop(60, [0, 4], [5.0, 5.0], [0.5, 1.0], knobs)
         run_episodes(loop, "case3", range(2), iterations=6)  # an action out of bounds is an error
     values = [x for x in np.random.default_rng(0).random(200) * 30 if np.exp(np.log(x)) > x]
     for value in values:
         assert (
-            decided(OpenLoop([0, 5], [5.0] * 2, [0.5] * 2, {"noise": [value] * 2}), [0, 2])[:, 2].max()
+            decided(OpenLoop(60, [0, 5], [5.0] * 2, [0.5] * 2, {"noise": [value] * 2}), [0, 2])[:, 2].max()
             <= value
         )
 
@@ -87,13 +87,13 @@ def test_knobs_at_their_bounds_stay_inside():
 )
 def test_impossible_knots_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        OpenLoop(*arguments)
+        OpenLoop(60, *arguments)
 
 
 def test_what_is_saved_is_read_back(tmp_path):
     path = tmp_path / "some.json"
-    save_open_loop(path, KNOTS, SIZES, DEGREES, KNOBS, {"seed": 3})
-    ours, theirs = OpenLoop(KNOTS, SIZES, DEGREES, KNOBS), load_open_loop(str(path))
+    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {"seed": 3})
+    ours, theirs = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS), load_open_loop(str(path))
     np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
     assert json.loads(path.read_text())["manifest"] == {"seed": 3}
 

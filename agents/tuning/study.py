@@ -121,6 +121,6 @@ class ParameterTuner(Tuner):
 
 
 def _distribution(span: Span) -> BaseDistribution:
-    if span.size:
+    if span.size or span.integer:
         return IntDistribution(int(span.low), int(span.high), log=span.logarithmic)
     return FloatDistribution(span.low, span.high, log=span.logarithmic)

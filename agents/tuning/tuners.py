@@ -7,7 +7,13 @@ from typing import Any
 
 from agents.tuning.config import TuneConfig
 from agents.tuning.evolution import OpenLoopTuner
-from agents.tuning.parameter_spaces import SCHEDULE
+from agents.tuning.parameter_spaces import (
+    DIVERSITY_LADDER,
+    LINEAR_REDUCTION,
+    SCHEDULE,
+    STATUS_MONITOR,
+    ParameterSpace,
+)
 from agents.tuning.study import ParameterTuner
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import look_up
@@ -32,10 +38,17 @@ class Kind:
     defaults: dict[str, Any] = field(default_factory=dict)
 
 
+def _parameters(space: ParameterSpace) -> Kind:
+    return Kind(partial(ParameterTuner, space=space), (), {"episodes": 48})
+
+
 TUNERS: dict[str, Kind] = {
     "open-loop": Kind(OpenLoopTuner, SPECIAL),
     "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
-    "schedule": Kind(partial(ParameterTuner, space=SCHEDULE), (), {"episodes": 48}),
+    "schedule": _parameters(SCHEDULE),
+    "linear-reduction": _parameters(LINEAR_REDUCTION),
+    "diversity-ladder": _parameters(DIVERSITY_LADDER),
+    "status-monitor": _parameters(STATUS_MONITOR),
 }
 
 
