@@ -73,7 +73,7 @@ def based(request, tmp_path):
         return "spsfa-tip", "normalised"
     path = tmp_path / "some.json"
     knobs = {"noise": [0.3, 1.0], "attractiveness": [0.1, 0.4]} if "knobs" in request.param else {}
-    save_open_loop(path, [0, 9], [6.0, 17.3], [0.1, 0.7], knobs, {})
+    save_open_loop(path, 6, [0, 9], [6.0, 17.3], [0.1, 0.7], knobs, {})
     return f"open-loop:{path}", "extended-normalised" if knobs else "normalised"
 
 
@@ -146,7 +146,7 @@ def test_a_paced_layout_cannot_be_corrected():
 
 
 def test_a_controller_of_more_decisions_than_the_layout_is_refused():
-    loop = OpenLoop([0], [9.0], [0.5], {"noise": [1.0], "attractiveness": [0.5]})
+    loop = OpenLoop(9, [0], [9.0], [0.5], {"noise": [1.0], "attractiveness": [0.5]})
     with pytest.raises(ValueError, match="'extended' cannot be corrected in the layout 'normalised'"):
         Base(loop, make_layout("normalised"))
 

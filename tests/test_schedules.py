@@ -16,6 +16,7 @@ from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.repair import repair
 from swarm_gym.random_stream import fill_uniform, seed_stream
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.simulation import HISTORY
 
 
 class PaperAlgorithm2:
@@ -116,7 +117,7 @@ def run_through_environment(name, scenario, seed, iterations, size):
     ended = False
     while not ended:
         observation, _, ended, _, _ = env.step(controller.act(observation[None])[0])
-    return env.simulation.history[0, 1:]
+    return env.simulation.history[0, 1:, : len(HISTORY)]
 
 
 @pytest.mark.parametrize("name", ["spsfa", "spsfa-tip"])
