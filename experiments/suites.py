@@ -132,16 +132,16 @@ UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
 UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
 
 FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
-SCHEDULES = ("spsfa", "spsfa-tip")
+SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
 FITTED_TO_CASES = Fitted(
-    schedules=(),
-    open_loops=(),
-    learned=("ppo:three-cases",),
+    schedules=("tuned:three-cases",),
+    open_loops=("open-loop:three-cases", "open-loop:three-cases-extended"),
+    learned=("ppo:three-cases", "distilled:three-cases"),
     learned_extended=(),
 )
 FITTED_TO_FIELDS = Fitted(
     schedules=(),
-    open_loops=(),
+    open_loops=("open-loop:random-fields-extended",),
     learned=(),
     learned_extended=(),
 )
@@ -160,7 +160,7 @@ FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
 
 PAPER = Suite(
     name="paper",
-    controllers=(*FIXED_SIZES, *SCHEDULES, "random", "ppo:three-cases"),
+    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "ppo:three-cases"),
     scenarios=CASES,
     num_seeds=20,
     baseline="spsfa-tip",
