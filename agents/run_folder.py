@@ -18,7 +18,7 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
 
     Args:
         folder: of the run.
-        config: a dataclass.
+        config: a dataclass whose entries all have defaults.
         resume: whether the run is there already.
         not_compared: entries that a resumed run may have changed.
 
@@ -38,10 +38,12 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
         theirs = dict(json.loads(stored.read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:
         raise RunFolderError(f"{stored}: not a readable configuration ({error})") from error
+    # What an option did before it was there is what it does by default.
+    theirs = {**as_json(type(config)()), **theirs}
     different = [
-        f"{key} was {theirs.get(key)!r}, is {mine[key]!r}"
-        for key in mine
-        if key not in not_compared and theirs.get(key) != mine[key]
+        f"{key} was {theirs[key]!r}, is {mine.get(key, 'no option')!r}"
+        for key in theirs
+        if key not in not_compared and theirs[key] != mine.get(key, "no option")
     ]
     if different:
         raise RunFolderError(f"--resume: {folder} was run with {'; '.join(different)}")

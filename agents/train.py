@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import tyro
 
 from agents.presets import load_preset
+from agents.run_folder import RunFolderError
 from agents.train_config import TrainConfig
-from agents.training_run import TrainingError, TrainingRun
+from agents.training_run import TrainingRun
 from agents.training_seeds import configs_of_seeds, describe, train_seeds
 
 
@@ -53,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             _train_seeds(given)
             return
         best = TrainingRun(given.config).run()
-    except (TrainingError, ValueError) as error:
+    except (RunFolderError, ValueError) as error:
         sys.exit(f"error: {error}")
     print(f"best policy by validation: {best}\nuse it as controller ppo:{best}")
 

@@ -1,8 +1,6 @@
 """A training run: in chunks, with checkpoints, validation, and exact resuming."""
 
-import dataclasses
 import io
-import json
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +17,10 @@ from agents.paired_reward import PAIRED
 from agents.policy_file import save_policy
 from agents.provenance import provenance
 from agents.rollout import Episodes, run_episodes
+from agents.run_folder import RunFolderError, as_json, prepare_folder
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
 from swarm_gym.files import write_atomically
-
-
-class TrainingError(RuntimeError):
-    """A run cannot be started or resumed."""
-
 
 # Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
 _LOCATION = ("runs", "name", "resume", "threads")
@@ -49,7 +43,7 @@ class TrainingRun:
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
-        self._prepare_folder()
+        prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
         self.writer = SummaryWriter(str(self.folder))
 
     def run(self) -> Path:
@@ -135,7 +129,7 @@ class TrainingRun:
         manifest = {
             "action": config.action,
             "base": config.base,
-            "config": {k: v for k, v in _as_json(config).items() if k not in _LOCATION},
+            "config": {k: v for k, v in as_json(config).items() if k not in _LOCATION},
             "features": self.learner.features,
             "max_evaluations": config.max_evaluations or None,
             "num_decisions": self.learner.num_decisions,
@@ -155,32 +149,6 @@ class TrainingRun:
         }
         save_policy(path, self.learner.weights(), manifest)
 
-    def _prepare_folder(self) -> None:
-        stored = self.folder / "config.json"
-        mine = _as_json(self.config)
-        if not self.config.resume:
-            if stored.exists():
-                raise TrainingError(
-                    f"{self.folder} holds a run already; use --resume, another --name, or delete it"
-                )
-            write_atomically(stored, json.dumps(mine, indent=2) + "\n")
-            return
-        if not stored.exists():
-            raise TrainingError(f"--resume: there is no run in {self.folder}")
-        try:
-            theirs = dict(json.loads(stored.read_text()))
-        except ValueError as error:
-            raise TrainingError(f"{stored}: not a readable configuration ({error})") from error
-        # What an option did before it was there is what it does by default.
-        theirs = {**_as_json(TrainConfig()), **theirs}
-        different = [
-            f"{key} was {theirs[key]!r}, is {mine.get(key, 'no option')!r}"
-            for key in theirs
-            if key not in _NOT_COMPARED and theirs[key] != mine.get(key, "no option")
-        ]
-        if different:
-            raise TrainingError(f"--resume: {self.folder} was run with {'; '.join(different)}")
-
     def _save_checkpoint(self) -> None:
         state = {
             "learner": self.learner.state(),
@@ -195,11 +163,7 @@ class TrainingRun:
         try:
             state = torch.load(self.checkpoint, weights_only=True)
         except Exception as error:
-            raise TrainingError(f"{self.checkpoint}: not a readable checkpoint ({error})") from error
+            raise RunFolderError(f"{self.checkpoint}: not a readable checkpoint ({error})") from error
         self.learner.load(state["learner"])
         self.chunk = state["chunk"]
         self.best_return = state["best_return"]
-
-
-def _as_json(config: TrainConfig) -> dict[str, Any]:
-    return json.loads(json.dumps(dataclasses.asdict(config), default=str))

@@ -12,9 +12,9 @@ from trainings import STEPS, train
 
 from agents.policy_file import load_policy
 from agents.ppo import PPOController
+from agents.run_folder import RunFolderError
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TEST, VALIDATION, training_seed
-from agents.training_run import TrainingError
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -75,14 +75,14 @@ def test_the_saved_policy_decides_as_the_model_does(tmp_path):
 @pytest.mark.parametrize("change", [{"price": (0.7,)}, {"seed": 3}, {"scenarios": ("case1",)}])
 def test_resuming_with_another_configuration_is_refused(tmp_path, change):
     train(tmp_path, total_steps=STEPS).run()
-    with pytest.raises(TrainingError, match=f"{next(iter(change))} was"):
+    with pytest.raises(RunFolderError, match=f"{next(iter(change))} was"):
         train(tmp_path, resume=True, **change)
 
 
 def test_an_unreadable_configuration_is_named_when_resuming(tmp_path):
     train(tmp_path)
     (tmp_path / "ppo" / "config.json").write_text("{")
-    with pytest.raises(TrainingError, match=r"config\.json"):
+    with pytest.raises(RunFolderError, match=r"config\.json"):
         train(tmp_path, resume=True)
 
 
@@ -92,18 +92,18 @@ def test_options_that_a_stored_configuration_lacks_are_the_defaults(tmp_path):
     stored = json.loads(path.read_text())
     del stored["reference"]
     path.write_text(json.dumps({**stored, "temperature": 3}))
-    with pytest.raises(TrainingError, match="with temperature was 3, is 'no option'"):
+    with pytest.raises(RunFolderError, match="with temperature was 3, is 'no option'"):
         train(tmp_path, resume=True)
     path.write_text(json.dumps(stored))
     train(tmp_path, resume=True)
 
 
 def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(tmp_path):
-    with pytest.raises(TrainingError, match="no run"):
+    with pytest.raises(RunFolderError, match="no run"):
         train(tmp_path, resume=True)
     train(tmp_path, total_steps=STEPS).run()
     before = (tmp_path / "ppo" / "checkpoint.pt").read_bytes()
-    with pytest.raises(TrainingError, match="--resume"):
+    with pytest.raises(RunFolderError, match="--resume"):
         train(tmp_path)
     assert (tmp_path / "ppo" / "checkpoint.pt").read_bytes() == before
 
@@ -112,7 +112,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
     train(tmp_path, total_steps=STEPS).run()
     path = tmp_path / "ppo" / "checkpoint.pt"
     path.write_bytes(path.read_bytes()[:200])
-    with pytest.raises(TrainingError, match=r"checkpoint\.pt"):
+    with pytest.raises(RunFolderError, match=r"checkpoint\.pt"):
         train(tmp_path, resume=True).run()
 
 
