@@ -24,6 +24,11 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     |---|---|---|
     | next population size, rounded to nearest | min_population_size | max_population_size |
     | repair degree phi; 0 is no repair | 0 | 1 |
+    | with `extended`: each of the optimizer's parameters that has a range `Knob.decided` | low | high |
+
+    The layouts `normalised` and `extended-normalised` ask for the same in [-1, 1], float32: sizes and parameters
+    in the logarithm. In `paced` and `extended-paced` the size is relative to the one at which `max_evaluations`
+    would just last.
 
     | observation (`paper`, float64) | from | to |
     |---|---|---|
@@ -31,6 +36,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | mean degree of collision, map units | 0 | same |
     | standard deviation of the degree of collision, map units | 0 | same |
     | iteration | 0 | iterations |
+
+    Other layouts, scaled for networks, are in `swarm_gym.observation`; `paper+rich` is one after the other.
 
     Reward (`progress`): log(gap before / gap after) - price * evaluations / reference_evaluations, with
     gap = best fitness so far - mu * straight line.
