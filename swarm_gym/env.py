@@ -26,9 +26,9 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | repair degree phi; 0 is no repair | 0 | 1 |
     | with `extended`: each of the optimizer's parameters that has a range `Knob.decided` | low | high |
 
-    The layouts `normalised` and `extended-normalised` ask for the same in [-1, 1], float32: sizes and parameters
-    in the logarithm. In `paced` and `extended-paced` the size is relative to the one at which `max_evaluations`
-    would just last.
+    The layouts `normalised` and `extended-normalised` ask for the same in [-1, 1], float32: sizes and
+    parameters in the logarithm. In `paced` and `extended-paced` the size is relative to the one at which
+    `max_evaluations` would just last.
 
     | observation (`paper`, float64) | from | to |
     |---|---|---|
