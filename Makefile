@@ -8,7 +8,7 @@ SEEDS ?= 20
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install study study-full test test-slow test-checked test-lowest check format benchmark benchmark-peers \
-    docs-results clean
+    docs-results docs-study clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -95,6 +95,10 @@ docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the docu
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 1000 --output results/docs
 	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark
 	$(BIN)/python -m experiments.frame docs/results/frame.png
+
+docs-study: study-full ## fill docs/study.md from all suites of the study; OFFLINE=1: from what is in results/study
+	$(if $(filter 1,$(OFFLINE)),,$(BIN)/python -m experiments.sensitivity --output results/study/sensitivity)
+	$(BIN)/python -m experiments.publish_study results/study
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \

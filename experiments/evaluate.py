@@ -66,7 +66,8 @@ def evaluate(config: EvaluateConfig) -> Path:
         print(f"writing tables and figures to {folder}", flush=True)
         tables = make_tables(suite, results)
         figures = _figures(suite, results, folder) if config.figures else []
-        page = write_page(suite, tables, figures, folder)
+        made_with = results.provenances(suite.controllers, suite.seeds)
+        page = write_page(suite, tables, figures, folder, made_with)
     finally:
         results.close()
     return page

@@ -127,7 +127,7 @@ def _front(stored: Stored) -> Drawings:
 def _decisions(stored: Stored) -> Drawings:
     among = styles(group_controllers(stored.suite.controllers))
     return {
-        f"decisions-{_plain(group)}": partial(draw_decisions, stored.suite, stored.results, group, among)
+        decisions_name(group): partial(draw_decisions, stored.suite, stored.results, group, among)
         for group in deciding_groups(stored.suite, stored.results)
     }
 
@@ -187,6 +187,6 @@ def _stem(name: str) -> str:
     return f"figure-{NUMBERS[name]:02}-{name}" if name in NUMBERS else f"figure-{name}"
 
 
-def _plain(group: str) -> str:
-    """The key of a group as part of a file name."""
-    return re.sub(r"[^a-z0-9]+", "-", group.lower().replace("/*", "-seeds")).strip("-")
+def decisions_name(group: str) -> str:
+    """Name of the figure of a group's decisions, by the key of the group."""
+    return f"decisions-{re.sub(r'[^a-z0-9]+', '-', group.lower().replace('/*', '-seeds')).strip('-')}"

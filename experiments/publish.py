@@ -4,29 +4,17 @@ Copies a suite's page and the SVG figures to docs/results, and replaces the mark
 docs/performance.md by the suite's summary and the benchmark's tables: no number there is typed by hand.
 """
 
-import re
 import shutil
 import sys
 from pathlib import Path
 
+from experiments.documents import replace_block
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
 from swarm_gym.files import write_atomically
 
 DOCS = Path("docs/results")
 README = Path("README.md")
 PERFORMANCE = Path("docs/performance.md")
-
-
-def replace_block(text: str, name: str, content: str) -> str:
-    """The text with what stands between `<!-- name -->` and `<!-- /name -->` replaced.
-
-    Raises:
-        ValueError: if there is no such block.
-    """
-    block = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
-    if not block.search(text):
-        raise ValueError(f"there is no block {name!r} to replace")
-    return block.sub(lambda match: f"{match[1]}{content.strip()}\n{match[2]}", text)
 
 
 def publish(suite: Path, benchmark: Path) -> None:

@@ -203,6 +203,24 @@ class Results:
                 raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
         return Outcomes(tuple(controllers), tuple(seeds), *values)
 
+    def provenances(
+        self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]
+    ) -> list[dict[str, str]]:
+        """What the runs of these controllers were made with, each once, in the order of their text.
+
+        Args:
+            controllers: their names.
+            seeds: of every scenario, by its name.
+        """
+        query = "SELECT controller, scenario, seed, provenance FROM runs"
+        with closing(self._connection.execute(query)) as rows:
+            found = {
+                provenance
+                for controller, scenario, seed, provenance in rows
+                if controller in controllers and seed in seeds.get(scenario, ())
+            }
+        return [json.loads(provenance) for provenance in sorted(found)]
+
     def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
         """Stored populations of a run, by iteration."""
         query = (

@@ -64,6 +64,14 @@ def test_every_run_of_a_suite_is_stored_once(results):
         assert run.provenance["numba"]
 
 
+def test_provenances_are_those_of_the_runs_asked_for(results):
+    with results._connection as connection:
+        connection.execute("UPDATE runs SET provenance = '{\"numba\": \"9\"}' WHERE controller = 'fixed:3'")
+    assert results.provenances(("fixed:3",), {"case1": range(2)}) == [{"numba": "9"}]
+    assert len(results.provenances(SUITE.controllers, SUITE.seeds)) == 2
+    assert results.provenances(SUITE.controllers, {"case1": range(7, 9)}) == []
+
+
 def test_snapshots_of_chosen_runs_are_stored(results):
     kept = results.snapshots("fixed:3", "case1", 1)
     assert [snapshot.iteration for snapshot in kept] == [0, 7, 100]
@@ -166,6 +174,12 @@ def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch)
     for stem in ("table-03-optimal-solutions-case1", "table-11-running-times-case3", "comparison"):
         for suffix in ("md", "csv", "tex"):
             assert (folder / f"{stem}.{suffix}").stat().st_size > 100
+    assert page.read_text().count("Runs made with: commit") == 1
+    assert (
+        (folder / "made-with.md")
+        .read_text()
+        .startswith("2 seeds per controller and scenario, scenarios: 2. Runs")
+    )
     stored = {p.name: p.read_bytes() for p in folder.iterdir()}
     evaluate(config)
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == stored

@@ -3,7 +3,8 @@
 import pytest
 
 from experiments.benchmark import GROUPS
-from experiments.publish import publish, replace_block
+from experiments.documents import replace_block
+from experiments.publish import publish
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import write_page
 

@@ -23,6 +23,19 @@ class Table:
         body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
         return f"**{self.caption}**\n\n{body}\n"
 
+    @classmethod
+    def from_markdown(cls, name: str, text: str) -> "Table":
+        """What `markdown` wrote.
+
+        Raises:
+            ValueError: if it is something else.
+        """
+        caption, *body = text.strip().split("\n")
+        rows = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in body[1:]]
+        if len(rows) < 2 or any(len(row) != len(rows[0]) for row in rows) or set(rows[1]) != {"---"}:
+            raise ValueError(f"table {name!r} is not as it was written")
+        return cls(name, caption.removeprefix("**").removesuffix("**"), rows[0], rows[2:])
+
     def csv(self) -> str:
         """Comma-separated values with a head line."""
         text = io.StringIO()
