@@ -13,7 +13,7 @@ from experiments.publish_study import STUDY, publish_study
 from experiments.study_blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS
 from experiments.suites import FITTED_TO_CASES, SUITES
 from experiments.tables.origins import origins_table
-from experiments.tables.reshape import select, split, spread
+from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[1]
@@ -56,6 +56,11 @@ def test_parts_of_a_table():
     wide = spread(TABLE, ("controller",), "gap")
     assert wide.columns == ("controller", "x", "all")
     assert wide.rows == [("one", "1", "3"), ("two", "2", "–")]
+    more = join(
+        split(TABLE)["a:x"], Table("u", "", ("p", "controller"), [("5", "two")]), ("controller",), "p"
+    )
+    assert more.columns == ("controller", "gap", "p")
+    assert more.rows == [("one", "1", "–"), ("two", "2", "5")]
     with pytest.raises(ValueError, match=r"'t' has no column 'p'"):
         select(TABLE, ("p",))
 
@@ -75,7 +80,8 @@ def test_where_fitted_controllers_come_from():
     assert [row[1] for row in table.rows] == [
         "tuned: schedule", "trained: ppo", "distilled from PPO (three-cases)",
     ]  # fmt: skip
-    assert [row[4] for row in table.rows] == ["2,000,000", "640,000", "–"]
+    assert [row[2] for row in table.rows] == ["–", "imitates SPSFA-TIP", "–"]
+    assert [row[5] for row in table.rows] == ["2,000,000", "640,000", "–"]
 
 
 def test_the_document_has_every_block_once():
@@ -100,7 +106,7 @@ def results(tmp_path, monkeypatch):
         (folder / suite).mkdir(parents=True)
         (folder / suite / "made-with.md").write_text(f"Runs made with: {suite}.\n")
         for name, columns in tables.items():
-            rows = [tuple(f"{suite} {name} {column} {k}" for column in columns) for k in range(2)]
+            rows = [tuple(f"{column} {k} of {suite}" for column in columns) for k in range(2)]
             (folder / suite / f"{name}.md").write_text(Table(name, f"{name}.", columns, rows).markdown())
         decisions = map(decisions_name, group_controllers(SUITES["headline"].controllers))
         for name in ("front", "profiles", "sensitivity", *decisions):
@@ -116,7 +122,7 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     text = STUDY.read_text(encoding="utf-8")
     assert "make docs-study`\n<!--" not in text
     assert "Runs made with: ablation." in text
-    assert "| headline gaps controller 0 |" in text
+    assert "| controller 0 of headline | mean gap 0 of headline |" in text
     assert "first population size = " in text
     shown = re.findall(r"!\[[^]]+\]\(results/study/([a-z-]+\.svg)\)", text)
     assert {path.name for path in stale.parent.iterdir()} == set(shown)

@@ -34,7 +34,7 @@ def origins_table(controllers: Sequence[str]) -> Table:
     return Table(
         "origins",
         "Fitted controllers",
-        ("controller", "how", "scenarios", "price", "environment steps", "seeds"),
+        ("controller", "how", "begins with", "scenarios", "price", "environment steps", "seeds"),
         rows,
     )
 
@@ -49,8 +49,16 @@ def _manifest(controller: str) -> Mapping[str, Any]:
 def _cells(manifest: Mapping[str, Any]) -> tuple[str, ...]:
     config = manifest["config"]
     if "policy" in manifest:  # fitted to what a policy does, of which steps and scenarios are
-        return f"distilled from {label(manifest['policy'])}", NOT_FITTED, NOT_FITTED, NOT_FITTED
+        return f"distilled from {label(manifest['policy'])}", *[NOT_FITTED] * 4
     how = f"tuned: {config['what']}" if "what" in config else f"trained: {config.get('algorithm', 'ppo')}"
     price = config["price"]  # of a policy that sees it, the range
     prices = " to ".join(f"{end:g}" for end in price) if isinstance(price, list | tuple) else f"{price:g}"
-    return how, ", ".join(config["scenarios"]), prices, f"{config['total_steps']:,}"
+    return how, _beginning(config), ", ".join(config["scenarios"]), prices, f"{config['total_steps']:,}"
+
+
+def _beginning(config: Mapping[str, Any]) -> str:
+    """The controller that is corrected or imitated."""
+    if config.get("base", "none") != "none":
+        return f"corrects {label(config['base'])}"
+    start = config.get("warm_start", "none")
+    return NOT_FITTED if start == "none" else f"imitates {label(start)}"

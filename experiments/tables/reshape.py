@@ -43,6 +43,14 @@ def spread(table: Table, keys: tuple[str, ...], value: str, column: str = SETS) 
     return shorten_heads(Table(table.name, table.caption, (*keys, *parts), rows))
 
 
+def join(table: Table, other: Table, keys: tuple[str, ...], value: str) -> Table:
+    """The table with a column more, of another table's rows with the same keys."""
+    values = {row[:-1]: row[-1] for row in select(other, (*keys, value)).rows}
+    found = (values.get(key, NOTHING) for key in select(table, keys).rows)
+    rows = [(*row, cell) for row, cell in zip(table.rows, found, strict=True)]
+    return Table(table.name, table.caption, (*table.columns, value), rows)
+
+
 def shorten_heads(table: Table) -> Table:
     """The table with `test` as the head of a column `random-fields:test`."""
     heads = tuple(column.rpartition(":")[2] for column in table.columns)
