@@ -140,10 +140,10 @@ FITTED_TO_CASES = Fitted(
     learned_extended=(),
 )
 FITTED_TO_FIELDS = Fitted(
-    schedules=(),
-    open_loops=("open-loop:random-fields-extended",),
+    schedules=("tuned:random-fields",),
+    open_loops=("open-loop:random-fields", "open-loop:random-fields-extended"),
     learned=(),
-    learned_extended=(),
+    learned_extended=training_seeds("ppo:random-fields-extended", 5),
 )
 # What a controller of the three cases owes to deciding anew each iteration, and to being one for all cases.
 ABLATED = (
