@@ -79,7 +79,7 @@ def _log_extent(simulation: Simulation) -> float:
 
 
 def _log_progress(simulation: Simulation) -> Floats:
-    """(B,) log of the gap `RECENT` iterations ago, or at first, over the gap now; 0 before the first reset."""
+    """(B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
     rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - RECENT, 0)
     before = simulation.gap_of(simulation.history[rows, then, HISTORY.index("best_fitness")])
     now = simulation.gap()

@@ -166,10 +166,10 @@ def test_swarms_that_have_not_begun_are_observed_without_warnings(layout):
 def test_step_running_before_the_first_reset_is_refused():
     env = SwarmVectorEnv(2, autoreset_mode="Disabled", **OPTIONS)
     actions = np.tile([5.0, 0.0], (2, 1))
-    with pytest.raises(StepOrderError, match="swarm 0.*no reset"):
+    with pytest.raises(StepOrderError, match=r"swarm 0.*no reset"):
         env.step_running(actions)
     env.reset(seed=0, options={"reset_mask": np.array([True, False])})
-    with pytest.raises(StepOrderError, match="swarm 1.*no reset"):
+    with pytest.raises(StepOrderError, match=r"swarm 1.*no reset"):
         env.step_running(actions)
 
 
