@@ -18,7 +18,7 @@ def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> PPOCo
     Raises:
         PolicyFileError: if the file is missing, damaged, or made for something else.
     """
-    name, at, told = str(policy).rpartition("@")
+    name, at, told = ("", "", str(policy)) if Path(policy).is_file() else str(policy).rpartition("@")
     path, price = resolve(name if at else told), None
     if at:
         try:

@@ -10,7 +10,9 @@ from agents.controller import Controller, SizeLimits
 from agents.policy_file import PolicyFileError, Weights, load_policy, resolve
 from agents.residual import Base
 from swarm_gym.action import ACTIONS, make_action
-from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.checks import look_up
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
@@ -102,12 +104,12 @@ class PPOController(Controller):
 
     def _check_layouts(self, path: Path, limits: SizeLimits) -> None:
         manifest = self.manifest
-        for kind, registry in (("observation", OBSERVATIONS), ("action", ACTIONS)):
-            if manifest[kind] not in registry:
-                raise PolicyFileError(
-                    f"{path}: {kind} layout {manifest[kind]!r} is not one of {sorted(registry)}"
-                )
-        features = [feature.name for feature in OBSERVATIONS[manifest["observation"]].features]
+        try:
+            look_up("action layout", manifest["action"], ACTIONS)
+            layout = make_observation(manifest["observation"])
+        except UnknownNameError as error:
+            raise PolicyFileError(f"{path}: {error}") from error
+        features = [feature.name for feature in layout.features]
         if manifest["features"][: len(features)] != features:
             raise PolicyFileError(
                 f"{path}: trained with observation features {manifest['features']}, "

@@ -120,9 +120,12 @@ class TrainingRun:
     def _write_decisions(self, episodes: list[Episodes], step: int) -> None:
         """Mean size and phi by iteration, as scalars at every tenth."""
         for name in ("sizes", "repair_degrees"):
-            means = np.nanmean(np.concatenate([getattr(e, name) for e in episodes]), axis=0)
-            for iteration in range(0, len(means), 10):
-                self.writer.add_scalar(f"{name}/iteration {iteration + 1:03}", means[iteration], step)
+            values = np.concatenate([getattr(e, name) for e in episodes])
+            for iteration in range(0, values.shape[1], 10):
+                column = values[:, iteration]
+                if np.isnan(column).all():
+                    break  # a budget has ended all episodes before
+                self.writer.add_scalar(f"{name}/iteration {iteration + 1:03}", np.nanmean(column), step)
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
         config = self.config

@@ -80,7 +80,8 @@ class Logarithmic(Scale):
 
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
         spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
-        return 2.0 * (np.log(values) - np.log(self.smallest)) / spread - 1.0
+        positive = np.maximum(values, self.smallest)  # a parameter may be 0 where no action decides it
+        return 2.0 * (np.log(positive) - np.log(self.smallest)) / spread - 1.0
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
         return self.smallest * (self.largest / self.smallest) ** ((numbers + 1.0) / 2.0)
@@ -147,8 +148,16 @@ class Action:
             decided: (B, k) in the layout `extended`, or (B, 2) in `natural`: then the optimizer's parameters
                 stay as they are.
             simulation: of the B swarms.
+
+        Raises:
+            ActionError: if more is decided than the layout has numbers for.
         """
         missing = len(self.scales) - decided.shape[1]
+        if missing < 0:
+            raise ActionError(
+                f"{decided.shape[1]} decisions cannot be said in the layout {self.name!r} "
+                f"({', '.join(self.labels)})"
+            )
         wanted = np.concatenate([decided, np.tile(self._defaults, (len(decided), 1))[:, :missing]], axis=1)
         numbers = [
             scale.encode(values, simulation) for scale, values in zip(self.scales, wanted.T, strict=True)

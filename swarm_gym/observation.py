@@ -78,10 +78,12 @@ def _log_extent(simulation: Simulation) -> float:
     return float(np.log1p(max(extents))) / 8.0
 
 
-def _gap_before(simulation: Simulation, iterations: int) -> Floats:
-    """(B,) the gap that many iterations ago, or at first."""
-    rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - iterations, 0)
-    return simulation.gap_of(simulation.history[rows, then, HISTORY.index("best_fitness")])
+def _log_progress(simulation: Simulation) -> Floats:
+    """(B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
+    rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - RECENT, 0)
+    before = simulation.gap_of(simulation.history[rows, then, HISTORY.index("best_fitness")])
+    now = simulation.gap()
+    return np.log(np.divide(before, now, out=np.ones_like(now), where=np.isfinite(now)))
 
 
 def _spent(simulation: Simulation) -> Floats:
@@ -141,7 +143,7 @@ RICH = (
     ),
     Feature(
         f"log(gap {RECENT} iterations ago / gap)",
-        lambda s: np.log(_gap_before(s, RECENT) / s.gap()),
+        _log_progress,
         lambda _: 4.0,
     ),
     Feature("log(1 + diversity) / 8", _log_scaled(4), _log_extent),

@@ -122,7 +122,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             }
         if restarting.any():
             self._batch.reset(restarting, self._generators, None)
-        self._ended = terminated.copy()
+        self._ended = ~self._batch.simulation.running
         everyone = np.ones(self.num_envs, dtype=np.bool_)
         truncated = np.zeros(self.num_envs, dtype=np.bool_)
         infos = {**self._infos(everyone), **infos}
@@ -139,8 +139,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
         Raises:
             ActionError: if the action of a running swarm is not in the action space.
+            StepOrderError: if a swarm was never reset.
         """
-        rewards, terminated = self._batch.step(self._batch.simulation.running.copy(), actions)
+        rewards, terminated = self._batch.step(~self._ended, actions)
         self._ended |= terminated
         return self._batch.observe(), rewards, self._ended.copy()
 

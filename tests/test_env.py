@@ -17,6 +17,7 @@ from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import Scenario, sample_names
+from swarm_gym.settings import Settings
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
 SMALL = {"initial_population_size": 6, "max_population_size": 12, "iterations": 5}
@@ -174,6 +175,14 @@ def test_an_evaluation_budget_is_spent_exactly_and_ends_the_episode(budget):
     env.reset(seed=8)
     info, _ = finish(env, (12, 0.3))
     assert info["evaluations"] == budget
+
+
+def test_what_a_layout_cannot_say_is_clipped_or_refused():
+    layout = make_action(Settings(action="extended-normalised"), Firefly)
+    still = layout.encode(np.array([[60.0, 0.0, 0.0, 0.1]]))  # without noise
+    assert still[0, layout.labels.index("noise")] == -1.0
+    with pytest.raises(ActionError, match=r"4 decisions.*'normalised'"):
+        make_action(Settings(action="normalised"), Firefly).encode(np.array([[60.0, 0.0, 2.0, 0.1]]))
 
 
 def test_normalised_actions_ask_for_the_same_as_natural_ones():

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 from trainings import STEPS, train
 
+from agents import SizeLimits, make_controller
 from agents.policy_file import load_policy
 from agents.ppo import PPOController
 from agents.run_folder import RunFolderError
@@ -131,12 +132,32 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"base": "spsfa"}, "'spsfa' and warm_start 'spsfa-tip' exclude"),
         ({"base": "spfsa", "warm_start": "none"}, "spfsa.*spsfa"),
         ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
+        ({"action": "natural"}, "'natural'.*scaled"),
+        (
+            {"warm_start": "open-loop:three-cases-extended", "max_population_size": 200},
+            "'extended'.*imitated",
+        ),
+        ({"warm_start": "ppo:three-cases", "max_population_size": 200}, "'normalised'.*imitated"),
     ],
 )
 def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):
     with pytest.raises(ValueError, match=message):
         train(tmp_path, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"observation": "paper+rich"},
+        {"action": "paced", "max_evaluations": 30},  # all episodes end early
+    ],
+)
+def test_joined_layouts_and_budgets_that_end_all_episodes_early_can_be_trained_with(tmp_path, options):
+    evolution = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "total_steps": 4}
+    best = train(tmp_path / "a@b", **evolution, **options).run()
+    controller = make_controller(f"ppo:{best}", SizeLimits(2, 12))
+    assert controller.action == options.get("action", "normalised")
 
 
 def test_a_run_that_was_stopped_before_its_first_checkpoint_begins_anew(tmp_path):

@@ -8,6 +8,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import swarm_gym  # noqa: F401
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
+from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
 OPTIONS = {
@@ -150,6 +151,37 @@ def test_bad_reset_masks_are_refused(mask):
 def test_a_wrong_number_of_seeds_is_refused():
     with pytest.raises(SettingError, match=r"2 seeds.*3"):
         SwarmVectorEnv(2, **OPTIONS).reset(seed=[1, 2, 3])
+
+
+@pytest.mark.parametrize("layout", sorted(OBSERVATIONS))
+def test_swarms_that_have_not_begun_are_observed_without_warnings(layout):
+    env = SwarmVectorEnv(2, observation=layout, **OPTIONS)
+    first = np.array([True, False])
+    seen, _ = env.reset(seed=3, options={"reset_mask": first})
+    everyone, _ = env.reset(seed=3)
+    np.testing.assert_array_equal(seen[0], everyone[0])
+    assert env.observation_space.contains(seen)
+
+
+def test_step_running_before_the_first_reset_is_refused():
+    env = SwarmVectorEnv(2, autoreset_mode="Disabled", **OPTIONS)
+    actions = np.tile([5.0, 0.0], (2, 1))
+    with pytest.raises(StepOrderError, match=r"swarm 0.*no reset"):
+        env.step_running(actions)
+    env.reset(seed=0, options={"reset_mask": np.array([True, False])})
+    with pytest.raises(StepOrderError, match=r"swarm 1.*no reset"):
+        env.step_running(actions)
+
+
+def test_step_running_goes_on_with_episodes_that_a_step_began_anew():
+    env = SwarmVectorEnv(2, autoreset_mode="SameStep", **OPTIONS)
+    actions = np.tile([5.0, 0.0], (2, 1))
+    env.reset(seed=0)
+    for _ in range(OPTIONS["iterations"]):
+        *_, terminated, _, _ = env.step(actions)
+    assert terminated.all()
+    assert not env.step_running(actions)[2].any()
+    assert env.simulation.iteration.tolist() == [1, 1]
 
 
 def test_step_running_lets_swarms_rest_whose_episode_has_ended():

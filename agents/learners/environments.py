@@ -9,7 +9,8 @@ from agents import Controller, make_controller
 from agents.paired_reward import PAIRED, Reference
 from agents.residual import Base
 from agents.train_config import TrainConfig
-from swarm_gym.action import make_action
+from swarm_gym.action import ACTIONS, make_action
+from swarm_gym.checks import look_up
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
@@ -22,6 +23,9 @@ def make_swarms(
 
     With a base, observations are the base's and then the policy's.
     """
+    layout = look_up("action layout", config.action, ACTIONS)
+    if layout.size == "natural":
+        raise ValueError(f"action {config.action!r}: a policy decides in a layout scaled to [-1, 1]")
     controller = None if config.base == "none" else make_controller(config.base, config.limits)
     observation = config.observation
     if controller is not None:

@@ -21,6 +21,7 @@ from agents.policy_file import Weights
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TRAINING_START
 from agents.train_config import TrainConfig
+from swarm_gym.action import ACTIONS
 
 
 class PPOLearner(Learner):
@@ -39,6 +40,13 @@ class PPOLearner(Learner):
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
+        if self._teacher is not None:
+            imitable = ("natural", "extended") if ACTIONS[config.action].extended else ("natural",)
+            if self._teacher.action not in imitable:
+                raise ValueError(
+                    f"warm_start {config.warm_start!r}: a controller with actions {self._teacher.action!r} "
+                    f"cannot be imitated in the layout {config.action!r}"
+                )
         self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))

@@ -65,7 +65,6 @@ class SideBySide:
         )
         inner: Any = self._env.unwrapped
         self._simulation = inner.simulation
-        self._env.reset(seed=0)  # swarms are reset part by part from here on, and all are observed then
         self.steps = self._env.num_envs * inner.settings.iterations
 
     def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:

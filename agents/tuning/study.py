@@ -104,8 +104,8 @@ class ParameterTuner(Tuner):
 
     def _first(self) -> dict[str, Number]:
         return {
-            name: type(value)(min(max(value, span.low), span.high))
-            for (name, value), span in zip(self._space.first.items(), self._spans.values(), strict=True)
+            name: type(value)(min(max(value, self._spans[name].low), self._spans[name].high))
+            for name, value in self._space.first.items()
         }
 
     def _controller(self, params: Mapping[str, Number]) -> Controller:
