@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
 from swarm_gym.files import write_atomically
+from swarm_gym.optimizers import get_optimizer
 
 FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "open_loops"
@@ -34,6 +35,7 @@ class OpenLoop(Controller):
         repair_degrees: phi at each knot, in [0, 1].
         knobs: further decisions at each knot by name, positive, in the order of the extended action.
         limits: the sizes that the environment allows.
+        optimizer: the optimizer whose parameters the further decisions are.
     """
 
     def __init__(
@@ -44,6 +46,7 @@ class OpenLoop(Controller):
         repair_degrees: list[float],
         knobs: Mapping[str, list[float]] | None = None,
         limits: SizeLimits = SizeLimits(),  # noqa: B008
+        optimizer: str = "firefly",
     ):
         knobs = dict(knobs or {})
         columns = [sizes, repair_degrees, *knobs.values()]
@@ -57,6 +60,8 @@ class OpenLoop(Controller):
             0 <= degree <= 1 for degree in repair_degrees
         ):
             raise ValueError("open loop: sizes and parameters must be positive and finite, phi in [0, 1]")
+        if knobs:
+            _check_knobs(knobs, optimizer)
         self.action = "extended" if knobs else "natural"
         self.initial_population_size = limits.clip(initial_population_size)
         iterations = np.arange(knots[-1] + 1)
@@ -81,6 +86,22 @@ class OpenLoop(Controller):
 def shipped_open_loops() -> list[str]:
     """Names of the open loops that come with the project."""
     return sorted(path.stem for path in OPEN_LOOPS.glob("*.json"))
+
+
+def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
+    """Refuse what is not decided by an extended action, in its order and within its ranges."""
+    cls = get_optimizer(optimizer)
+    names = list(cls.knobs)
+    decided = {names[place]: knob.decided for place, knob in cls.decided_knobs().items()}
+    if list(knobs) != list(decided):
+        raise ValueError(
+            f"open loop: further decisions of {optimizer!r} are {', '.join(decided)}, in this order; got "
+            f"{', '.join(knobs)}"
+        )
+    for name, span in decided.items():
+        low, high = span or (0.0, 0.0)
+        if not all(low <= value <= high for value in knobs[name]):
+            raise ValueError(f"open loop: {name} must lie in [{low:g}, {high:g}], got {knobs[name]}")
 
 
 def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  # noqa: B008

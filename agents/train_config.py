@@ -28,7 +28,7 @@ class TrainConfig:
     seed: int = 0
     """Seed of everything random in the run."""
     total_steps: int = 640_000
-    """Environment steps, over all swarms."""
+    """Environment steps, over all swarms; the last chunk is finished."""
     optimizer: str = "firefly"
     """The optimizer that is controlled."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")

@@ -12,7 +12,7 @@ from agents.rollout import run_episodes
 from swarm_gym.optimizers.firefly import Firefly
 
 KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]
-KNOBS = {"noise": [0.2, 5.0, 1.0]}
+KNOBS = {"noise": [0.2, 5.0, 1.0], "attractiveness": [0.1, 0.4, 0.2]}
 
 
 def between(knots, values, iteration):
@@ -35,7 +35,7 @@ def test_decisions_are_interpolated_in_logarithm_and_square_root():
         expected = [
             math.exp(between(KNOTS, [math.log(v) for v in SIZES], iteration)),
             between(KNOTS, [math.sqrt(v) for v in DEGREES], iteration) ** 2,
-            math.exp(between(KNOTS, [math.log(v) for v in KNOBS["noise"]], iteration)),
+            *(math.exp(between(KNOTS, [math.log(v) for v in KNOBS[name]], iteration)) for name in KNOBS),
         ]
         assert row.tolist() == pytest.approx(expected, rel=1e-12)
     assert (loop.action, loop.initial_population_size) == ("extended", 60)
@@ -59,12 +59,10 @@ def test_knobs_at_their_bounds_stay_inside():
         knobs = {name: [bound[end]] * 2 for name, bound in zip(names, bounds, strict=True)}
         loop = OpenLoop(60, [0, 4], [5.0, 5.0], [0.5, 1.0], knobs)
         run_episodes(loop, "case3", range(2), iterations=6)  # an action out of bounds is an error
-    values = [x for x in np.random.default_rng(0).random(200) * 30 if np.exp(np.log(x)) > x]
+    values = [x for x in np.random.default_rng(0).random(200) * 30 + 0.02 if np.exp(np.log(x)) > x]
     for value in values:
-        assert (
-            decided(OpenLoop(60, [0, 5], [5.0] * 2, [0.5] * 2, {"noise": [value] * 2}), [0, 2])[:, 2].max()
-            <= value
-        )
+        knobs = {"noise": [value] * 2, "attractiveness": [0.1] * 2}
+        assert decided(OpenLoop(60, [0, 5], [5.0] * 2, [0.5] * 2, knobs), [0, 2])[:, 2].max() <= value
 
 
 @pytest.mark.parametrize(
@@ -114,3 +112,17 @@ def test_a_file_that_is_no_open_loop_is_refused_by_name(tmp_path, content):
 def test_a_missing_file_names_the_shipped_ones():
     with pytest.raises(OpenLoopFileError, match=f"nowhere.*{shipped_open_loops()[0]}"):
         load_open_loop("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("knobs", "message"),
+    [
+        ({"attractiveness": [0.1], "noise": [1.0]}, "noise, attractiveness, in this order"),
+        ({"nois": [1.0], "attractiveness": [0.1]}, "nois"),
+        ({"noise": [1.0]}, "got noise"),
+        ({"noise": [1e4], "attractiveness": [0.1]}, r"noise must lie in \[0.02, 100\]"),
+    ],
+)
+def test_further_decisions_are_those_of_the_extended_action(knobs, message):
+    with pytest.raises(ValueError, match=message):
+        OpenLoop(60, [0], [9.0], [0.5], knobs)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from agents import make_controller
 from agents.learners import LEARNERS
 from agents.presets import PresetError, load_preset, preset_names
 from agents.train import main, read_command_line
@@ -118,3 +119,11 @@ def test_the_program_ends_with_one_line(tmp_path, arguments, message):
     with pytest.raises(SystemExit, match=message):
         main([*arguments, "--runs", str(tmp_path)])
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_a_preset_begins_with_as_many_members_as_the_controller_that_it_corrects(name):
+    config = load_preset(name)
+    if config.base != "none":
+        base = make_controller(config.base, config.limits)
+        assert config.initial_population_size == base.initial_population_size

@@ -116,7 +116,7 @@ class EvolutionLearner(Learner):
             proposed: NDArray | float = 0.0
             if self._base is not None:
                 proposed, observations = self._base.propose(observations)
-            hidden = observations.reshape(len(candidates), episodes, -1)
+            hidden = observations.astype(np.float32).reshape(len(candidates), episodes, -1)
             for number, (weight, bias) in enumerate(layers):
                 hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
