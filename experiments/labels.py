@@ -7,15 +7,16 @@ FITTED = {"distilled": "rule", "open-loop": "open loop", "tuned": "tuned schedul
 def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
-    A group of training seeds, `ppo:three-cases/*`, is PPO three-cases, without the parentheses of one policy.
+    A group of training seeds, `ppo:three-cases/*`, is learned three-cases, without the parentheses of one
+    policy; what learned it, PPO or an evolution strategy, is told by the policy.
     """
     family, _, argument = controller.partition(":")
     if argument.endswith("/*"):
-        return f"{family.upper()} {argument.removesuffix('/*')}"
+        return f"learned {argument.removesuffix('/*')}"
     if family == "fixed":
         return f"FA-{argument}"
     if family == "ppo":
-        return f"PPO ({argument})"
+        return f"learned ({argument})"
     if family in FITTED and argument:
         return f"{FITTED[family]} ({argument})"
     if family.startswith("spsfa"):

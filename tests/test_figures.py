@@ -314,7 +314,7 @@ def test_controllers_and_scenarios_without_runs_are_left_out(tmp_path):
     assert next(iter(plan(SUITE, results))) == "population-collision"
     (case,) = load_cases(SUITE, results)
     assert list(case.runs) == ["spsfa", "ppo:tiny"]
-    assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "PPO (tiny)"]
+    assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "learned (tiny)"]
     results.close()
 
 
@@ -359,8 +359,8 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("spsfa-tip", "SPSFA-TIP"),
         ("spsfa-tip:growth=500,decay=0.1", "SPSFA-TIP (growth=500, decay=0.1)"),
         ("random", "random"),
-        ("ppo:three-cases", "PPO (three-cases)"),
-        ("ppo:three-cases/3", "PPO (three-cases/3)"),
+        ("ppo:three-cases", "learned (three-cases)"),
+        ("ppo:three-cases/3", "learned (three-cases/3)"),
         ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
         ("tuned:random-fields", "tuned schedule (random-fields)"),
     ],

@@ -49,7 +49,7 @@ def test_scenarios_of_a_set_belong_together():
 
 
 def test_a_group_is_called_by_its_recipe():
-    assert label("ppo:three-cases/*") == "PPO three-cases"
+    assert label("ppo:three-cases/*") == "learned three-cases"
     assert label("dqn:fields/*") == "DQN fields"
 
 

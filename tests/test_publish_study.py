@@ -78,7 +78,7 @@ def test_the_provenance_of_runs_is_one_line():
 def test_where_fitted_controllers_come_from():
     table = origins_table(("tuned:three-cases", "ppo:three-cases", "distilled:three-cases"))
     assert [row[1] for row in table.rows] == [
-        "tuned: schedule", "trained: ppo", "distilled from PPO (three-cases)",
+        "tuned: schedule", "trained: ppo", "distilled from learned (three-cases)",
     ]  # fmt: skip
     assert [row[2] for row in table.rows] == ["–", "imitates SPSFA-TIP", "–"]
     assert [row[5] for row in table.rows] == ["2,000,000", "640,000", "–"]

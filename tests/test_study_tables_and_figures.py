@@ -150,7 +150,7 @@ def test_a_gap_to_an_unknown_optimum_is_refused(monkeypatch):
 
 def test_gaps_pool_all_training_seeds(tables, gaps):
     values = of(gaps, LEARNED, FIELDS)
-    found = row(tables["gaps"], "fields:test", "PPO a")
+    found = row(tables["gaps"], "fields:test", "learned a")
     assert (found["runs"], found["training seeds"]) == ("72", "3")
     assert found["mean gap"].startswith(f"{100 * values.mean():.2f} % [")
     middle = stats.trim_mean(values, 0.25, axis=None)
@@ -166,7 +166,7 @@ def test_gaps_pool_all_training_seeds(tables, gaps):
 
 def test_shares_near_the_optimum(tables, gaps):
     near = of(gaps, LEARNED, FIELDS) <= 0.01
-    (found,) = [r for r in tables["near-optimum"] if r["controller"] == "PPO a"]
+    (found,) = [r for r in tables["near-optimum"] if r["controller"] == "learned a"]
     assert found["fields:test"].startswith(f"{100 * near.mean():.1f} % [")
 
 
@@ -175,7 +175,7 @@ def test_differences_are_paired_and_corrected_over_the_table(tables, gaps):
     expected = {}
     for name, scenarios in strata.items():
         theirs = of(gaps, ["spsfa-tip"], scenarios)
-        for controller, members in (("FA-60", ["fixed:60"]), ("PPO a", LEARNED)):
+        for controller, members in (("FA-60", ["fixed:60"]), ("learned a", LEARNED)):
             mine = of(gaps, members, scenarios)
             p_value = stats.wilcoxon((mine.mean(axis=0) - theirs[0]).ravel()).pvalue
             expected[name, controller] = mine.mean() - theirs.mean(), (mine < theirs).mean(), p_value
@@ -203,7 +203,7 @@ def test_training_seeds_of_a_baseline_are_drawn_independently(outcomes):
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), baseline="ppo:b/*")
     (table,) = difference_tables(suite, Outcomes(names, ("case1",), *both))
     ((_, controller, difference, *_, improvement, p_value),) = table.rows
-    assert (controller, improvement, p_value) == ("PPO a", "0.50", "1")
+    assert (controller, improvement, p_value) == ("learned a", "0.50", "1")
     centre, low, high = map(float, re.findall(r"[+-][\d.]+", difference))
     assert centre == 0.0
     assert low < -1.0
@@ -231,7 +231,7 @@ def line(axes, text):
 def test_profiles_show_the_share_of_runs(outcomes, gaps):
     figure = draw_profiles(outcomes)
     assert [axes.get_title() for axes in figure.axes] == ["case1", "fields:test", "all"]
-    x, y = line(figure.axes[1], "PPO a")
+    x, y = line(figure.axes[1], "learned a")
     values = of(gaps, LEARNED, FIELDS).ravel()
     np.testing.assert_allclose(y[1:-1], [(values <= tau).mean() for tau in x[1:-1]])
     assert y[-1] == 1.0
@@ -259,7 +259,7 @@ def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(resul
     ]
     assert len(runs) == 3 * 6 * 4
     noise = np.median([run.course("noise") for run in runs], axis=0)
-    np.testing.assert_allclose(line(panels[5], "PPO a")[1], noise)
+    np.testing.assert_allclose(line(panels[5], "learned a")[1], noise)
     assert "SPSFA-TIP" in panels[0].get_legend_handles_labels()[1]
     assert set(line(panels[4], "SPSFA-TIP")[1]) == {2.0}
     assert len(load_courses(SUITE, results, "spsfa-tip", FIELDS)) == 4
