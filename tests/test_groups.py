@@ -50,7 +50,6 @@ def test_scenarios_of_a_set_belong_together():
 
 def test_a_group_is_called_by_its_recipe():
     assert label("ppo:three-cases/*") == "learned three-cases"
-    assert label("dqn:fields/*") == "DQN fields"
 
 
 def test_names_count_from_zero():
