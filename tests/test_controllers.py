@@ -40,6 +40,9 @@ NAMES = [
 
 def random_observations(layout, rng, count):
     """Plausible observations of a layout; the first is of iteration 0."""
+    if "+" in layout:
+        parts = [random_observations(part, rng, count) for part in layout.split("+")]
+        return np.concatenate(parts, axis=1)
     width = len(OBSERVATIONS[layout].features)
     observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
     observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)

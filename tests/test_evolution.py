@@ -76,7 +76,7 @@ def test_a_policy_with_a_base_begins_as_the_base(tmp_path):
         ({"candidates": 3}, "multiple of candidates, got 8 and 3"),
         ({"warm_start": "spsfa-tip"}, "imitates nobody"),
         ({"reward": "paired"}, "changes nothing.*'final-gap'"),
-        ({"base": "spsfa", "action": "natural"}, "cannot be corrected"),
+        ({"base": "spsfa", "action": "natural"}, "scaled to"),
     ],
 )
 def test_what_evolution_cannot_do_is_refused(tmp_path, options, message):
