@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
+from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.action import make_action
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
@@ -195,8 +196,7 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
 
 def shipped_rules() -> list[str]:
     """Names of the rules that come with the project."""
-    files = (path.relative_to(DISTILLED) for path in DISTILLED.rglob("*.json"))
-    return sorted(file.with_suffix("").as_posix() for file in files)
+    return shipped_names(DISTILLED, ".json")
 
 
 def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  # noqa: B008
@@ -205,16 +205,9 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
     Raises:
         DistilledFileError: if there is none, or its content is not what it should be.
     """
-    for path in (DISTILLED / f"{name}.json", Path(name)):
-        if path.is_file():
-            break
-    else:
-        shipped = ", ".join(shipped_rules()) or "none"
-        raise DistilledFileError(f"distilled rule {name!r}: neither a shipped one ({shipped}) nor a file")
+    path = find_json("distilled rule", name, DISTILLED, DistilledFileError)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
+        content = read_json(path, FORMAT)
         formulas = [Formula(f["decision"], f["constant"], f["weights"]) for f in content["formulas"]]
         arguments = content["initial_population_size"], formulas, content["optimizer"]
         own_limits = SizeLimits(*content["population_sizes"])

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
+from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import get_optimizer
 
@@ -85,7 +86,7 @@ class OpenLoop(Controller):
 
 def shipped_open_loops() -> list[str]:
     """Names of the open loops that come with the project."""
-    return sorted(path.stem for path in OPEN_LOOPS.glob("*.json"))
+    return shipped_names(OPEN_LOOPS, ".json")
 
 
 def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
@@ -110,16 +111,9 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
     Raises:
         OpenLoopFileError: if there is none, or its content is not what it should be.
     """
-    for path in (OPEN_LOOPS / f"{name}.json", Path(name)):
-        if path.is_file():
-            break
-    else:
-        shipped = ", ".join(shipped_open_loops()) or "none"
-        raise OpenLoopFileError(f"open loop {name!r}: neither a shipped one ({shipped}) nor a file")
+    path = find_json("open loop", name, OPEN_LOOPS, OpenLoopFileError)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
+        content = read_json(path, FORMAT)
         return OpenLoop(
             content["initial_population_size"],
             content["knots"],

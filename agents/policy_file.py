@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
+from agents.shipped import find_file, shipped_names
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym policy 1"
@@ -42,8 +43,7 @@ class PolicyFileError(ValueError):
 
 def shipped_policies() -> list[str]:
     """Names of the policies that come with the project; of those in folders, `<folder>/<file>`."""
-    files = sorted(POLICIES.rglob(f"*{SUFFIX}"))
-    return [path.relative_to(POLICIES).with_suffix("").as_posix() for path in files]
+    return shipped_names(POLICIES, SUFFIX)
 
 
 def resolve(name: str) -> Path:
@@ -52,9 +52,9 @@ def resolve(name: str) -> Path:
     Raises:
         PolicyFileError: if neither exists.
     """
-    for path in (POLICIES / f"{name}{SUFFIX}", Path(name)):
-        if path.is_file():
-            return path
+    path = find_file(name, POLICIES, SUFFIX)
+    if path is not None:
+        return path
     split = [shipped.rpartition("/") for shipped in shipped_policies()]
     forms = sorted({f"{folder}/<seed>" if folder else file for folder, _, file in split})
     raise PolicyFileError(

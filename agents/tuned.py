@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym tuned controller 1"
@@ -20,7 +21,7 @@ class TunedFileError(ValueError):
 
 def shipped_tuned() -> list[str]:
     """Names of the tuned controllers that come with the project."""
-    return sorted(path.stem for path in TUNED.glob("*.json"))
+    return shipped_names(TUNED, ".json")
 
 
 def load_tuned(name: str) -> str:
@@ -29,16 +30,9 @@ def load_tuned(name: str) -> str:
     Raises:
         TunedFileError: if there is none, or its content is not what it should be.
     """
-    for path in (TUNED / f"{name}.json", Path(name)):
-        if path.is_file():
-            break
-    else:
-        shipped = ", ".join(shipped_tuned()) or "none"
-        raise TunedFileError(f"tuned controller {name!r}: neither a shipped one ({shipped}) nor a file")
+    path = find_json("tuned controller", name, TUNED, TunedFileError)
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise ValueError(f"expected format {FORMAT!r}, got {content['format']!r}")
+        content = read_json(path, FORMAT)
         controller = content["controller"]
         if not isinstance(controller, str) or controller.partition(":")[0] == "tuned":
             raise ValueError(f"expected the name of a controller with its parameters, got {controller!r}")

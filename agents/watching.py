@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from agents.controller import Controller
 from swarm_gym.action import make_action
 from swarm_gym.batch import SwarmBatch
-from swarm_gym.observation import Observation, make_observation
+from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -68,7 +68,7 @@ def watch(
     batch = SwarmBatch(optimizer, options, len(seeds), num_threads)
     simulation = batch.simulation
     eyes = [_Eye(controller, simulation) for controller in watchers]
-    keeper = make_observation(observation)
+    keeper = _View(observation, simulation)
     for controller in (driver, *watchers):
         controller.reset(len(seeds), seeds.start)
     everyone = np.ones(len(seeds), dtype=np.bool_)
@@ -77,7 +77,7 @@ def watch(
     seen, running, decided = [], [], []
     while simulation.running.any():
         chosen = simulation.running.copy()
-        seen.append(_observe(keeper, simulation))
+        seen.append(keeper.observe())
         running.append(chosen)
         decided.append([eye.decide() for eye in eyes])
         rewards, _ = batch.step(chosen, driver.act(batch.observe()))
@@ -99,14 +99,14 @@ class _Eye:
         settings = simulation.settings
         self._controller = controller
         self._simulation = simulation
-        self._observation = make_observation(controller.observation)
+        self._view = _View(controller.observation, simulation)
         self._action = make_action(replace(settings, action=controller.action), simulation.optimizer)
         self._limits = settings.min_population_size, settings.max_population_size
 
     def decide(self) -> Floats:
         """(B, d) decisions in natural units."""
         simulation = self._simulation
-        actions = self._controller.act(_observe(self._observation, simulation)).astype(np.float64)
+        actions = self._controller.act(self._view.observe()).astype(np.float64)
         decided = np.stack(
             [
                 scale.decode(numbers, simulation)
@@ -126,7 +126,15 @@ def decision_names(controller: Controller, optimizer: str) -> tuple[str, ...]:
     return make_action(settings, get_optimizer(optimizer)).labels
 
 
-def _observe(layout: Observation, simulation: Simulation) -> NDArray:
-    """As environments show it, inside its bounds."""
-    space = layout.space(simulation)
-    return np.minimum(np.maximum(layout.observe(simulation), space.low), space.high)
+class _View:
+    """An observation layout on a simulation, as environments show it: inside its bounds."""
+
+    def __init__(self, layout: str, simulation: Simulation):
+        self._layout = make_observation(layout)
+        self._simulation = simulation
+        self._space = self._layout.space(simulation)
+
+    def observe(self) -> NDArray:
+        """(B, k)."""
+        seen = self._layout.observe(self._simulation)
+        return np.minimum(np.maximum(seen, self._space.low), self._space.high)

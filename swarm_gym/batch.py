@@ -89,7 +89,7 @@ class SwarmBatch:
                 simulation.gap(),
                 simulation.price * spent / self.settings.reference_evaluations,
                 ended,
-                simulation.optimality_gap(),
+                simulation.optimality_gap,
             )
         )
         return np.where(chosen, reward, 0.0), ended

@@ -23,7 +23,8 @@ class Transition(NamedTuple):
     gap_after: Floats
     cost: Floats  # price of the evaluations spent
     ended: NDArray[np.bool_]
-    optimality_gap: Floats  # best fitness so far above the known optimum, relative to it
+    # Best fitness so far above the known optimum, relative to it; called by the reward that needs it.
+    optimality_gap: Callable[[], Floats]
 
 
 Reward = Callable[[Transition], Floats]
@@ -45,7 +46,7 @@ def optimality(transition: Transition) -> Floats:
 
     What studies report; unlike the logarithm it counts the rare run that fails by how far it fails.
     """
-    return np.where(transition.ended, -100.0 * transition.optimality_gap, 0.0) - transition.cost
+    return np.where(transition.ended, -100.0 * transition.optimality_gap(), 0.0) - transition.cost
 
 
 def final_gap(transition: Transition) -> Floats:

@@ -16,6 +16,7 @@ from cmaes import CMA, SepCMA
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from agents.cma_state import load_strategy, strategy_state
 from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
 from agents.paired_reward import ENV_REWARD, PAIRED
@@ -85,22 +86,16 @@ class EvolutionLearner(Learner):
 
     def state(self) -> dict[str, Any]:
         """The strategy's numbers, its generator among them."""
-        content = {name: _plain(value) for name, value in self._strategy.__dict__.items() if name != "_rng"}
-        kind, keys, *numbers = self._strategy._rng.get_state()
-        return {
-            "num_steps": self.num_steps,
-            "strategy": content,
-            "generator": [str(kind), torch.as_tensor(keys.astype(np.int64)), *numbers],
-        }
+        arrays = strategy_state(self._strategy)
+        # A checkpoint is read without running code, and has no NumPy arrays.
+        tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
+        return {"num_steps": self.num_steps, "strategy": tensors}
 
     def load(self, state: dict[str, Any]) -> None:
         """Go on from a state."""
         self.num_steps = state["num_steps"]
-        for name, value in state["strategy"].items():
-            array = isinstance(value, torch.Tensor)
-            setattr(self._strategy, name, value.numpy().copy() if array else value)
-        kind, keys, *numbers = state["generator"]
-        self._strategy._rng.set_state((kind, keys.numpy().astype(np.uint32), *numbers))
+        arrays = {name: tensor.numpy().copy() for name, tensor in state["strategy"].items()}
+        load_strategy(self._strategy, arrays)
 
     def _earn(self, candidates: Floats, seed: int) -> Floats:
         """(n,) mean return of n candidates (n, number of weights), over the same episodes each."""
@@ -148,9 +143,3 @@ class EvolutionLearner(Learner):
 def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """A layer as policy files have it: (n, outputs, inputs) and (n, outputs)."""
     return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic):
-        return value.item()  # a checkpoint is read without running code, and has no NumPy numbers
-    return torch.as_tensor(value.copy()) if isinstance(value, np.ndarray) else value

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 from cmaes import CMA
-from numpy.typing import NDArray
 
+from agents.cma_state import load_strategy, strategy_state
 from agents.open_loop import OpenLoop, save_open_loop
 from agents.run_folder import RunFolderError
 from agents.seeds import training_seed
@@ -23,8 +23,6 @@ from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.files import write_atomically
-
-Arrays = dict[str, NDArray]
 
 
 class OpenLoopTuner(Tuner):
@@ -96,24 +94,3 @@ class OpenLoopTuner(Tuner):
         decided = self._space.decode(self._strategy.mean)
         config = self._config
         save_open_loop(path, config.initial_population_size, list(config.knots), *decided, manifest)
-
-
-def strategy_state(strategy: CMA) -> Arrays:
-    """Everything that changes in a strategy between `tell` and `ask`, as arrays without objects."""
-    state = {
-        f"strategy.{name}": np.asarray(value)
-        for name, value in vars(strategy).items()
-        if name != "_rng" and value is not None
-    }
-    _, keys, *numbers = strategy._rng.get_state()
-    return {**state, "generator.keys": np.asarray(keys), "generator.numbers": np.array(numbers, dtype=float)}
-
-
-def load_strategy(strategy: CMA, state: Arrays) -> None:
-    """Make a strategy go on from a state."""
-    for name in vars(strategy):
-        if name != "_rng":
-            value = state.get(f"strategy.{name}")  # absent where it was None
-            setattr(strategy, name, value.item() if value is not None and value.ndim == 0 else value)
-    place, has_gauss, gauss = state["generator.numbers"].tolist()
-    strategy._rng.set_state(("MT19937", state["generator.keys"], int(place), int(has_gauss), gauss))
