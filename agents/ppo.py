@@ -58,13 +58,15 @@ class PPOController(Controller):
 
     def act(self, observations: NDArray) -> NDArray:
         """Actions of each swarm, in the layout that the policy was trained with."""
-        proposed: NDArray | float = 0.0
+        proposal = None
         if self._base is not None:
-            proposed, observations = self._base.propose(observations)
+            proposal = self._base.propose(observations)
+            observations = proposal.seen
         hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
             hidden = np.tanh(affine(hidden, weight, bias))
-        return np.clip(proposed + np.clip(affine(hidden, *self._layers[-1]), -1.0, 1.0), -1.0, 1.0)
+        actions = affine(hidden, *self._layers[-1])
+        return np.clip(actions, -1.0, 1.0) if proposal is None else proposal.corrected(actions)
 
     def _read_weights(self, path: Path, weights: Weights) -> None:
         """Keep the weights, held against the shapes that the manifest implies."""
@@ -100,7 +102,8 @@ class PPOController(Controller):
             max_population_size=limits.largest,
             initial_population_size=limits.smallest,
         )
-        return Base(controller, make_action(settings, get_optimizer(self.manifest["optimizer"])))
+        layout = make_action(settings, get_optimizer(self.manifest["optimizer"]))
+        return Base(controller, layout, self.manifest.get("corrected_from", 0))
 
     def _check_layouts(self, path: Path, limits: SizeLimits) -> None:
         manifest = self.manifest

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from agents.policy_file import PolicyFileError, Weights
 from agents.ppo import PPOController, affine, read_layer, read_layers
-
-ITERATION = 3  # column of every observation layout; it is 0 at the beginning of an episode only
+from swarm_gym.observation import ITERATION
 
 
 class RecurrentController(PPOController):

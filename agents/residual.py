@@ -4,13 +4,35 @@ Source: T. Silver et al., "Residual policy learning", arXiv 1812.06298 (2018). B
 layout scaled to [-1, 1], so that a policy whose output is zero decides as the controller does.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from agents.controller import Controller
 from swarm_gym.action import Action
-from swarm_gym.observation import make_observation
+from swarm_gym.observation import ITERATION, make_observation
+from swarm_gym.settings import Settings
+
+
+class Proposal(NamedTuple):
+    """What a controller would do with B swarms, for a policy to correct.
+
+    Attributes:
+        actions: (B, k) in [-1, 1].
+        correctable: (B,) whether corrections count yet.
+        seen: (B, n) what the policy sees, float32.
+    """
+
+    actions: NDArray
+    correctable: NDArray[np.bool_]
+    seen: NDArray
+
+    def corrected(self, corrections: NDArray) -> NDArray:
+        """(B, k) actions: the sum with corrections (B, k), each clipped to [-1, 1]."""
+        allowed = np.where(self.correctable[:, None], np.clip(corrections, -1.0, 1.0), 0.0)
+        return np.clip(self.actions + allowed, -1.0, 1.0)
 
 
 class Base:
@@ -19,12 +41,13 @@ class Base:
     Observations have its own layout first, then the policy's. The policy sees its part, and what the
     controller proposes.
 
-    Attributes:
+    Args:
         controller: decides first; its action layout is `natural` or `extended`.
         layout: of the actions that are made, scaled to [-1, 1].
+        corrected_from: the iteration, counted from 0, from which the policy is listened to.
     """
 
-    def __init__(self, controller: Controller, layout: Action):
+    def __init__(self, controller: Controller, layout: Action, corrected_from: int = 0):
         scaled = (layout.space.low == -1.0).all() and (layout.space.high == 1.0).all()
         paced = layout.name.endswith("paced")
         more = controller.action == "extended" and not layout.name.startswith("extended")
@@ -35,7 +58,11 @@ class Base:
             )
         self.controller = controller
         self.layout = layout
-        self._columns = len(make_observation(controller.observation).features)
+        self.corrected_from = corrected_from
+        features = make_observation(controller.observation).features
+        self._columns = len(features)
+        # All layouts have the iteration here, as a number or as a share of all.
+        self._unit = 1.0 if features[ITERATION].name == "iteration" else Settings.iterations
 
     def features(self, observation: str) -> list[str]:
         """Names of what the policy sees."""
@@ -44,11 +71,12 @@ class Base:
             *(f"proposed {label}" for label in self.layout.labels),
         ]
 
-    def propose(self, observations: NDArray) -> tuple[NDArray, NDArray]:
-        """The controller's actions (B, k), scaled, and what the policy sees, float32."""
+    def propose(self, observations: NDArray) -> Proposal:
+        """What the controller proposes on whole observations (B, m)."""
         actions = self.layout.encode(self.controller.act(observations[:, : self._columns]))
         seen = np.concatenate([observations[:, self._columns :], actions], axis=1)
-        return actions, seen.astype(np.float32)
+        iteration = np.rint(observations[:, ITERATION] * self._unit)
+        return Proposal(actions, iteration >= self.corrected_from, seen.astype(np.float32))
 
     def last(self, observation: NDArray) -> NDArray:
         """What the policy sees, (k,), of one observation to which nothing is proposed: zeros."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from agents.paired_reward import Reference
-from agents.residual import Base
+from agents.residual import Base, Proposal
 
 
 class SB3VecEnv(VecEnv):
@@ -28,7 +28,7 @@ class SB3VecEnv(VecEnv):
         self.render_mode = None
         self.base = base
         self.reference = reference
-        self._proposed: NDArray = np.zeros((env.num_envs, *(env.single_action_space.shape or ())), np.float32)
+        self._proposal: Proposal | None = None
         observation_space: Any = env.single_observation_space
         if base is not None:
             observation_space = base.observation_space(observation_space)
@@ -54,7 +54,7 @@ class SB3VecEnv(VecEnv):
 
     def step_async(self, actions: NDArray) -> None:
         """Keep the actions for `step_wait`."""
-        self._actions = actions if self.base is None else np.clip(self._proposed + actions, -1.0, 1.0)
+        self._actions = actions if self._proposal is None else self._proposal.corrected(actions)
 
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
         """Advance all swarms; infos of ended episodes hold `episode` and `terminal_observation`."""
@@ -108,8 +108,8 @@ class SB3VecEnv(VecEnv):
         """What the policy sees; begins the step of the base."""
         if self.base is None:
             return observations
-        self._proposed, seen = self.base.propose(observations)
-        return seen
+        self._proposal = self.base.propose(observations)
+        return self._proposal.seen
 
     def _last(self, observation: NDArray) -> NDArray:
         """What the policy would see of the end of an episode, after which nothing is proposed."""

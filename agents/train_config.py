@@ -55,6 +55,8 @@ class TrainConfig:
     """What 100,000 evaluations cost, in units of the reward; two are the range that episodes draw from."""
     base: str = "none"
     """Controller whose decisions the policy corrects; 'none' lets it decide alone."""
+    corrected_from: int = 0
+    """Iteration, counted from 0, from which it corrects them; before, the base decides alone."""
     warm_start: str = "spsfa-tip"
     """Controller to imitate first; 'none' starts from scratch."""
     hidden_layers: tuple[int, ...] = (64, 64)

@@ -132,6 +132,7 @@ class TrainingRun:
         manifest = {
             "action": config.action,
             "base": config.base,
+            "corrected_from": config.corrected_from,
             "config": {k: v for k, v in as_json(config).items() if k not in _LOCATION},
             "features": self.learner.features,
             "max_evaluations": config.max_evaluations or None,

@@ -17,6 +17,7 @@ from swarm_gym.simulation import HISTORY, Simulation
 
 Floats = NDArray[np.float64]
 
+ITERATION = 3  # column of every layout: the iteration, or its share of all; 0 at the beginning only
 RECENT = 5  # iterations over which progress is looked back on
 
 

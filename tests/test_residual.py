@@ -46,7 +46,7 @@ def make_base(name, action="normalised"):
     return Base(make_controller(name, LIMITS), make_layout(action))
 
 
-def silent_policy(path, base, base_name, action, last=0.0):
+def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0):
     """A policy with random hidden layers and a last one that always says the same."""
     rng = np.random.default_rng(0)
     features = base.features("extended")
@@ -58,7 +58,8 @@ def silent_policy(path, base, base_name, action, last=0.0):
         "1.bias": np.full(decisions, last, np.float32),
     }
     manifest = {
-        "action": action, "base": base_name, "features": features, "hidden_layers": [8],
+        "action": action, "base": base_name, "corrected_from": corrected_from, "features": features,
+        "hidden_layers": [8],
         "initial_population_size": 6, "max_population_size": 20, "min_population_size": 2,
         "num_decisions": decisions, "observation": "extended", "optimizer": "firefly",
     }  # fmt: skip
@@ -128,9 +129,37 @@ def test_a_policy_sees_its_own_layout_and_what_is_proposed():
     assert base.features("scaled")[4:] == ["proposed population size", "proposed repair degree"]
     base.controller.reset(2)
     whole = np.concatenate([np.zeros((2, 4)), np.full((2, 4), 0.25)], axis=1)
-    proposed, seen = base.propose(whole)
-    np.testing.assert_array_equal(seen, np.concatenate([whole[:, 4:], proposed], axis=1))
+    proposal = base.propose(whole)
+    np.testing.assert_array_equal(proposal.seen, np.concatenate([whole[:, 4:], proposal.actions], axis=1))
     np.testing.assert_array_equal(base.last(whole[0]), [0.25] * 4 + [0.0] * 2)
+
+
+@pytest.mark.parametrize("name", ["fixed:9", "open-loop"])
+def test_until_a_given_iteration_the_base_decides_alone(tmp_path, name):
+    if name == "open-loop":
+        name = f"open-loop:{tmp_path / 'some.json'}"
+        save_open_loop(tmp_path / "some.json", 6, [0, 9], [6.0, 17.3], [0.1, 0.7], {}, {})
+    base = make_base(name)
+    policies = [
+        silent_policy(tmp_path / f"{begin}.safetensors", base, name, "normalised", 0.3, begin)
+        for begin in (0, 4, 100)
+    ]
+    now, later, never = (run_episodes(c, "case3", range(3), **SIZES).sizes for c in policies)
+    alone = run_episodes(make_controller(name, LIMITS), "case3", range(3), **SIZES).sizes
+    np.testing.assert_array_equal(never, alone)
+    np.testing.assert_array_equal(later[:, :4], alone[:, :4])
+    np.testing.assert_array_equal(later[:, 4:], now[:, 4:])
+    assert (later[:, 4:] > alone[:, 4:]).all()
+
+
+@pytest.mark.parametrize(("observation", "unit"), [("paper", 1), ("scaled", 100)])
+def test_a_base_is_corrected_from_the_same_iteration_whatever_it_sees(observation, unit):
+    controller = make_controller("fixed:9", LIMITS)
+    controller.observation = observation
+    base = Base(controller, make_layout("normalised"), 7)
+    whole = np.zeros((101, 8), np.float32)
+    whole[:, 3] = np.arange(101, dtype=np.float32) / unit
+    np.testing.assert_array_equal(base.propose(whole).correctable, np.arange(101) >= 7)
 
 
 @pytest.mark.parametrize("action", ["natural", "extended"])

@@ -131,6 +131,8 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"algorithm": "sac"}, "sac.*recurrent-ppo"),
         ({"base": "spsfa"}, "'spsfa' and warm_start 'spsfa-tip' exclude"),
         ({"base": "spfsa", "warm_start": "none"}, "spfsa.*spsfa"),
+        ({"corrected_from": 3}, "corrected_from 3: without a base"),
+        ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
         ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
         ({"action": "natural"}, "'natural'.*scaled"),
         (

@@ -18,7 +18,7 @@ from agents.tuning.config import TuneConfig
 from agents.tuning.knots import START, START_ITERATIONS, KnotSpace
 from agents.tuning.parameter_spaces import SCHEDULE
 from agents.tuning.run import TuningRun
-from agents.tuning.side_by_side import SideBySide
+from agents.tuning.side_by_side import LOSSES, SideBySide
 from agents.tuning.tuners import TUNERS, kind_defaults
 from swarm_gym.env import SwarmEnv
 from swarm_gym.observation import OBSERVATIONS
@@ -77,12 +77,14 @@ def test_candidates_meet_the_same_episodes_as_in_the_single_environment_whatever
             assert outcomes.losses[row, episode] == pytest.approx(expected, rel=1e-12)
 
 
-def test_the_loss_is_the_return_with_the_sign_turned_up_to_a_constant_of_the_episode():
-    config = TuneConfig(**{**TINY, "scenarios": ("case3",)}, price=0.5)
+@pytest.mark.parametrize("reward", LOSSES)
+def test_the_loss_is_the_return_with_the_sign_turned_up_to_a_constant_of_the_episode(reward):
+    config = TuneConfig(**{**TINY, "scenarios": ("case3",)}, price=0.5, reward=reward)
     controllers = [OpenLoop(6, [0], [float(size)], [0.5]) for size in (3, 11)]
     outcomes = SideBySide(config, 2, "paper", "natural").run(controllers, seed=TRAINING_START)
     for episode in range(4):
-        earned = [play(c, "case3", TRAINING_START + episode, price=0.5)[1] for c in controllers]
+        options = {"price": 0.5, "reward": reward}
+        earned = [play(c, "case3", TRAINING_START + episode, **options)[1] for c in controllers]
         difference = outcomes.losses[0, episode] - outcomes.losses[1, episode]
         assert earned[1] - earned[0] == pytest.approx(difference, rel=1e-9)
 
@@ -203,6 +205,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"sigma": 0.0}, "sigma.*0"),
         ({"episodes": 0}, "episodes.*0"),
         ({"price": -1.0}, "price.*-1"),
+        ({"reward": "gold"}, "gold.*optimality"),
         ({"seed": -1}, "seed.*-1"),
         ({"initial_population_size": 300}, "initial_population_size.*300"),
         ({"min_population_size": 12, "initial_population_size": 12}, "nothing to tune"),

@@ -10,10 +10,11 @@ from agents.paired_reward import PAIRED, Reference
 from agents.residual import Base
 from agents.train_config import TrainConfig
 from swarm_gym.action import ACTIONS, make_action
-from swarm_gym.checks import look_up
+from swarm_gym.checks import look_up, require_integer
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
+from swarm_gym.settings import Settings
 
 
 def make_swarms(
@@ -23,9 +24,13 @@ def make_swarms(
 
     With a base, observations are the base's and then the policy's.
     """
-    layout = look_up("action layout", config.action, ACTIONS)
-    if layout.size == "natural":
+    if look_up("action layout", config.action, ACTIONS).size == "natural":
         raise ValueError(f"action {config.action!r}: a policy decides in a layout scaled to [-1, 1]")
+    require_integer("corrected_from", config.corrected_from, 0, Settings.iterations - 1)
+    if config.corrected_from and config.base == "none":
+        raise ValueError(
+            f"corrected_from {config.corrected_from}: without a base there is nothing to correct"
+        )
     controller = None if config.base == "none" else make_controller(config.base, config.limits)
     observation = config.observation
     if controller is not None:
@@ -44,7 +49,8 @@ def make_swarms(
     if controller is None:
         return env, None
     inner: Any = env.unwrapped
-    return env, Base(controller, make_action(inner.settings, get_optimizer(config.optimizer)))
+    layout = make_action(inner.settings, get_optimizer(config.optimizer))
+    return env, Base(controller, layout, config.corrected_from)
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:

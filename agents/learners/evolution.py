@@ -108,17 +108,19 @@ class EvolutionLearner(Learner):
         swarms: Any = self.env.unwrapped
         returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
         while not ended.all():
-            proposed: NDArray | float = 0.0
+            proposal = None
             if self._base is not None:
-                proposed, observations = self._base.propose(observations)
+                proposal = self._base.propose(observations)
+                observations = proposal.seen
             hidden = observations.astype(np.float32).reshape(len(candidates), episodes, -1)
             for number, (weight, bias) in enumerate(layers):
                 hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
                     hidden = np.tanh(hidden)
-            corrections = np.clip(hidden.reshape(self.env.num_envs, -1), -1.0, 1.0)
+            actions = hidden.reshape(self.env.num_envs, -1)
+            actions = np.clip(actions, -1.0, 1.0) if proposal is None else proposal.corrected(actions)
             self.num_steps += int((~ended).sum())
-            observations, rewards, ended = swarms.step_running(np.clip(proposed + corrections, -1.0, 1.0))
+            observations, rewards, ended = swarms.step_running(actions)
             returns += rewards
         return returns.reshape(len(candidates), episodes).mean(axis=1)
 

@@ -36,8 +36,10 @@ class TuneConfig:
     """Smallest size that can be asked for."""
     max_population_size: int = 200
     """Largest size that can be asked for."""
+    reward: str = "final"
+    """'final': logarithm of the final gap to the lower bound; 'optimality': per cent above the optimum."""
     price: float = 0.5
-    """What 100,000 evaluations cost, in units of the logarithm of the gap."""
+    """What 100,000 evaluations cost, in units of the reward."""
     episodes: int = 24
     """Episodes of every candidate."""
     action: str = "natural"

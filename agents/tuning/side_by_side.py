@@ -1,6 +1,6 @@
 """Several controllers on the same episodes at once, and what these cost."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller
 from agents.tuning.config import TuneConfig
+from swarm_gym.checks import look_up
 from swarm_gym.registration import environment_id
+from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
 
@@ -18,9 +20,10 @@ Floats = NDArray[np.float64]
 class Outcomes(NamedTuple):
     """What became of n controllers on the same E episodes; every array has shape (n, E).
 
-    The loss is log(final gap / lower bound) + price * evaluations / reference evaluations: up to a constant
-    of the episode what the environment's reward adds up to, with the sign turned, for controllers that share
-    PS(0); but it counts the first population too, so that controllers with another PS(0) compare as well.
+    The loss is a measure of the final fitness (`LOSSES`) + price * evaluations / reference evaluations: up
+    to a constant of the episode what the environment's reward adds up to, with the sign turned, for
+    controllers that share PS(0); but it counts the first population too, so that controllers with another
+    PS(0) compare as well.
     """
 
     losses: Floats
@@ -41,6 +44,18 @@ class Outcomes(NamedTuple):
         return found
 
 
+def _logarithmic(simulation: Simulation) -> Floats:
+    return np.log(simulation.gap() / simulation.lower_bounds[simulation.swarms.problem])
+
+
+def _per_cent(simulation: Simulation) -> Floats:
+    return 100.0 * simulation.optimality_gap()
+
+
+# What is minimised beside the price, by the reward that pays for it.
+LOSSES: dict[str, Callable[[Simulation], Floats]] = {"final": _logarithmic, "optimality": _per_cent}
+
+
 class SideBySide:
     """Places for n controllers with `config.episodes` episodes each.
 
@@ -50,12 +65,14 @@ class SideBySide:
 
     def __init__(self, config: TuneConfig, num_controllers: int, observation: str, action: str):
         self._shape = (num_controllers, config.episodes)
+        self._loss = look_up("reward of a tuning", config.reward, LOSSES)
         self._env = gymnasium.make_vec(
             environment_id(config.optimizer),
             num_envs=num_controllers * config.episodes,
             scenario=list(config.scenarios),
             observation=observation,
             action=action,
+            reward=config.reward,
             price=config.price,
             min_population_size=config.min_population_size,
             max_population_size=config.max_population_size,
@@ -79,9 +96,9 @@ class SideBySide:
             actions = [controller.act(part) for controller, part in zip(controllers, parts, strict=True)]
             observations, _, ended, _, info = self._env.step(np.concatenate(actions))
         simulation = self._simulation
-        gaps = simulation.gap() / simulation.lower_bounds[simulation.swarms.problem]
         costs = simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
-        columns = np.log(gaps) + costs, info["best_fitness"], info["evaluations"], info["scenario"]
+        losses = self._loss(simulation) + costs
+        columns = losses, info["best_fitness"], info["evaluations"], info["scenario"]
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
     def _begin(self, first_sizes: list[int], seed: int) -> NDArray:
