@@ -51,20 +51,20 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "status-monitor": StatusMonitor.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
-    "ppo": load_learned,
+    "learned": load_learned,
     "tuned": _tuned,
     "distilled": load_rule,
 }
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name, as `fixed:60`, `spsfa-tip` or `ppo:three-cases`.
+    """A controller by name, as `fixed:60`, `spsfa-tip` or `learned:three-cases`.
 
     Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
     `linear-reduction:start=120`; a wrong one is refused with the list of those there are. What follows
-    `ppo:`, `open-loop:`, `tuned:` and `distilled:` is shipped under that name, or a file. Policies of one
-    recipe are `ppo:<preset>/<training seed>`; one that sees the price of evaluations is told it:
-    `ppo:<policy>@0.3`.
+    `learned:`, `open-loop:`, `tuned:` and `distilled:` is shipped under that name, or a file. Policies of one
+    recipe are `learned:<preset>/<training seed>`; one that sees the price of evaluations is told it:
+    `learned:<policy>@0.3`.
 
     Args:
         name: the family, and after a colon its argument.

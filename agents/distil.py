@@ -52,7 +52,7 @@ class DistilConfig:
     """Options of a distillation; all are stored with the rule."""
 
     policy: Annotated[str, tyro.conf.Positional]
-    """Controller to distil: ppo:<name or file>."""
+    """Controller to distil: learned:<name or file>."""
     output: Path
     """The file to write, a name in agents/distilled to be found as distilled:<name>."""
     numbers: int = MOST_NUMBERS

@@ -3,16 +3,16 @@
 from pathlib import Path
 
 from agents.controller import SizeLimits
+from agents.feedforward import FeedforwardController, network_of
 from agents.policy_file import PolicyFileError, load_policy, resolve
-from agents.ppo import PPOController, network_of
 from agents.recurrent import RecurrentController
 
-NETWORKS: dict[str, type[PPOController]] = {
-    network.network: network for network in (PPOController, RecurrentController)
+NETWORKS: dict[str, type[FeedforwardController]] = {
+    network.network: network for network in (FeedforwardController, RecurrentController)
 }
 
 
-def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> PPOController:  # noqa: B008
+def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> FeedforwardController:  # noqa: B008
     """The controller of a shipped policy by name, or of a policy file; `<policy>@<price>` tells it a price.
 
     Raises:

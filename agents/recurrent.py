@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.feedforward import FeedforwardController, affine, read_layer, read_layers
 from agents.policy_file import PolicyFileError, Weights
-from agents.ppo import PPOController, affine, read_layer, read_layers
 from swarm_gym.observation import ITERATION
 
 
-class RecurrentController(PPOController):
+class RecurrentController(FeedforwardController):
     """Deterministic actions of an actor that remembers; its memory is empty at the start of an episode.
 
     The file has a layer `lstm`, with weight (4 h, features + h) and bias (4 h,), where h is the manifest's

@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         best = TrainingRun(given.config).run()
     except (RunFolderError, ValueError) as error:
         sys.exit(f"error: {error}")
-    print(f"best policy by validation: {best}\nuse it as controller ppo:{best}")
+    print(f"best policy by validation: {best}\nuse it as controller learned:{best}")
 
 
 def _train_seeds(given: CommandLine) -> None:

@@ -1,7 +1,7 @@
 """Which names belong together: training seeds of one recipe, scenarios of one set.
 
-Controllers `ppo:three-cases/0`, `ppo:three-cases/1`, ... are training seeds of one group, whose key is
-`ppo:three-cases/*`; any other controller is a group of its own, under its own name. Scenarios
+Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... are training seeds of one group, whose key
+is `learned:three-cases/*`; any other controller is a group of its own, under its own name. Scenarios
 `random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set, `random-fields:test`; any other
 scenario is a set of its own.
 """

@@ -1,13 +1,18 @@
 """Names of controllers as tables and figures print them."""
 
 # Families whose members are called after what they were fitted to.
-FITTED = {"distilled": "rule", "open-loop": "open loop", "tuned": "tuned schedule"}
+FITTED = {
+    "distilled": "rule",
+    "learned": "learned",
+    "open-loop": "open loop",
+    "tuned": "tuned schedule",
+}
 
 
 def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
-    A group of training seeds, `ppo:three-cases/*`, is learned three-cases, without the parentheses of one
+    A group of training seeds, `learned:three-cases/*`, is learned three-cases, without the parentheses of one
     policy; what learned it, PPO or an evolution strategy, is told by the policy.
     """
     family, _, argument = controller.partition(":")
@@ -15,8 +20,6 @@ def label(controller: str) -> str:
         return f"learned {argument.removesuffix('/*')}"
     if family == "fixed":
         return f"FA-{argument}"
-    if family == "ppo":
-        return f"learned ({argument})"
     if family in FITTED and argument:
         return f"{FITTED[family]} ({argument})"
     if family.startswith("spsfa"):

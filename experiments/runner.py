@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from agents import Controller, make_controller
 from agents.distilled import DistilledRule
-from agents.ppo import PPOController
+from agents.feedforward import FeedforwardController
 from agents.provenance import provenance
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
@@ -127,7 +127,7 @@ def configuration(suite: Suite) -> dict[str, Any]:
 
 def _identity(name: str, controller: Controller) -> Any:
     """What a controller is, where its name does not say: files may be replaced."""
-    if isinstance(controller, PPOController):
+    if isinstance(controller, FeedforwardController):
         return controller.manifest["weights_sha256"]
     return controller.lines() if isinstance(controller, DistilledRule) else name
 

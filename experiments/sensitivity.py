@@ -36,7 +36,7 @@ ITERATION = "the iteration (mean of all iterations)"
 class SensitivityConfig:
     """Options of an analysis."""
 
-    policy: str = "ppo:three-cases"
+    policy: str = "learned:three-cases"
     """Controller to look into."""
     seeds: int = 50
     """Episodes per scenario."""

@@ -1,7 +1,7 @@
 """Suites: which controllers run on which scenarios, and what is made of the runs, as data.
 
 To add one, enter it in `SUITES`. To add a controller, enter its name in a tuple of `FITTED_TO_CASES`,
-`FITTED_TO_FIELDS` or `ABLATED`; training seeds of a recipe, `*training_seeds("ppo:three-cases", 10)`, are
+`FITTED_TO_FIELDS` or `ABLATED`; training seeds of a recipe, `*training_seeds("learned:three-cases", 10)`, are
 reported on together (see `experiments.groups`).
 """
 
@@ -103,7 +103,7 @@ class Suite:
 
 
 def training_seeds(recipe: str, number: int) -> tuple[str, ...]:
-    """Names of the policies of one recipe: `ppo:three-cases/0` and so on."""
+    """Names of the policies of one recipe: `learned:three-cases/0` and so on."""
     return tuple(f"{recipe}/{k}" for k in range(number))
 
 
@@ -136,14 +136,14 @@ SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "stat
 FITTED_TO_CASES = Fitted(
     schedules=("tuned:three-cases",),
     open_loops=("open-loop:three-cases", "open-loop:three-cases-extended"),
-    learned=("ppo:three-cases", "distilled:three-cases"),
+    learned=("learned:three-cases", "distilled:three-cases"),
     learned_extended=(),
 )
 FITTED_TO_FIELDS = Fitted(
     schedules=("tuned:random-fields",),
     open_loops=("open-loop:random-fields", "open-loop:random-fields-extended"),
     learned=(),
-    learned_extended=training_seeds("ppo:random-fields-extended", 5),
+    learned_extended=training_seeds("learned:random-fields-extended", 5),
 )
 # What a controller of the three cases owes to deciding anew each iteration, and to being one for all cases.
 ABLATED = (
@@ -160,7 +160,7 @@ FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
 
 PAPER = Suite(
     name="paper",
-    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "ppo:three-cases"),
+    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "learned:three-cases"),
     scenarios=CASES,
     num_seeds=20,
     baseline="spsfa-tip",

@@ -161,6 +161,12 @@ class Simulation:
         finally:
             numba.set_num_threads(previous)
 
+    def copy_rows(self, rows: Integers) -> None:
+        """Make swarm i, for every i of the B, a copy of swarm rows[i]: state, random stream and record."""
+        state = (self.iteration, self.running, self.history, self.initial_gap, self.price)
+        for array in (*self.swarms, *state):
+            array[...] = array[rows]
+
     def pace(self) -> Floats:
         """(B,) evaluations for each iteration that is left, where the budget is spread evenly over them."""
         left = np.maximum(self.settings.iterations - self.iteration, 1)

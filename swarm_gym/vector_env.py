@@ -128,11 +128,12 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos = {**self._infos(everyone), **infos}
         return self._batch.observe(), rewards, terminated, truncated, infos
 
-    def step_running(self, actions: NDArray) -> tuple[NDArray, NDArray, Flags]:
+    def step_running(self, actions: NDArray, chosen: Flags | None = None) -> tuple[NDArray, NDArray, Flags]:
         """As `step`, but swarms whose episode has ended rest: for whole episodes side by side.
 
         Args:
             actions: one per swarm; those of resting swarms are not read.
+            chosen: (B,) the swarms that do not rest anyway; all by default.
 
         Returns:
             observations, rewards (0 where a swarm rests), and which episodes have ended by now.
@@ -141,9 +142,20 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             ActionError: if the action of a running swarm is not in the action space.
             StepOrderError: if a swarm was never reset.
         """
-        rewards, terminated = self._batch.step(~self._ended, actions)
+        stepping = ~self._ended if chosen is None else chosen & ~self._ended
+        rewards, terminated = self._batch.step(stepping, actions)
         self._ended |= terminated
         return self._batch.observe(), rewards, self._ended.copy()
+
+    def copy_swarms(self, rows: NDArray[np.int64]) -> NDArray:
+        """Make swarm i, for every i, a copy of swarm rows[i], to go on differently from the same state.
+
+        Copies go on alike, down to their random numbers, as long as their actions are alike; what the next
+        episodes draw from is not copied. Returns the observations.
+        """
+        self.simulation.copy_rows(rows)
+        self._ended = self._ended[rows]
+        return self._batch.observe()
 
     def _infos(self, rows: Flags) -> dict[str, Any]:
         """Infos of these swarms; the entries of the others are zero or None, and masked."""

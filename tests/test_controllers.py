@@ -8,9 +8,9 @@ import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
 from agents.distilled import shipped_rules
+from agents.feedforward import FeedforwardController
 from agents.open_loop import OpenLoopFileError, shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
-from agents.ppo import PPOController
 from agents.rollout import run_episodes
 from agents.tuned import FORMAT, TunedFileError, shipped_tuned
 from swarm_gym.action import make_action
@@ -26,7 +26,7 @@ ARGUMENTS = {
     "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
     "linear-reduction": ["", "start=120,smallest=20"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
-    "ppo": shipped_policies(),
+    "learned": shipped_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
     "tuned": shipped_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
@@ -129,7 +129,7 @@ def test_random_covers_the_action_space_and_is_seeded():
         (
             "spfsa",
             UnknownNameError,
-            "spfsa.*distilled.*fixed.*linear-reduction.*ppo.*spsfa-tip.*tuned",
+            "spfsa.*distilled.*fixed.*learned.*linear-reduction.*spsfa-tip.*tuned",
         ),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, as fixed:60"),
@@ -138,8 +138,8 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("fixed:201", ValueError, "201"),
         ("fixed:-5", ValueError, "-5"),
         ("spsfa:3", ValueError, "3"),
-        ("ppo:nowhere", PolicyFileError, "nowhere"),
-        ("ppo", PolicyFileError, "neither"),
+        ("learned:nowhere", PolicyFileError, "nowhere"),
+        ("learned", PolicyFileError, "neither"),
         ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a shipped one"),
         ("tuned:nowhere", TunedFileError, "nowhere.*neither a shipped one"),
     ],
@@ -170,7 +170,7 @@ def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, mes
 def test_policy_equals_the_network_it_was_saved_from(policy):
     torch = pytest.importorskip("torch")
     weights, _ = load_policy(policy)
-    controller = PPOController(policy)
+    controller = FeedforwardController(policy)
     observations = random_observations("extended", np.random.default_rng(3), 50)
     with torch.no_grad():
         x = torch.as_tensor(observations)
@@ -184,7 +184,7 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
 
 def test_a_missing_policy_names_the_shipped_ones():
     with pytest.raises(PolicyFileError, match="shipped policy"):
-        make_controller("ppo:no-such-policy")
+        make_controller("learned:no-such-policy")
 
 
 def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
@@ -194,18 +194,18 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         make_policy(tmp_path / f"{name}.safetensors", rng)
     assert shipped_policies() == ["alone", "recipe/0", "recipe/1"]
-    digests = {make_controller(f"ppo:{name}").manifest["weights_sha256"] for name in shipped_policies()}
+    digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in shipped_policies()}
     assert len(digests) == 3
     for name in ("recipe", "recipe/2"):
         with pytest.raises(PolicyFileError, match=r"shipped policy \(alone, recipe/<seed>\)"):
-            make_controller(f"ppo:{name}")
+            make_controller(f"learned:{name}")
 
 
 @pytest.mark.parametrize("kept", [0, 4, 100, -1])
 def test_a_truncated_policy_is_refused(policy, kept):
     policy.write_bytes(policy.read_bytes()[:kept])
     with pytest.raises(PolicyFileError, match=str(policy)):
-        PPOController(policy)
+        FeedforwardController(policy)
 
 
 def test_a_tampered_policy_is_refused(policy):
@@ -213,17 +213,17 @@ def test_a_tampered_policy_is_refused(policy):
     data[-3] ^= 1
     policy.write_bytes(bytes(data))
     with pytest.raises(PolicyFileError, match="digest"):
-        PPOController(policy)
+        FeedforwardController(policy)
 
 
 def test_a_policy_that_is_something_else_is_refused(policy):
     policy.write_bytes(b"PK\x03\x04 a zip file, say, that would be unpickled elsewhere")
     with pytest.raises(PolicyFileError, match="readable"):
-        PPOController(policy)
+        FeedforwardController(policy)
     header = json.dumps({"__metadata__": {"manifest": "[1]"}}).encode()
     policy.write_bytes(struct.pack("<Q", len(header)) + header)
     with pytest.raises(PolicyFileError, match="format"):
-        PPOController(policy)
+        FeedforwardController(policy)
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,7 @@ def test_a_policy_for_something_else_is_refused(tmp_path, changes, message):
     weights, manifest = load_policy(path)
     save_policy(path, weights, {**manifest, **changes})
     with pytest.raises(PolicyFileError, match=message):
-        PPOController(path)
+        FeedforwardController(path)
 
 
 def test_a_manifest_without_a_required_entry_is_refused(policy):
@@ -251,7 +251,7 @@ def test_a_manifest_without_a_required_entry_is_refused(policy):
     del manifest["initial_population_size"]
     save_policy(policy, weights, manifest)
     with pytest.raises(PolicyFileError, match="initial_population_size"):
-        PPOController(policy)
+        FeedforwardController(policy)
 
 
 @pytest.mark.parametrize("name", NAMES)

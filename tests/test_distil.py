@@ -129,7 +129,7 @@ def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):
     path = make_policy(
         tmp_path / "residual.safetensors", weights, base="spsfa-tip", features=features, extra_features=2
     )
-    found = distil(make_controller(f"ppo:{path}"), TRAINING, config_of())
+    found = distil(make_controller(f"learned:{path}"), TRAINING, config_of())
     assert [formula.decision for formula in found.rule.formulas] == [SIZE, PHI]
 
 
@@ -218,7 +218,7 @@ def test_a_missing_rule_is_refused():
 @pytest.mark.parametrize("name", shipped_rules())
 def test_shipped_rules_say_where_they_come_from(name):
     content = json.loads((DISTILLED / f"{name}.json").read_text())
-    assert content["manifest"]["policy"].startswith("ppo:")
+    assert content["manifest"]["policy"].startswith("learned:")
     assert content["num_numbers"] == load_rule(name).num_numbers <= MOST_NUMBERS
 
 

@@ -207,10 +207,12 @@ def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_
 
 
 def test_without_simulating_what_is_missing_is_named(results, tmp_path, monkeypatch):
-    more = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "ppo:a/0", "ppo:a/1"))
+    more = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "learned:a/0", "learned:a/1"))
     monkeypatch.setitem(SUITES, "tiny", more)
     config = EvaluateConfig("tiny", database=results.path, output=tmp_path, simulate=False, figures=False)
-    with pytest.raises(ResultsError, match=r"lacks 8 runs.*4 of ppo:a/\* on case1, 4 of ppo:a/\* on case3"):
+    with pytest.raises(
+        ResultsError, match=r"lacks 8 runs.*4 of learned:a/\* on case1, 4 of learned:a/\* on case3"
+    ):
         evaluate(config)
     assert results.finished() == KEYS
     nowhere = tmp_path / "nowhere.sqlite"

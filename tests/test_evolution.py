@@ -31,10 +31,11 @@ def _policy(run, folder, weights):
     return load_learned(folder / "one.safetensors", run.config.limits)
 
 
-@pytest.mark.parametrize("base", ["none", "spsfa-tip"])
+@pytest.mark.parametrize(("base", "begin"), [("none", 0), ("spsfa-tip", 0), ("spsfa-tip", 40)])
 @pytest.mark.parametrize("width", [8, 64])
-def test_candidates_earn_what_their_policies_earn(tmp_path, base, width):
-    run = train(tmp_path, **EVOLUTION, base=base, hidden_layers=(width,), observation="rich")
+def test_candidates_earn_what_their_policies_earn(tmp_path, base, begin, width):
+    options = {"base": base, "corrected_from": begin, "hidden_layers": (width,), "observation": "rich"}
+    run = train(tmp_path, **EVOLUTION, **options)
     learner = run.learner
     candidates = np.random.default_rng(0).normal(size=(4, len(learner._strategy.mean))) * 0.3
     earned = learner._earn(candidates, 1_000_000)
@@ -44,6 +45,8 @@ def test_candidates_earn_what_their_policies_earn(tmp_path, base, width):
         episodes = run_episodes(policy, "case3", range(1_000_000, 1_000_002), **run.config.env_options())
         assert mean == episodes.returns.mean()
     assert len(set(earned)) == 4
+    # What the base alone decides is simulated once for all candidates.
+    assert learner.num_steps == 8 * (100 - begin) + 2 * begin
 
 
 @pytest.mark.parametrize("hidden_layers", [(), (20,)])  # with a whole covariance, and with its diagonal

@@ -26,7 +26,7 @@ from experiments.results import Results, Run, Snapshot
 from experiments.suites import PAPER, Suite
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 
-CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip", "ppo:tiny")
+CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip", "learned:tiny")
 NUM_SEEDS, ITERATIONS, MEMBERS = 4, 6, 5
 SUITE = Suite(
     name="tiny",
@@ -308,12 +308,12 @@ def test_controllers_and_scenarios_without_runs_are_left_out(tmp_path):
     results = Results(tmp_path / "few.sqlite")
     assert plan(SUITE, results) == {}
     for seed in range(2):
-        results.add(make_run("ppo:tiny", "case1", seed))
+        results.add(make_run("learned:tiny", "case1", seed))
     assert list(plan(SUITE, results)) == [f"{kind}-case1" for kind in CASE_DRAWINGS]
     results.add(make_run("spsfa", "case1", 0))
     assert next(iter(plan(SUITE, results))) == "population-collision"
     (case,) = load_cases(SUITE, results)
-    assert list(case.runs) == ["spsfa", "ppo:tiny"]
+    assert list(case.runs) == ["spsfa", "learned:tiny"]
     assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "learned (tiny)"]
     results.close()
 
@@ -344,11 +344,11 @@ def test_other_scenarios_get_figures_without_number_and_without_an_optimum(tmp_p
 
 
 def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
-    many = styles([*PAPER.controllers, "ppo:a", "ppo:b", "ppo:c"]).values()
+    many = styles([*PAPER.controllers, "learned:a", "learned:b", "learned:c"]).values()
     assert len({(style.colour, style.marker) for style in many}) == len(many)
     assert len({style.marker for style in styles(PAPER.controllers).values()}) == len(PAPER.controllers)
-    assert styles(["ppo:a", "spsfa"])["spsfa"] == KNOWN_STYLES["spsfa"]
-    assert styles(["ppo:a", "spsfa"])["ppo:a"] == styles(["fixed:60", "ppo:a"])["ppo:a"]
+    assert styles(["learned:a", "spsfa"])["spsfa"] == KNOWN_STYLES["spsfa"]
+    assert styles(["learned:a", "spsfa"])["learned:a"] == styles(["fixed:60", "learned:a"])["learned:a"]
 
 
 @pytest.mark.parametrize(
@@ -359,8 +359,8 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("spsfa-tip", "SPSFA-TIP"),
         ("spsfa-tip:growth=500,decay=0.1", "SPSFA-TIP (growth=500, decay=0.1)"),
         ("random", "random"),
-        ("ppo:three-cases", "learned (three-cases)"),
-        ("ppo:three-cases/3", "learned (three-cases/3)"),
+        ("learned:three-cases", "learned (three-cases)"),
+        ("learned:three-cases/3", "learned (three-cases/3)"),
         ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
         ("tuned:random-fields", "tuned schedule (random-fields)"),
     ],

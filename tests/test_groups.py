@@ -24,18 +24,18 @@ NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parame
 
 
 def test_training_seeds_of_a_recipe_are_one_group():
-    controllers = ("spsfa", "ppo:a/0", "fixed:60", "ppo:a/1", "ppo:b/0", "ppo:a/12")
+    controllers = ("spsfa", "learned:a/0", "fixed:60", "learned:a/1", "learned:b/0", "learned:a/12")
     assert group_controllers(controllers) == {
         "spsfa": ("spsfa",),
-        "ppo:a/*": ("ppo:a/0", "ppo:a/1", "ppo:a/12"),
+        "learned:a/*": ("learned:a/0", "learned:a/1", "learned:a/12"),
         "fixed:60": ("fixed:60",),
-        "ppo:b/*": ("ppo:b/0",),
+        "learned:b/*": ("learned:b/0",),
     }
 
 
-@pytest.mark.parametrize("alone", ["ppo:a", "ppo:runs/mine/best.safetensors", "fixed:60"])
+@pytest.mark.parametrize("alone", ["learned:a", "learned:runs/mine/best.safetensors", "fixed:60"])
 def test_a_policy_that_is_no_training_seed_is_not_pooled_with_any(alone):
-    assert group_controllers([alone, "ppo:a/0"]) == {alone: (alone,), "ppo:a/*": ("ppo:a/0",)}
+    assert group_controllers([alone, "learned:a/0"]) == {alone: (alone,), "learned:a/*": ("learned:a/0",)}
 
 
 def test_scenarios_of_a_set_belong_together():
@@ -49,11 +49,11 @@ def test_scenarios_of_a_set_belong_together():
 
 
 def test_a_group_is_called_by_its_recipe():
-    assert label("ppo:three-cases/*") == "learned three-cases"
+    assert label("learned:three-cases/*") == "learned three-cases"
 
 
 def test_names_count_from_zero():
-    assert training_seeds("ppo:a", 2) == ("ppo:a/0", "ppo:a/1")
+    assert training_seeds("learned:a", 2) == ("learned:a/0", "learned:a/1")
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
@@ -77,17 +77,23 @@ def test_what_a_suite_runs_ships(suite):
 
 def test_policies_that_ship_are_in_a_suite():
     run = {controller for suite in SUITES.values() for controller in suite.controllers}
-    assert {f"ppo:{name}" for name in shipped_policies()} <= run
+    assert {f"learned:{name}" for name in shipped_policies()} <= run
 
 
 def test_families_of_a_suite_are_what_it_runs_beside_chance():
-    fitted = Fitted(learned=training_seeds("ppo:a", 2), open_loops=("open-loop:b",))
-    families = families_of(fitted, Family("others", ()), Family("more", ("ppo:c",)))
+    fitted = Fitted(learned=training_seeds("learned:a", 2), open_loops=("open-loop:b",))
+    families = families_of(fitted, Family("others", ()), Family("more", ("learned:c",)))
     assert [family.name for family in families] == [
         "fixed sizes", "schedules", "open loops", "learned (size, φ)", "more",
     ]  # fmt: skip
-    assert families[3].groups == ("ppo:a/*",)
-    assert controllers_of(families)[-5:] == ("open-loop:b", "ppo:a/0", "ppo:a/1", "ppo:c", "random")
+    assert families[3].groups == ("learned:a/*",)
+    assert controllers_of(families)[-5:] == (
+        "open-loop:b",
+        "learned:a/0",
+        "learned:a/1",
+        "learned:c",
+        "random",
+    )
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)

@@ -76,7 +76,7 @@ def test_the_provenance_of_runs_is_one_line():
 
 
 def test_where_fitted_controllers_come_from():
-    table = origins_table(("tuned:three-cases", "ppo:three-cases", "distilled:three-cases"))
+    table = origins_table(("tuned:three-cases", "learned:three-cases", "distilled:three-cases"))
     assert [row[1] for row in table.rows] == [
         "tuned: schedule", "trained: ppo", "distilled from learned (three-cases)",
     ]  # fmt: skip

@@ -9,12 +9,12 @@ from test_controllers import make_policy, random_observations
 from trainings import STEPS, tiny_config, train
 
 from agents import make_controller
+from agents.feedforward import FeedforwardController
 from agents.imitation import _cut, demonstrate, imitate
 from agents.learned import NETWORKS, load_learned
 from agents.learners import make_learner
 from agents.learners.recurrent import SequencePolicy
 from agents.policy_file import PolicyFileError, load_policy, save_policy
-from agents.ppo import PPOController
 from agents.recurrent import ITERATION, RecurrentController
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -52,7 +52,7 @@ def change(path, weights=None, **changes):
 def test_the_file_decides_as_the_torch_policy_over_several_episodes(tmp_path, base):
     run = train(tmp_path, **RECURRENT, base=base, total_steps=STEPS)
     run.run()
-    controller = make_controller(f"ppo:{tmp_path / 'ppo' / 'latest.safetensors'}", run.config.limits)
+    controller = make_controller(f"learned:{tmp_path / 'ppo' / 'latest.safetensors'}", run.config.limits)
     assert isinstance(controller, RecurrentController)
     env = SwarmVectorEnv(
         4, **{**controller.env_options(), "observation": controller.observation}, max_population_size=12,
@@ -132,11 +132,11 @@ def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):
 
 def test_a_class_of_another_network_refuses_the_file(policy, tmp_path):
     with pytest.raises(PolicyFileError, match="'lstm', expected 'feedforward'"):
-        PPOController(policy)
+        FeedforwardController(policy)
     other = make_policy(tmp_path / "other.safetensors", np.random.default_rng(0))
     with pytest.raises(PolicyFileError, match="'feedforward', expected 'lstm'"):
         RecurrentController(other)
-    assert type(load_learned(other)) is NETWORKS["feedforward"] is PPOController
+    assert type(load_learned(other)) is NETWORKS["feedforward"] is FeedforwardController
 
 
 def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, monkeypatch):

@@ -52,7 +52,7 @@ class Remembering(Controller):
 
 @pytest.fixture(scope="module")
 def found():
-    return analyse("ppo:partial", Partial(), TRAINING, ("case3", "case1"), SEEDS)
+    return analyse("learned:partial", Partial(), TRAINING, ("case3", "case1"), SEEDS)
 
 
 def test_an_input_that_is_not_used_changes_nothing(found):
@@ -90,7 +90,7 @@ def test_changes_of_the_size_are_octaves():
     column = NAMES.index(COLLISION)
     blind = 8.0 + 12.0 * courses[:, column, None]
     expected = abs(np.log2(watched.decided[0][..., 0] / blind)).mean()
-    only = analyse("ppo:partial", controller, TRAINING, ("case3",), SEEDS)
+    only = analyse("learned:partial", controller, TRAINING, ("case3",), SEEDS)
     assert only.changes[COLLISION][0] == pytest.approx(expected, rel=1e-6)
 
 
@@ -115,7 +115,7 @@ def test_what_watches_disturbs_neither_the_episodes_nor_a_memory():
         np.testing.assert_array_equal(decided[..., 0].T, alone.sizes)
 
 
-@pytest.mark.parametrize("name", ["spsfa-tip", "ppo:three-cases", "open-loop:three-cases-extended"])
+@pytest.mark.parametrize("name", ["spsfa-tip", "learned:three-cases", "open-loop:three-cases-extended"])
 def test_what_is_watched_is_what_is_carried_out(name):
     controller = make_controller(name)
     watched = watch(controller, [make_controller(name)], ["case3"], SEEDS)

@@ -26,7 +26,7 @@ from swarm_gym.scenarios import SCENARIOS, Circle
 from swarm_gym.simulation import HISTORY
 
 FIELDS = tuple(f"fields:test:{k}" for k in range(6))
-LEARNED = training_seeds("ppo:a", 3)
+LEARNED = training_seeds("learned:a", 3)
 SUITE = Suite(
     name="made",
     controllers=("fixed:60", "spsfa-tip", *LEARNED),
@@ -125,7 +125,7 @@ def row(table, scenarios, controller):
 def test_outcomes_are_the_runs_in_order(outcomes, gaps):
     np.testing.assert_allclose(outcomes.gap, of(gaps, SUITE.controllers, SUITE.scenarios), atol=1e-12)
     assert list(outcomes.sets) == ["case1", "fields:test", "all"]
-    sample = outcomes.sample("ppo:a/*", "fields:test")
+    sample = outcomes.sample("learned:a/*", "fields:test")
     np.testing.assert_allclose(sample.gap, of(gaps, LEARNED, FIELDS), atol=1e-12)
     assert sample.set_sizes == (6,)
     assert outcomes.sample("fixed:60", "all").set_sizes == (1, 6)
@@ -199,8 +199,8 @@ def test_training_seeds_of_a_baseline_are_drawn_independently(outcomes):
     one = Outcomes(LEARNED, ("case1",), *(values[2:, :1] for values in numbers(outcomes)))
     both = [np.concatenate([values, values]) for values in numbers(one)]
     both[0] = both[0] * np.array([1.0, 1.02, 1.05] * 2)[:, None, None]
-    names = (*LEARNED, *training_seeds("ppo:b", 3))
-    suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), baseline="ppo:b/*")
+    names = (*LEARNED, *training_seeds("learned:b", 3))
+    suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), baseline="learned:b/*")
     (table,) = difference_tables(suite, Outcomes(names, ("case1",), *both))
     ((_, controller, difference, *_, improvement, p_value),) = table.rows
     assert (controller, improvement, p_value) == ("learned a", "0.50", "1")
@@ -239,15 +239,15 @@ def test_profiles_show_the_share_of_runs(outcomes, gaps):
 
 def test_the_front_shows_every_group_and_connects_families(outcomes, gaps):
     axes = draw_front(SUITE, outcomes).axes[0]
-    points = {c: line(axes, label(c))[:, 0] for c in ("fixed:60", "spsfa-tip", "ppo:a/*")}
-    np.testing.assert_allclose(points["ppo:a/*"], (50_000, of(gaps, LEARNED, ["case1"]).mean()))
+    points = {c: line(axes, label(c))[:, 0] for c in ("fixed:60", "spsfa-tip", "learned:a/*")}
+    np.testing.assert_allclose(points["learned:a/*"], (50_000, of(gaps, LEARNED, ["case1"]).mean()))
     np.testing.assert_array_equal(line(axes, "hand").T, [points["spsfa-tip"], points["fixed:60"]])
     assert "none" not in axes.get_legend_handles_labels()[1]
 
 
 def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(results):
-    among = styles(["fixed:60", "spsfa-tip", "ppo:a/*"])
-    panels = draw_decisions(SUITE, results, "ppo:a/*", among).axes
+    among = styles(["fixed:60", "spsfa-tip", "learned:a/*"])
+    panels = draw_decisions(SUITE, results, "learned:a/*", among).axes
     assert [axes.get_ylabel() for axes in panels[::2]] == [
         "population size", "repair degree φ", "noise α", "attractiveness β₀",
     ]  # fmt: skip
@@ -268,7 +268,7 @@ def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(resul
 
 
 def test_panels_of_decisions_hold_all_that_is_drawn_in_them(results):
-    panels = draw_decisions(SUITE, results, "ppo:a/*", styles(["spsfa-tip", "ppo:a/*"])).axes
+    panels = draw_decisions(SUITE, results, "learned:a/*", styles(["spsfa-tip", "learned:a/*"])).axes
     for axes in panels:
         low, high = axes.get_ylim()
         assert low == 0.0
@@ -291,7 +291,7 @@ def test_a_logarithmic_axis_has_labels_enough(low, high, expected):
 
 
 def test_figures_of_the_study_leave_out_who_decides_nothing(results, tmp_path):
-    assert list(plan(SUITE, results)) == ["profiles", "front", "decisions-ppo-a-seeds"]
+    assert list(plan(SUITE, results)) == ["profiles", "front", "decisions-learned-a-seeds"]
     first = {path.name: path.read_bytes() for path in write_figures(SUITE, results, tmp_path / "one")}
     again = {path.name: path.read_bytes() for path in write_figures(SUITE, results, tmp_path / "two")}
     assert first == again
@@ -299,6 +299,6 @@ def test_figures_of_the_study_leave_out_who_decides_nothing(results, tmp_path):
 
 
 def test_ten_unknown_groups_are_told_apart_without_colour():
-    many = styles([f"ppo:{name}/*" for name in "abcdefghij"]).values()
+    many = styles([f"learned:{name}/*" for name in "abcdefghij"]).values()
     assert len({style.marker for style in many}) == 10
     assert len({str(style.line) for style in many}) == 10

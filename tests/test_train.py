@@ -11,8 +11,8 @@ from stable_baselines3.common.vec_env import VecEnv
 from trainings import STEPS, train
 
 from agents import SizeLimits, make_controller
+from agents.feedforward import FeedforwardController
 from agents.policy_file import load_policy
-from agents.ppo import PPOController
 from agents.run_folder import RunFolderError
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TEST, VALIDATION, training_seed
@@ -68,7 +68,7 @@ def test_the_saved_policy_decides_as_the_model_does(tmp_path):
                          initial_population_size=4)  # fmt: skip
     observations, _ = env.reset(seed=0)
     actions, _ = run.learner.model.predict(observations, deterministic=True)
-    controller = PPOController(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
+    controller = FeedforwardController(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
     decided = controller.act(observations)
     np.testing.assert_allclose(decided, np.clip(actions, -1, 1), atol=1e-5)
 
@@ -139,7 +139,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
             {"warm_start": "open-loop:three-cases-extended", "max_population_size": 200},
             "'extended'.*imitated",
         ),
-        ({"warm_start": "ppo:three-cases", "max_population_size": 200}, "'normalised'.*imitated"),
+        ({"warm_start": "learned:three-cases", "max_population_size": 200}, "'normalised'.*imitated"),
     ],
 )
 def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):
@@ -158,7 +158,7 @@ def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, opti
 def test_joined_layouts_and_budgets_that_end_all_episodes_early_can_be_trained_with(tmp_path, options):
     evolution = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "total_steps": 4}
     best = train(tmp_path / "a@b", **evolution, **options).run()
-    controller = make_controller(f"ppo:{best}", SizeLimits(2, 12))
+    controller = make_controller(f"learned:{best}", SizeLimits(2, 12))
     assert controller.action == options.get("action", "normalised")
 
 

@@ -206,3 +206,46 @@ def test_step_running_lets_swarms_rest_whose_episode_has_ended():
             total += reward
         assert total == returns[row]
         assert info["evaluations"] == env.simulation.swarms.evaluations[row]
+
+
+def test_copied_swarms_go_on_as_the_swarm_they_are_copies_of():
+    native, reference = (SwarmVectorEnv(6, **OPTIONS) for _ in range(2))
+    native.reset(seed=3, options={"reset_mask": np.arange(6) < 2})
+    reference.reset(seed=3)
+    rows = np.array([0, 1, 0, 1, 1, 0])
+    observations = native.copy_swarms(rows)
+    generator = np.random.default_rng(0)
+    for iteration in range(4):
+        actions = random_actions(generator, 6)[rows]
+        everyone = iteration < 2
+        chosen = np.full(6, True) if everyone else np.arange(6) < 2
+        observations, rewards, ended = native.step_running(actions, chosen)
+        expected = reference.step_running(actions)
+        if everyone:
+            np.testing.assert_array_equal(observations, expected[0][rows])
+            np.testing.assert_array_equal(rewards, expected[1][rows])
+        else:
+            np.testing.assert_array_equal(observations[:2], expected[0][:2])
+            assert (rewards[2:] == 0.0).all()
+    assert ended.tolist() == [True, True, False, False, False, False]
+    np.testing.assert_array_equal(native.copy_swarms(rows), expected[0][rows])
+    assert native.step_running(actions)[2].all()
+    for name in ("iteration", "running", "history", "initial_gap", "price"):
+        ours, theirs = (getattr(env.simulation, name) for env in (native, reference))
+        np.testing.assert_array_equal(ours, theirs[rows], err_msg=name)
+    for name, ours, theirs in zip(
+        reference.simulation.swarms._fields,
+        native.simulation.swarms,
+        reference.simulation.swarms,
+        strict=True,
+    ):
+        np.testing.assert_array_equal(ours, theirs[rows], err_msg=name)
+
+
+def test_swarms_that_are_not_chosen_rest():
+    env = SwarmVectorEnv(3, **OPTIONS)
+    before, _ = env.reset(seed=3)
+    actions = random_actions(np.random.default_rng(0), 3)
+    after, _, _ = env.step_running(actions, np.array([True, False, True]))
+    np.testing.assert_array_equal(after[1], before[1])
+    assert (after[[0, 2], 3] == 1).all()

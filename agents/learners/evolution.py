@@ -17,11 +17,11 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from agents.cma_state import load_strategy, strategy_state
+from agents.feedforward import affine
 from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
 from agents.paired_reward import ENV_REWARD, PAIRED
 from agents.policy_file import Weights
-from agents.ppo import affine
 from agents.train_config import TrainConfig
 
 Floats = NDArray[np.float64]
@@ -100,13 +100,9 @@ class EvolutionLearner(Learner):
     def _earn(self, candidates: Floats, seed: int) -> Floats:
         """(n,) mean return of n candidates (n, number of weights), over the same episodes each."""
         episodes = self.config.num_swarms // len(candidates)
-        seeds: Any = [seed + episode for episode in range(episodes)] * len(candidates)
-        observations, _ = self.env.reset(seed=seeds)
-        if self._base is not None:
-            self._base.controller.reset(self.env.num_envs)
         layers = [_rounded(*layer) for layer in self._layers(candidates)]
         swarms: Any = self.env.unwrapped
-        returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
+        observations, returns, ended = self._begin(episodes, seed)
         while not ended.all():
             proposal = None
             if self._base is not None:
@@ -123,6 +119,28 @@ class EvolutionLearner(Learner):
             observations, rewards, ended = swarms.step_running(actions)
             returns += rewards
         return returns.reshape(len(candidates), episodes).mean(axis=1)
+
+    def _begin(self, episodes: int, seed: int) -> tuple[NDArray, Floats, NDArray[np.bool_]]:
+        """Observations, returns so far and ends of all swarms, at the first decision that a candidate makes.
+
+        What the base alone decides is carried out once per episode and copied to all candidates.
+        """
+        swarms: Any = self.env.unwrapped
+        rows = np.tile(np.arange(episodes), self.env.num_envs // episodes)
+        once = np.arange(self.env.num_envs) < episodes
+        seeds: Any = (seed + rows).tolist()
+        self.env.reset(seed=seeds, options={"reset_mask": once})
+        observations = swarms.copy_swarms(rows)
+        returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
+        if self._base is None:
+            return observations, returns, ended
+        self._base.controller.reset(self.env.num_envs)
+        for _ in range(self.config.corrected_from):
+            actions = self._base.propose(observations[rows]).actions
+            self.num_steps += int((once & ~ended).sum())
+            observations, rewards, ended = swarms.step_running(actions, once)
+            returns += rewards
+        return swarms.copy_swarms(rows), returns[rows], ended[rows]
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
         """Weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""

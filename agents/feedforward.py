@@ -17,7 +17,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
 
-class PPOController(Controller):
+class FeedforwardController(Controller):
     """Deterministic actions (the mean of the policy) of a trained actor.
 
     Sums run along one row at a time, so that a decision does not depend on how many swarms are decided
@@ -125,7 +125,7 @@ class PPOController(Controller):
 
 def network_of(manifest: dict[str, Any]) -> object:
     """The kind of network that a manifest names; the first files did not, and are feedforward."""
-    return manifest.get("network", PPOController.network)
+    return manifest.get("network", FeedforwardController.network)
 
 
 def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
