@@ -1,7 +1,8 @@
 """Which names belong together: training seeds of one recipe, scenarios of one set.
 
 Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... are training seeds of one group, whose key
-is `learned:three-cases/*`; any other controller is a group of its own, under its own name. Scenarios
+is `learned:three-cases/*`, or `learned:three-cases/*@0.3` where they are told a price; any other controller
+is a group of its own, under its own name. Scenarios
 `random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set, `random-fields:test`; any other
 scenario is a set of its own.
 """
@@ -13,8 +14,9 @@ EVERY_SET = "all"  # name of the union of the sets, where there are several
 
 def group_key(controller: str) -> str:
     """The group that a controller belongs to."""
-    recipe, _, training_seed = controller.rpartition("/")
-    return f"{recipe}/*" if recipe and training_seed.isdigit() else controller
+    recipe, _, rest = controller.rpartition("/")
+    training_seed, at, price = rest.partition("@")
+    return f"{recipe}/*{at}{price}" if recipe and training_seed.isdigit() else controller
 
 
 def group_controllers(controllers: Iterable[str]) -> dict[str, tuple[str, ...]]:

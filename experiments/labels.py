@@ -13,11 +13,13 @@ def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
     A group of training seeds, `learned:three-cases/*`, is learned three-cases, without the parentheses of one
-    policy; what learned it, PPO or an evolution strategy, is told by the policy.
+    policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told stays
+    after an @.
     """
     family, _, argument = controller.partition(":")
-    if argument.endswith("/*"):
-        return f"learned {argument.removesuffix('/*')}"
+    recipe, several, price = argument.partition("/*")
+    if several:
+        return f"learned {recipe}{price}"
     if family == "fixed":
         return f"FA-{argument}"
     if family in FITTED and argument:

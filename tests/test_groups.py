@@ -50,10 +50,17 @@ def test_scenarios_of_a_set_belong_together():
 
 def test_a_group_is_called_by_its_recipe():
     assert label("learned:three-cases/*") == "learned three-cases"
+    assert label("learned:three-cases/*@0.3") == "learned three-cases@0.3"
 
 
 def test_names_count_from_zero():
     assert training_seeds("learned:a", 2) == ("learned:a/0", "learned:a/1")
+
+
+def test_policies_that_are_told_different_prices_are_different_groups():
+    names = training_seeds("learned:a", 2, 0.3, 4)
+    assert names == ("learned:a/0@0.3", "learned:a/1@0.3", "learned:a/0@4", "learned:a/1@4")
+    assert group_controllers(names) == {"learned:a/*@0.3": names[:2], "learned:a/*@4": names[2:]}
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
