@@ -1,4 +1,7 @@
-"""Presets: training configurations as data, in `agents/presets/<name>.toml`."""
+"""Presets: training configurations as data, in `agents/presets/<name>.toml`.
+
+A preset that is another one but for some options names that one as `like` and states what differs.
+"""
 
 import dataclasses
 import tomllib
@@ -26,8 +29,14 @@ def load_preset(name: str) -> TrainConfig:
     """The configuration of a preset by name, or of a TOML file by its path.
 
     Raises:
-        PresetError: if there is none, it is not TOML, or it has an unknown key or a value of a wrong type.
+        PresetError: if there is none, it is not TOML, it has an unknown key or a value of a wrong type, or it
+            is like one of which that is so.
     """
+    return _load(name, ())
+
+
+def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
+    """A preset that the dependents, each the one before, are like."""
     for path in (PRESETS / f"{name}.toml", Path(name)):
         if path.is_file():
             break
@@ -39,12 +48,23 @@ def load_preset(name: str) -> TrainConfig:
         raise PresetError(f"{path}: not a readable preset ({error})") from error
     kinds = {field.name: _HINTS[field.name] for field in dataclasses.fields(TrainConfig)}
     del kinds["preset"]
+    start = TrainConfig()
+    if "like" in content:
+        like = _as(str, content.pop("like"), f"{path}: like")
+        if path in dependents:
+            raise PresetError(f"{path}: it is like itself, by way of {like!r}")
+        try:
+            start = _load(like, (*dependents, path))
+        except PresetError as error:
+            raise PresetError(f"{path}: like {like!r}: {error}") from error
     values: dict[str, Any] = {"preset": path.stem}
     for key, value in content.items():
         if key not in kinds:
-            raise PresetError(f"{path}: unknown key {key!r}, expected one of {', '.join(sorted(kinds))}")
+            raise PresetError(
+                f"{path}: unknown key {key!r}, expected one of like, {', '.join(sorted(kinds))}"
+            )
         values[key] = _as(kinds[key], value, f"{path}: {key}")
-    return dataclasses.replace(TrainConfig(), **values)
+    return dataclasses.replace(start, **values)
 
 
 def _as(kind: Any, value: Any, where: str) -> Any:

@@ -13,8 +13,8 @@ def label(controller: str) -> str:
     """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
 
     A group of training seeds, `learned:three-cases/*`, is learned three-cases, without the parentheses of one
-    policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told stays
-    after an @.
+    policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told
+    stays, after an @.
     """
     family, _, argument = controller.partition(":")
     recipe, several, price = argument.partition("/*")

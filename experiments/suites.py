@@ -103,7 +103,7 @@ class Suite:
 
 
 def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
-    """Names of the policies of one recipe: `learned:three-cases/0` and so on; told each of the prices, if any."""
+    """Names of the policies of one recipe, as `learned:three-cases/0`; told each of the prices, if any."""
     told = [f"@{price:g}" for price in prices] or [""]
     return tuple(f"{recipe}/{k}{price}" for price in told for k in range(number))
 

@@ -59,6 +59,8 @@ def test_a_preset_changes_what_it_names(preset):
         ("hidden_layers = [8.0]", "hidden_layers must be of type integer"),
         ("runs = 3", "runs must be of type string"),
         ("[seed]\nvalue = 3", "seed must be of type integer"),
+        ("like = 3", "like must be of type string, got 3"),
+        ('like = "nowhere"', "like 'nowhere': preset 'nowhere': neither one of .*three-cases"),
         ("seed = ", "not a readable preset"),
         ("seed = 1\nseed = 2", "not a readable preset"),
     ],
@@ -68,6 +70,24 @@ def test_a_wrong_preset_is_refused_by_file_and_entry(preset, content, message):
     with pytest.raises(PresetError, match=message) as error:
         load_preset(path)
     assert path in str(error.value)
+
+
+def test_a_preset_like_another_one_changes_what_it_names(preset, tmp_path):
+    (tmp_path / "other.toml").write_text("seed = 4\ntotal_steps = 7")
+    config = load_preset(preset(f"like = '{tmp_path / 'other.toml'}'\ntotal_steps = 8"))
+    assert config == TrainConfig(preset="mine", seed=4, total_steps=8)
+
+
+def test_an_error_of_a_preset_that_another_one_is_like_names_both(preset, tmp_path):
+    (tmp_path / "other.toml").write_text("sed = 4")
+    with pytest.raises(PresetError, match=r"mine\.toml: like .*other\.toml: unknown key 'sed'"):
+        load_preset(preset(f"like = '{tmp_path / 'other.toml'}'"))
+
+
+def test_a_preset_that_is_like_itself_is_refused(preset, tmp_path):
+    (tmp_path / "other.toml").write_text(f"like = '{tmp_path / 'mine.toml'}'")
+    with pytest.raises(PresetError, match="it is like itself"):
+        load_preset(preset(f"like = '{tmp_path / 'other.toml'}'"))
 
 
 @pytest.mark.parametrize("name", ["nowhere", "", ".", "agents"])
