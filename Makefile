@@ -98,6 +98,7 @@ docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the docu
 
 docs-study: study-full ## fill docs/study.md from all suites of the study; OFFLINE=1: from what is in results/study
 	$(if $(filter 1,$(OFFLINE)),,$(BIN)/python -m experiments.sensitivity --output results/study/sensitivity)
+	$(if $(filter 1,$(OFFLINE)),,$(BIN)/python -m experiments.branching --output results/study/branching)
 	$(BIN)/python -m experiments.publish_study results/study
 
 clean: ## delete environments, caches and results (not trained policies)

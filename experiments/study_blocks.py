@@ -89,6 +89,10 @@ def _differences(suite: str, source: Source) -> str:
     return _by_set(source.table(suite, "differences"))
 
 
+def _duels(suite: str, source: Source) -> str:
+    return _by_set(source.table(suite, "duels"))
+
+
 def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, source: Source) -> str:
     """One value of a table, with a column for each set of scenarios."""
     table = spread(source.table(suite, name), keys, value)
@@ -98,10 +102,9 @@ def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, source: So
 
 def _decisions(suite: str, fitted: Fitted, source: Source) -> str:
     """Figures of the decisions of what was fitted, what is learned first."""
-    controllers = fitted.learned + fitted.learned_extended + fitted.schedules + fitted.open_loops
     return "\n\n".join(
         source.figure(suite, decisions_name(group), f"decisions of {group}")
-        for group in group_controllers(controllers)
+        for group in group_controllers(fitted.everything)
     )
 
 
@@ -111,11 +114,7 @@ def _parameter(name: str, symbol: str, printed: bool, source: Source) -> str:
 
 
 def _origins(source: Source) -> str:  # noqa: ARG001
-    fitted = [
-        controller
-        for group in (FITTED_TO_CASES, FITTED_TO_FIELDS)
-        for controller in (*group.schedules, *group.open_loops, *group.learned, *group.learned_extended)
-    ]
+    fitted = [*FITTED_TO_CASES.everything, *FITTED_TO_FIELDS.everything]
     fitted += [c for family in ABLATED for c in family.controllers if not c.startswith("fixed:")]
     table = origins_table(tuple(dict.fromkeys(fitted)))
     rows = [row for row in table.rows if row[-2] != NOTHING]  # of rules, "understanding" says it
@@ -132,6 +131,7 @@ def _suite_blocks(suite: str, several_sets: bool) -> dict[str, Block]:
     whole = {
         f"{suite}-gaps": partial(_gaps, suite),
         f"{suite}-differences": partial(_differences, suite),
+        f"{suite}-duels": partial(_duels, suite),
     }
     by_value = {
         f"{suite}-gaps": partial(_spread, suite, "gaps", ("controller",), "mean gap"),
@@ -163,6 +163,8 @@ BLOCKS: dict[str, Block] = {
     "out-of-distribution-near-optimum": partial(_whole, "out-of-distribution", "near-optimum"),
     "out-of-distribution-front-figure": partial(_figure, "out-of-distribution", "front", FRONT_TEXT),
     **_suite_blocks(ABLATION.name, several_sets=True),
+    "branching": partial(_whole, "branching", "branching"),
+    "foresight": partial(_whole, "branching", "foresight"),
     "sensitivity-decisions": partial(_whole, "sensitivity", "sensitivity-decisions"),
     "sensitivity-performance": partial(_whole, "sensitivity", "sensitivity-performance"),
     "sensitivity-figure": partial(_figure, "sensitivity", "sensitivity", "what each input is worth"),

@@ -15,7 +15,7 @@ from swarm_gym.scenarios import expand_name
 
 PAPER_TABLES = ("summary", "cases", "comparison", "reproduction")
 PAPER_FIGURES = ("snapshots", "collision", "cases")
-STUDY_TABLES = ("gaps", "differences", "front", "near-optimum")
+STUDY_TABLES = ("gaps", "differences", "duels", "front", "near-optimum")
 STUDY_FIGURES = ("profiles", "front", "decisions")
 
 # Seeds below 100 were looked at when a hyper-parameter was chosen; all below 100,000 are for tests.
@@ -47,15 +47,27 @@ class Fitted:
 
     Attributes:
         schedules: the paper's schedule with tuned parameters.
-        open_loops: functions of the iteration, of size and phi or of the extended action.
+        open_loops: size and phi as functions of the iteration.
+        open_loops_extended: the same of the extended action.
         learned: policies that decide size and phi.
         learned_extended: policies that decide the optimizer's parameters too.
     """
 
     schedules: tuple[str, ...] = ()
     open_loops: tuple[str, ...] = ()
+    open_loops_extended: tuple[str, ...] = ()
     learned: tuple[str, ...] = ()
     learned_extended: tuple[str, ...] = ()
+
+    @property
+    def all_learned(self) -> tuple[str, ...]:
+        """Policies, whatever they decide."""
+        return self.learned + self.learned_extended
+
+    @property
+    def everything(self) -> tuple[str, ...]:
+        """All of them, what is learned first."""
+        return self.all_learned + self.schedules + self.open_loops + self.open_loops_extended
 
 
 @dataclass(frozen=True)
@@ -68,6 +80,7 @@ class Suite:
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: seeds per scenario, none of which training or validation ever uses.
         baseline: the controller, or key of the group, that the others are compared with.
+        duels: further pairs that are compared, controllers or keys of groups: a challenger and its rival.
         snapshots: (controller, scenario, seed, iterations) of runs whose populations are kept.
         optimizer: name of the optimizer.
         first_seed: the first seed of the first scenario.
@@ -87,6 +100,7 @@ class Suite:
     optimizer: str = "firefly"
     first_seed: int = 0
     seed_step: int = 0
+    duels: tuple[tuple[str, str], ...] = ()
     families: tuple[Family, ...] = ()
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = PAPER_TABLES
@@ -113,7 +127,8 @@ def families_of(fitted: Fitted, *others: Family) -> tuple[Family, ...]:
     families = (
         Family("fixed sizes", FIXED_SIZES),
         Family("schedules", (*SCHEDULES, *fitted.schedules)),
-        Family("open loops", fitted.open_loops),
+        Family("open loops (size, φ)", fitted.open_loops),
+        Family("open loops (extended)", fitted.open_loops_extended),
         Family("learned (size, φ)", fitted.learned),
         Family("learned (extended)", fitted.learned_extended),
         *others,
@@ -136,32 +151,97 @@ FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
 SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
 FITTED_TO_CASES = Fitted(
     schedules=("tuned:three-cases",),
-    open_loops=("open-loop:three-cases", "open-loop:three-cases-extended"),
-    learned=("learned:three-cases", "distilled:three-cases"),
-    learned_extended=(),
+    # Tuned at different prices of an evaluation, the cheapest last.
+    open_loops=("open-loop:three-cases@0.5", "open-loop:three-cases", "open-loop:three-cases@0.05"),
+    open_loops_extended=(
+        "open-loop:three-cases-extended@2",
+        "open-loop:three-cases-extended",
+        "open-loop:three-cases-extended@0.1",
+        "open-loop:three-cases-extended@0.02",
+    ),
+    learned=(
+        *training_seeds("learned:three-cases", 10, 5, 1, 0.3),
+        *training_seeds("learned:three-cases-cheap", 3, 10),
+        "distilled:three-cases",
+    ),
+    learned_extended=(
+        *training_seeds("learned:three-cases-extended", 10, 10, 2, 0.3),
+        *training_seeds("learned:three-cases-extended-cheap", 3, 20),
+    ),
 )
 FITTED_TO_FIELDS = Fitted(
     schedules=("tuned:random-fields",),
-    open_loops=("open-loop:random-fields", "open-loop:random-fields-extended"),
-    learned=(),
+    open_loops=("open-loop:random-fields",),
+    open_loops_extended=("open-loop:random-fields-extended",),
+    learned=training_seeds("learned:random-fields", 5, 5, 1, 0.3),
     learned_extended=training_seeds("learned:random-fields-extended", 5),
 )
-# What a controller of the three cases owes to deciding anew each iteration, and to being one for all cases.
+# At one price of those that they were trained for: what is compared beyond fronts.
+HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
+HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 10, 2)
+
+# What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
+# to each part of the recipe.
 ABLATED = (
-    Family("constants", ()),
-    Family("learned on one case", ()),
-)
+    Family("constants", ("open-loop:three-cases-constant", "open-loop:three-cases-constant-extended")),
+    Family("as free, but blind", ("open-loop:three-cases-extended-13-knots",)),
+    Family(
+        "learned on one case",
+        tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
+    ),
+    Family("learned by PPO (size, φ)", training_seeds("learned:three-cases-ppo", 3)),
+    Family(
+        "other recipes (extended)",
+        (
+            *training_seeds("learned:ablation-short", 3, 2),
+            *training_seeds("learned:ablation-from-start", 3, 2),
+            *(
+                policy
+                for recipe in (
+                    "one-price", "four-numbers", "log-reward", "hidden-layer", "ppo-residual", "ppo-paired",
+                    "ppo-imitation", "ppo-scratch", "recurrent",
+                )
+                for policy in training_seeds(f"learned:ablation-{recipe}", 3)
+            ),
+        ),
+    ),
+)  # fmt: skip
 # How far what was learned on few maps carries, and what was learned on many.
-FROM_CASES = Family("learned on the cases", FITTED_TO_CASES.learned + FITTED_TO_CASES.learned_extended)
-FROM_FIELDS = Family("learned on fields", FITTED_TO_FIELDS.learned + FITTED_TO_FIELDS.learned_extended)
+FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
+FROM_FIELDS = Family("learned on fields", FITTED_TO_FIELDS.all_learned)
 
 HEADLINE_FAMILIES = families_of(FITTED_TO_CASES)
-ABLATION_FAMILIES = families_of(FITTED_TO_CASES, *ABLATED, FROM_FIELDS)
+ABLATION_FAMILIES = (
+    Family("open loops", ("open-loop:three-cases", "open-loop:three-cases-extended@0.1")),
+    Family("learned", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED)),
+    *ABLATED,
+    FROM_FIELDS,
+)
 FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
+
+# Learned controllers against the blind ones that they began with, and against the tuned schedule.
+HEADLINE_DUELS = (
+    *((f"learned:three-cases/*@{price}", "open-loop:three-cases") for price in ("5", "1", "0.3")),
+    *((f"learned:three-cases/*@{price}", "tuned:three-cases") for price in ("5", "1", "0.3")),
+    ("learned:three-cases/*@0.3", "open-loop:three-cases@0.05"),
+    ("learned:three-cases-cheap/*@10", "open-loop:three-cases@0.5"),
+    *(
+        (f"learned:three-cases-extended/*@{price}", "open-loop:three-cases-extended@0.1")
+        for price in ("10", "2", "0.3")
+    ),
+    ("learned:three-cases-extended/*@10", "open-loop:three-cases-extended"),
+    ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended@2"),
+)
+FIELD_DUELS = (
+    *((f"learned:random-fields/*@{price}", "open-loop:random-fields") for price in ("5", "1", "0.3")),
+    *((f"learned:random-fields/*@{price}", "tuned:random-fields") for price in ("5", "1", "0.3")),
+    ("learned:random-fields-extended/*", "open-loop:random-fields-extended"),
+    ("learned:random-fields-extended/*", "tuned:random-fields"),
+)
 
 PAPER = Suite(
     name="paper",
-    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "learned:three-cases"),
+    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "learned:three-cases/0@1"),
     scenarios=CASES,
     num_seeds=20,
     baseline="spsfa-tip",
@@ -180,7 +260,13 @@ PARAMETERS = Suite(
 
 
 def _study(
-    name: str, families: tuple[Family, ...], scenarios: tuple[str, ...], num_seeds: int, seed_step: int = 0
+    name: str,
+    families: tuple[Family, ...],
+    scenarios: tuple[str, ...],
+    num_seeds: int,
+    seed_step: int = 0,
+    duels: tuple[tuple[str, str], ...] = (),
+    baseline: str = "spsfa-tip",
 ) -> Suite:
     """A suite of the study: families of controllers against the printed schedule, on fresh seeds."""
     return Suite(
@@ -188,7 +274,8 @@ def _study(
         controllers=controllers_of(families),
         scenarios=scenarios,
         num_seeds=num_seeds,
-        baseline="spsfa-tip",
+        baseline=baseline,
+        duels=duels,
         first_seed=FRESH_SEEDS,
         seed_step=seed_step,
         families=families,
@@ -197,10 +284,11 @@ def _study(
     )
 
 
-HEADLINE = _study("headline", HEADLINE_FAMILIES, CASES, 200)
-ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 100)
+HEADLINE = _study("headline", HEADLINE_FAMILIES, CASES, 200, duels=HEADLINE_DUELS)
+# Most of it is of extended actions: against the blind schedule that these recipes begin with.
+ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 200, baseline="open-loop:three-cases-extended@0.1")
 # One seed per field, and each field another one.
-GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1)
+GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1, duels=FIELD_DUELS)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", FIELD_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
 
 ALL = (PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS)

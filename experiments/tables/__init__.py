@@ -10,7 +10,7 @@ from experiments.outcomes import Outcomes
 from experiments.results import Results
 from experiments.suites import Suite
 from experiments.tables import paper
-from experiments.tables.differences import difference_tables
+from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
 from experiments.tables.parameters import parameter_tables
@@ -26,6 +26,7 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "reproduction": paper.reproduction_tables,
     "gaps": gap_tables,
     "differences": difference_tables,
+    "duels": duel_tables,
     "front": front_tables,
     "near-optimum": near_optimum_tables,
     "parameters": parameter_tables,

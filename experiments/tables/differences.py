@@ -1,4 +1,6 @@
-"""Every group against the baseline on the same scenarios and seeds."""
+"""Groups against others on the same scenarios and seeds: all against the baseline, and chosen pairs."""
+
+from collections.abc import Sequence
 
 from experiments.labels import label
 from experiments.outcomes import Outcomes
@@ -6,32 +8,56 @@ from experiments.statistics import difference, holm
 from experiments.suites import Suite
 from experiments.tables.table import Table, percent, percent_interval
 
-BASELINE_STREAM = 1  # of draws, so that training seeds of the baseline are drawn independently
+RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently
 
 SIGNED = "+.2f"  # per cent
+WHAT = (
+    "mean difference of the gap in per cent of the optimum (negative is better) [95 % interval over "
+    "training seeds, scenarios of a set and seeds], change of the mean gap, ratio of the mean evaluations, "
+    "A12 over all runs, probability of improvement on the same scenario and seed, Wilcoxon signed-rank "
+    "p-value of the means over training seeds after Holm's correction"
+)
+COLUMNS = ("difference", "change of mean gap", "evaluations ratio", "A12", "improvement", "p")
 
 
 def difference_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Paired differences of the gap; p-values are corrected over the whole table.
+    """Every group against the baseline; p-values are corrected over the whole table.
 
     There is none where the suite is run without its baseline.
     """
     if suite.baseline not in outcomes.groups:
         return []
+    pairs = [(group, suite.baseline) for group in outcomes.groups if group != suite.baseline]
+    rows = [(found[0], label(found[1]), *found[3:]) for found in _compare(outcomes, pairs)]
+    caption = f"Paired with {label(suite.baseline)} on the same scenarios and seeds: {WHAT}"
+    return [Table("differences", caption, ("scenarios", "controller", *COLUMNS), rows)]
+
+
+def duel_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """The pairs that the suite names, as far as they were run."""
+    pairs = [pair for pair in suite.duels if outcomes.groups.keys() >= set(pair)]
+    if not pairs:
+        return []
+    rows = [(found[0], label(found[1]), label(found[2]), *found[3:]) for found in _compare(outcomes, pairs)]
+    caption = f"Paired with a rival of its own on the same scenarios and seeds: {WHAT}"
+    return [Table("duels", caption, ("scenarios", "controller", "rival", *COLUMNS), rows)]
+
+
+def _compare(outcomes: Outcomes, pairs: Sequence[tuple[str, str]]) -> list[tuple[str, ...]]:
+    """Set, group, rival and the cells of the columns, of every pair on every set."""
     compared = []
     for scenario_set in outcomes.sets:
-        baseline = outcomes.sample(suite.baseline, scenario_set)
-        for group in outcomes.groups:
-            if group != suite.baseline:
-                sample = outcomes.sample(group, scenario_set)
-                found = difference(sample.gap, baseline.gap, sample.draws(), baseline.draws(BASELINE_STREAM))
-                cost = sample.evaluations.mean() / baseline.evaluations.mean()
-                compared.append((scenario_set, group, found, cost))
-    adjusted = holm([found.p_value for _, _, found, _ in compared])
-    rows = [
+        for group, other in pairs:
+            sample, rival = outcomes.sample(group, scenario_set), outcomes.sample(other, scenario_set)
+            found = difference(sample.gap, rival.gap, sample.draws(), rival.draws(RIVAL_STREAM))
+            cost = sample.evaluations.mean() / rival.evaluations.mean()
+            compared.append((scenario_set, group, other, found, cost))
+    adjusted = holm([found.p_value for *_, found, _ in compared])
+    return [
         (
             scenario_set,
-            label(group),
+            group,
+            other,
             f"{percent(found.difference, SIGNED)} {percent_interval(found.interval, SIGNED)}",
             percent(found.relative_change, "+.1f"),
             f"{cost:.2f}",
@@ -39,20 +65,5 @@ def difference_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             f"{found.improvement:.2f}",
             f"{p_value:.2g}",
         )
-        for (scenario_set, group, found, cost), p_value in zip(compared, adjusted, strict=True)
+        for (scenario_set, group, other, found, cost), p_value in zip(compared, adjusted, strict=True)
     ]
-    return [
-        Table(
-            "differences",
-            f"Paired with {label(suite.baseline)} on the same scenarios and seeds: mean difference of the "
-            "gap in per cent of the optimum (negative is better) [95 % interval over training seeds, "
-            "scenarios of a set and seeds], change of the mean gap, ratio of the mean evaluations, A12 over "
-            "all runs, probability of improvement on the same scenario and seed, Wilcoxon signed-rank "
-            "p-value of the means over training seeds after Holm's correction",
-            (
-                "scenarios", "controller", "difference", "change of mean gap", "evaluations ratio", "A12",
-                "improvement", "p",
-            ),
-            rows,
-        )
-    ]  # fmt: skip
