@@ -37,6 +37,9 @@ class OpenLoop(Controller):
         knobs: further decisions at each knot by name, positive, in the order of the extended action.
         limits: the sizes that the environment allows.
         optimizer: the optimizer whose parameters the further decisions are.
+
+    Attributes:
+        table: (iterations up to the last knot, number of decisions) what is decided, in natural units.
     """
 
     def __init__(
@@ -73,15 +76,15 @@ class OpenLoop(Controller):
         ]
         table[0] = np.clip(table[0], limits.smallest, limits.largest)
         table.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
-        self._table: Floats = np.stack(table, axis=1)
+        self.table: Floats = np.stack(table, axis=1)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Nothing to begin."""
 
     def act(self, observations: NDArray) -> Floats:
         """What the knots say for the next iteration; beyond the last knot it stays as it is."""
-        iteration = np.minimum(observations[:, 3].astype(np.int64), len(self._table) - 1)
-        return self._table[iteration]
+        iteration = np.minimum(observations[:, 3].astype(np.int64), len(self.table) - 1)
+        return self.table[iteration]
 
 
 def shipped_open_loops() -> list[str]:

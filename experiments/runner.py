@@ -13,7 +13,9 @@ from tqdm import tqdm
 from agents import Controller, make_controller
 from agents.distilled import DistilledRule
 from agents.feedforward import FeedforwardController
+from agents.open_loop import OpenLoop
 from agents.provenance import provenance
+from agents.tuned import load_tuned
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
 from experiments.suites import Suite
@@ -127,8 +129,21 @@ def configuration(suite: Suite) -> dict[str, Any]:
 
 def _identity(name: str, controller: Controller) -> Any:
     """What a controller is, where its name does not say: files may be replaced."""
+    family, _, argument = name.partition(":")
+    if family == "tuned":
+        return load_tuned(argument)
     if isinstance(controller, FeedforwardController):
-        return controller.manifest["weights_sha256"]
+        manifest = controller.manifest
+        base = manifest["base"]
+        if base == "none":
+            return manifest["weights_sha256"]
+        return (
+            manifest["weights_sha256"],
+            manifest.get("corrected_from", 0),
+            _identity(base, _controller(base)),
+        )
+    if isinstance(controller, OpenLoop):
+        return controller.initial_population_size, controller.table.tolist()
     return controller.lines() if isinstance(controller, DistilledRule) else name
 
 

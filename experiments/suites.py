@@ -166,7 +166,7 @@ FITTED_TO_CASES = Fitted(
     ),
     learned_extended=(
         *training_seeds("learned:three-cases-extended", 10, 10, 2, 0.3),
-        *training_seeds("learned:three-cases-extended-cheap", 3, 20),
+        *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
     ),
 )
 FITTED_TO_FIELDS = Fitted(
@@ -230,7 +230,8 @@ HEADLINE_DUELS = (
         for price in ("10", "2", "0.3")
     ),
     ("learned:three-cases-extended/*@10", "open-loop:three-cases-extended"),
-    ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended@2"),
+    ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
+    ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
 )
 FIELD_DUELS = (
     *((f"learned:random-fields/*@{price}", "open-loop:random-fields") for price in ("5", "1", "0.3")),

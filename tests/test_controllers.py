@@ -5,6 +5,7 @@ import struct
 
 import numpy as np
 import pytest
+from trainings import make_policy
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
 from agents.distilled import shipped_rules
@@ -47,30 +48,6 @@ def random_observations(layout, rng, count):
     observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
     observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
     return observations.astype(OBSERVATIONS[layout].dtype)
-
-
-def make_policy(path, rng, observation="extended", extra_features=0, **changes):
-    features = [feature.name for feature in OBSERVATIONS[observation].features]
-    sizes = [len(features) + extra_features, 8, 2]
-    weights = {}
-    for number, (out, into) in enumerate(zip(sizes[1:], sizes, strict=False)):
-        weights[f"{number}.weight"] = rng.normal(size=(out, into)).astype(np.float32)
-        weights[f"{number}.bias"] = rng.normal(size=out).astype(np.float32)
-    manifest = {
-        "action": "normalised",
-        "base": "none",
-        "features": features,
-        "hidden_layers": [8],
-        "initial_population_size": 80,
-        "max_population_size": 200,
-        "min_population_size": 2,
-        "num_decisions": 2,
-        "observation": observation,
-        "optimizer": "firefly",
-        **changes,
-    }
-    save_policy(path, weights, manifest)
-    return path
 
 
 @pytest.fixture

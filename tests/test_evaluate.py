@@ -5,7 +5,10 @@ import sqlite3
 
 import numpy as np
 import pytest
+from trainings import make_policy
 
+from agents.open_loop import save_open_loop
+from agents.tuned import save_tuned
 from experiments import runner
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.results import Results, ResultsError, Run
@@ -13,6 +16,7 @@ from experiments.runner import configuration, run_missing, run_one
 from experiments.suites import SUITES, Suite, get_suite
 from experiments.tables import make_tables
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.scenarios import expand_name
 from swarm_gym.simulation import HISTORY
 
@@ -145,6 +149,27 @@ def test_a_database_of_another_configuration_is_refused(database, tmp_path, key,
     again = Results(copy, configuration(SUITE))  # nothing was changed by the refusal
     assert again.finished() == KEYS
     again.close()
+
+
+def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
+    def identity(name):
+        runner._controller.cache_clear()
+        return configuration(dataclasses.replace(SUITE, controllers=(name,)))[f"controller {name}"]
+
+    loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
+    save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
+    save_tuned(tuned, "spsfa:growth=500", {})
+    features = [*(f.name for f in OBSERVATIONS["extended"].features), "proposed size", "proposed degree"]
+    policy = make_policy(
+        tmp_path / "p.safetensors", np.random.default_rng(0), extra_features=2, features=features,
+        base=f"open-loop:{loop}",
+    )  # fmt: skip
+    names = (f"open-loop:{loop}", f"tuned:{tuned}", f"learned:{policy}")
+    before = [identity(name) for name in names]
+    assert before == [identity(name) for name in names]
+    save_open_loop(loop, 6, [0, 9], [6.0, 9.5], [0.1, 0.7], {}, {})
+    save_tuned(tuned, "spsfa:growth=501", {})
+    assert all(old != identity(name) for old, name in zip(before, names, strict=True))
 
 
 def test_controllers_may_be_added_to_a_database(results, tmp_path):

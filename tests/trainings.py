@@ -1,7 +1,11 @@
-"""Trainings that take a second."""
+"""Trainings that take a second, and policies that were never trained."""
 
+import numpy as np
+
+from agents.policy_file import save_policy
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
+from swarm_gym.observation import OBSERVATIONS
 
 TINY = {
     "num_swarms": 4,
@@ -24,3 +28,28 @@ def tiny_config(folder, **options):
 
 def train(folder, **options):
     return TrainingRun(tiny_config(folder, **options))
+
+
+def make_policy(path, rng, observation="extended", extra_features=0, **changes):
+    """A policy file with random weights."""
+    features = [feature.name for feature in OBSERVATIONS[observation].features]
+    sizes = [len(features) + extra_features, 8, 2]
+    weights = {}
+    for number, (out, into) in enumerate(zip(sizes[1:], sizes, strict=False)):
+        weights[f"{number}.weight"] = rng.normal(size=(out, into)).astype(np.float32)
+        weights[f"{number}.bias"] = rng.normal(size=out).astype(np.float32)
+    manifest = {
+        "action": "normalised",
+        "base": "none",
+        "features": features,
+        "hidden_layers": [8],
+        "initial_population_size": 80,
+        "max_population_size": 200,
+        "min_population_size": 2,
+        "num_decisions": 2,
+        "observation": observation,
+        "optimizer": "firefly",
+        **changes,
+    }
+    save_policy(path, weights, manifest)
+    return path
