@@ -58,7 +58,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
 
 
 def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name, as `fixed:60`, `spsfa-tip` or `learned:three-cases`.
+    """A controller by name, as `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
 
     Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
     `linear-reduction:start=120`; a wrong one is refused with the list of those there are. What follows

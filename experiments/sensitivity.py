@@ -36,7 +36,7 @@ ITERATION = "the iteration (mean of all iterations)"
 class SensitivityConfig:
     """Options of an analysis."""
 
-    policy: str = "learned:three-cases"
+    policy: str = "learned:three-cases/0@1"
     """Controller to look into."""
     seeds: int = 50
     """Episodes per scenario."""

@@ -11,7 +11,7 @@ from agents.distilled import load_rule
 from experiments.figures import decisions_name
 from experiments.groups import group_controllers
 from experiments.page import MADE_WITH
-from experiments.suites import ABLATED, ABLATION, FITTED_TO_CASES, FITTED_TO_FIELDS, Fitted
+from experiments.suites import ABLATED, ABLATION, FITTED_TO_CASES, FITTED_TO_FIELDS, LOOKED_INTO
 from experiments.tables.origins import origins_table
 from experiments.tables.reshape import NOTHING, join, select, shorten_heads, split, spread
 from experiments.tables.table import Table
@@ -100,11 +100,11 @@ def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, source: So
     return Table(name, caption, table.columns, table.rows).markdown()
 
 
-def _decisions(suite: str, fitted: Fitted, source: Source) -> str:
-    """Figures of the decisions of what was fitted, what is learned first."""
+def _decisions(suite: str, controllers: tuple[str, ...], source: Source) -> str:
+    """Figures of the decisions of these."""
     return "\n\n".join(
         source.figure(suite, decisions_name(group), f"decisions of {group}")
-        for group in group_controllers(fitted.everything)
+        for group in group_controllers(controllers)
     )
 
 
@@ -153,7 +153,7 @@ BLOCKS: dict[str, Block] = {
     "headline-profiles": partial(_figure, "headline", "profiles", PROFILES_TEXT),
     "headline-front-figure": partial(_figure, "headline", "front", FRONT_TEXT),
     "headline-hypervolume": partial(_spread, "headline", "hypervolume", FAMILY, "hypervolume"),
-    "headline-decisions": partial(_decisions, "headline", FITTED_TO_CASES),
+    "headline-decisions": partial(_decisions, "headline", LOOKED_INTO),
     **_suite_blocks("generalisation", several_sets=False),
     "generalisation-near-optimum": partial(_whole, "generalisation", "near-optimum"),
     "generalisation-hypervolume": partial(_spread, "generalisation", "hypervolume", FAMILY, "hypervolume"),

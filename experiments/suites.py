@@ -179,6 +179,15 @@ FITTED_TO_FIELDS = Fitted(
 # At one price of those that they were trained for: what is compared beyond fronts.
 HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
 HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 10, 2)
+# Whose decisions the document shows.
+LOOKED_INTO = (
+    *HEADLINE_LEARNED,
+    "distilled:three-cases",
+    "tuned:three-cases",
+    "open-loop:three-cases",
+    *HEADLINE_EXTENDED,
+    "open-loop:three-cases-extended@0.1",
+)
 
 # What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
 # to each part of the recipe.

@@ -11,7 +11,7 @@ from experiments.groups import group_controllers
 from experiments.page import describe_provenance
 from experiments.publish_study import STUDY, publish_study
 from experiments.study_blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS
-from experiments.suites import FITTED_TO_CASES, SUITES
+from experiments.suites import LOOKED_INTO, SUITES
 from experiments.tables.origins import origins_table
 from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
@@ -22,6 +22,7 @@ TABLE = Table("t", "Caption", ("scenarios", "controller", "gap"), ROWS)
 COLUMNS = {
     "gaps": GAP_COLUMNS,
     "differences": ("scenarios", "controller", "difference", "p"),
+    "duels": ("scenarios", "controller", "rival", "difference", "p"),
     "front": ("scenarios", "controller", "mean evaluations", "mean gap", "on the front"),
     "hypervolume": ("scenarios", "family", "controllers", "hypervolume"),
     "near-optimum": ("controller", "case1"),
@@ -31,6 +32,10 @@ OTHERS = {
         "table-12-parameter-growth": ("ω", *PARAMETER_COLUMNS),
         "table-13-parameter-decay": ("η", *PARAMETER_COLUMNS),
         "table-parameter-low-deviation": ("T_low", *PARAMETER_COLUMNS),
+    },
+    "branching": {
+        "branching": ("iterations", "change", "difference"),
+        "foresight": ("seen", "iteration 6, case1"),
     },
     "sensitivity": {
         "sensitivity-decisions": ("without", "population size"),
@@ -76,7 +81,7 @@ def test_the_provenance_of_runs_is_one_line():
 
 
 def test_where_fitted_controllers_come_from():
-    table = origins_table(("tuned:three-cases", "learned:three-cases", "distilled:three-cases"))
+    table = origins_table(("tuned:three-cases", "learned:three-cases-ppo/0", "distilled:three-cases"))
     assert [row[1] for row in table.rows] == [
         "tuned: schedule", "trained: ppo", "distilled from learned (three-cases)",
     ]  # fmt: skip
@@ -124,10 +129,10 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     assert "Runs made with: ablation." in text
     assert "| controller 0 of headline | mean gap 0 of headline |" in text
     assert "first population size = " in text
-    shown = re.findall(r"!\[[^]]+\]\(results/study/([a-z-]+\.svg)\)", text)
+    shown = re.findall(r"!\[[^]]+\]\(results/study/([a-z0-9-]+\.svg)\)", text)
     assert {path.name for path in stale.parent.iterdir()} == set(shown)
     assert (stale.parent / "generalisation-front.svg").read_text() == "generalisation front"
-    assert len(set(shown)) == len(shown) >= 7 + len(FITTED_TO_CASES.learned)
+    assert len(set(shown)) == len(shown) >= 7 + len(group_controllers(LOOKED_INTO))
     publish_study(results)
     assert STUDY.read_text(encoding="utf-8") == text
 
@@ -139,7 +144,7 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
         "ablation/made-with.md",
         "parameters/table-parameter-low-deviation.md",
         "sensitivity/figure-sensitivity.svg",
-        f"headline/figure-{decisions_name(FITTED_TO_CASES.learned[0])}.svg",
+        f"headline/figure-{decisions_name(next(iter(group_controllers(LOOKED_INTO))))}.svg",
     ],
 )
 def test_nothing_is_written_where_something_is_missing(results, missing):

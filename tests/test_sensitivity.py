@@ -115,7 +115,7 @@ def test_what_watches_disturbs_neither_the_episodes_nor_a_memory():
         np.testing.assert_array_equal(decided[..., 0].T, alone.sizes)
 
 
-@pytest.mark.parametrize("name", ["spsfa-tip", "learned:three-cases", "open-loop:three-cases-extended"])
+@pytest.mark.parametrize("name", ["spsfa-tip", "learned:three-cases/0", "open-loop:three-cases-extended"])
 def test_what_is_watched_is_what_is_carried_out(name):
     controller = make_controller(name)
     watched = watch(controller, [make_controller(name)], ["case3"], SEEDS)

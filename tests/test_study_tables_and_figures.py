@@ -18,7 +18,7 @@ from experiments.results import Results, ResultsError, Run
 from experiments.statistics import holm, hypervolume
 from experiments.suites import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
 from experiments.tables import make_tables
-from experiments.tables.differences import difference_tables
+from experiments.tables.differences import difference_tables, duel_tables
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -187,6 +187,28 @@ def test_differences_are_paired_and_corrected_over_the_table(tables, gaps):
         assert found["improvement"] == f"{improvement:.2f}"
         assert found["p"] == f"{p_value:.2g}"
     assert row(tables["differences"], "all", "FA-60")["evaluations ratio"] == "1.89"
+
+
+def test_duels_are_of_the_pairs_that_were_run(outcomes, gaps):
+    pairs = (("learned:a/*", "fixed:60"), ("spsfa-tip", "learned:a/*"), ("learned:a/*", "learned:b/*"))
+    (table,) = duel_tables(dataclasses.replace(SUITE, duels=pairs), outcomes)
+    assert [r[:3] for r in table.rows[:2]] == [
+        ("case1", "learned a", "FA-60"),
+        ("case1", "SPSFA-TIP", "learned a"),
+    ]
+    assert len(table.rows) == 2 * 3
+    mine, theirs = of(gaps, LEARNED, ["case1"]), of(gaps, ["fixed:60"], ["case1"])
+    first = dict(zip(table.columns, table.rows[0], strict=True))
+    assert first["difference"].startswith(f"{100 * (mine.mean() - theirs.mean()):+.2f} % [")
+    p_values = [
+        stats.wilcoxon(
+            (of(gaps, a, scenarios).mean(axis=0) - of(gaps, b, scenarios).mean(axis=0)).ravel()
+        ).pvalue
+        for scenarios in (["case1"], FIELDS, SUITE.scenarios)
+        for a, b in ((LEARNED, ["fixed:60"]), (["spsfa-tip"], LEARNED))
+    ]
+    assert [r[-1] for r in table.rows] == [f"{p:.2g}" for p in holm(p_values)]
+    assert duel_tables(dataclasses.replace(SUITE, duels=pairs[2:]), outcomes) == []
 
 
 def test_without_the_baseline_nothing_is_compared(results):

@@ -139,7 +139,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
             {"warm_start": "open-loop:three-cases-extended", "max_population_size": 200},
             "'extended'.*imitated",
         ),
-        ({"warm_start": "learned:three-cases", "max_population_size": 200}, "'normalised'.*imitated"),
+        ({"warm_start": "learned:three-cases-ppo/0", "max_population_size": 200}, "'normalised'.*imitated"),
     ],
 )
 def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):
