@@ -165,7 +165,8 @@ FITTED_TO_CASES = Fitted(
         "distilled:three-cases",
     ),
     learned_extended=(
-        *training_seeds("learned:three-cases-extended", 10, 10, 2, 0.3),
+        *training_seeds("learned:three-cases-extended", 7, 10, 2, 0.3),
+        *training_seeds("learned:three-cases-extended-fine", 5),
         *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
     ),
 )
@@ -178,7 +179,7 @@ FITTED_TO_FIELDS = Fitted(
 )
 # At one price of those that they were trained for: what is compared beyond fronts.
 HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
-HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 10, 2)
+HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 7, 2)
 # Whose decisions the document shows.
 LOOKED_INTO = (
     *HEADLINE_LEARNED,
@@ -207,7 +208,7 @@ ABLATED = (
             *(
                 policy
                 for recipe in (
-                    "one-price", "four-numbers", "log-reward", "hidden-layer", "ppo-residual", "ppo-paired",
+                    "one-price", "four-numbers", "log-reward", "ppo-residual", "ppo-paired", "ppo-paced",
                     "ppo-imitation", "ppo-scratch", "recurrent",
                 )
                 for policy in training_seeds(f"learned:ablation-{recipe}", 3)
@@ -239,6 +240,7 @@ HEADLINE_DUELS = (
         for price in ("10", "2", "0.3")
     ),
     ("learned:three-cases-extended/*@10", "open-loop:three-cases-extended"),
+    ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
     ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
 )

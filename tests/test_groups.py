@@ -3,6 +3,7 @@
 import pytest
 
 from agents import make_controller
+from agents.open_loop import shipped_open_loops
 from agents.policy_file import shipped_policies
 from agents.seeds import TEST
 from experiments.figures import FIGURES
@@ -84,7 +85,9 @@ def test_what_a_suite_runs_ships(suite):
 
 def test_policies_that_ship_are_in_a_suite():
     run = {controller for suite in SUITES.values() for controller in suite.controllers}
-    assert {f"learned:{name}" for name in shipped_policies()} <= run
+    learned = {name.partition("@")[0] for name in run if name.startswith("learned:")}
+    assert {f"learned:{name}" for name in shipped_policies()} == learned
+    assert {f"open-loop:{name}" for name in shipped_open_loops()} <= run
 
 
 def test_families_of_a_suite_are_what_it_runs_beside_chance():
