@@ -157,7 +157,6 @@ FITTED_TO_CASES = Fitted(
         "open-loop:three-cases-extended@2",
         "open-loop:three-cases-extended",
         "open-loop:three-cases-extended@0.1",
-        "open-loop:three-cases-extended@0.02",
     ),
     learned=(
         *training_seeds("learned:three-cases", 10, 5, 1, 0.3),
@@ -166,7 +165,7 @@ FITTED_TO_CASES = Fitted(
     ),
     learned_extended=(
         *training_seeds("learned:three-cases-extended", 7, 10, 2, 0.3),
-        *training_seeds("learned:three-cases-extended-fine", 5),
+        *training_seeds("learned:three-cases-extended-fine", 3),
         *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
     ),
 )
@@ -190,32 +189,14 @@ LOOKED_INTO = (
     "open-loop:three-cases-extended@0.1",
 )
 
-# What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
-# to each part of the recipe.
+# What a controller of the three cases owes to being one for all cases, and to the recipe.
 ABLATED = (
-    Family("constants", ("open-loop:three-cases-constant", "open-loop:three-cases-constant-extended")),
-    Family("as free, but blind", ("open-loop:three-cases-extended-13-knots",)),
     Family(
         "learned on one case",
         tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
     ),
-    Family("learned by PPO (size, φ)", training_seeds("learned:three-cases-ppo", 3)),
-    Family(
-        "other recipes (extended)",
-        (
-            *training_seeds("learned:ablation-short", 3, 2),
-            *training_seeds("learned:ablation-from-start", 3, 2),
-            *(
-                policy
-                for recipe in (
-                    "one-price", "four-numbers", "log-reward", "ppo-residual", "ppo-paired", "ppo-paced",
-                    "ppo-imitation", "ppo-scratch", "recurrent",
-                )
-                for policy in training_seeds(f"learned:ablation-{recipe}", 3)
-            ),
-        ),
-    ),
-)  # fmt: skip
+    Family("learned by PPO (size, φ)", training_seeds("learned:three-cases-ppo", 1)),
+)
 # How far what was learned on few maps carries, and what was learned on many.
 FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
 FROM_FIELDS = Family("learned on fields", FITTED_TO_FIELDS.all_learned)
@@ -297,8 +278,7 @@ def _study(
 
 
 HEADLINE = _study("headline", HEADLINE_FAMILIES, CASES, 200, duels=HEADLINE_DUELS)
-# Most of it is of extended actions: against the blind schedule that these recipes begin with.
-ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 200, baseline="open-loop:three-cases-extended@0.1")
+ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 100, baseline="open-loop:three-cases")
 # One seed per field, and each field another one.
 GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1, duels=FIELD_DUELS)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", FIELD_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
