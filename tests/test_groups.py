@@ -94,7 +94,7 @@ def test_families_of_a_suite_are_what_it_runs_beside_chance():
     fitted = Fitted(learned=training_seeds("learned:a", 2), open_loops=("open-loop:b",))
     families = families_of(fitted, Family("others", ()), Family("more", ("learned:c",)))
     assert [family.name for family in families] == [
-        "fixed sizes", "schedules", "open loops", "learned (size, φ)", "more",
+        "fixed sizes", "schedules", "open loops (size, φ)", "learned (size, φ)", "more",
     ]  # fmt: skip
     assert families[3].groups == ("learned:a/*",)
     assert controllers_of(families)[-5:] == (

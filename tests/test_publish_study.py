@@ -83,7 +83,7 @@ def test_the_provenance_of_runs_is_one_line():
 def test_where_fitted_controllers_come_from():
     table = origins_table(("tuned:three-cases", "learned:three-cases-ppo/0", "distilled:three-cases"))
     assert [row[1] for row in table.rows] == [
-        "tuned: schedule", "trained: ppo", "distilled from learned (three-cases)",
+        "tuned: schedule", "trained: ppo", "distilled from learned (three-cases-ppo/0)",
     ]  # fmt: skip
     assert [row[2] for row in table.rows] == ["–", "imitates SPSFA-TIP", "–"]
     assert [row[5] for row in table.rows] == ["2,000,000", "640,000", "–"]
