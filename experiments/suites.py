@@ -164,7 +164,7 @@ FITTED_TO_CASES = Fitted(
         "distilled:three-cases",
     ),
     learned_extended=(
-        *training_seeds("learned:three-cases-extended", 7, 10, 2, 0.3),
+        *training_seeds("learned:three-cases-extended", 7, 2),
         *training_seeds("learned:three-cases-extended-fine", 3),
         *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
     ),
@@ -199,12 +199,14 @@ ABLATED = (
 )
 # How far what was learned on few maps carries, and what was learned on many.
 FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
-FROM_FIELDS = Family("learned on fields", FITTED_TO_FIELDS.all_learned)
+FROM_FIELDS = Family(
+    "learned on fields", (*training_seeds("learned:random-fields", 5, 1), *FITTED_TO_FIELDS.learned_extended)
+)
 
 HEADLINE_FAMILIES = families_of(FITTED_TO_CASES)
 ABLATION_FAMILIES = (
     Family("open loops", ("open-loop:three-cases", "open-loop:three-cases-extended@0.1")),
-    Family("learned", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED)),
+    Family("learned", HEADLINE_LEARNED),
     *ABLATED,
     FROM_FIELDS,
 )
@@ -216,11 +218,7 @@ HEADLINE_DUELS = (
     *((f"learned:three-cases/*@{price}", "tuned:three-cases") for price in ("5", "1", "0.3")),
     ("learned:three-cases/*@0.3", "open-loop:three-cases@0.05"),
     ("learned:three-cases-cheap/*@10", "open-loop:three-cases@0.5"),
-    *(
-        (f"learned:three-cases-extended/*@{price}", "open-loop:three-cases-extended@0.1")
-        for price in ("10", "2", "0.3")
-    ),
-    ("learned:three-cases-extended/*@10", "open-loop:three-cases-extended"),
+    ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
     ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
