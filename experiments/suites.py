@@ -157,6 +157,7 @@ FITTED_TO_CASES = Fitted(
         "open-loop:three-cases-extended@2",
         "open-loop:three-cases-extended",
         "open-loop:three-cases-extended@0.1",
+        "open-loop:three-cases-extended-13-knots@0.02",
     ),
     learned=(
         *training_seeds("learned:three-cases", 10, 5, 1, 0.3),
@@ -186,11 +187,14 @@ LOOKED_INTO = (
     "tuned:three-cases",
     "open-loop:three-cases",
     *HEADLINE_EXTENDED,
+    *training_seeds("learned:three-cases-extended-fine", 3),
     "open-loop:three-cases-extended@0.1",
 )
 
-# What a controller of the three cases owes to being one for all cases, and to the recipe.
+# What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
+# to the recipe.
 ABLATED = (
+    Family("constants", ("open-loop:three-cases-constant", "open-loop:three-cases-constant-extended")),
     Family(
         "learned on one case",
         tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
