@@ -197,7 +197,7 @@ LOOKED_INTO = (
 # What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
 # to the recipe.
 ABLATED = (
-    Family("constants", ("open-loop:three-cases-constant", "open-loop:three-cases-constant-extended")),
+    Family("constants", ("open-loop:three-cases-constant",)),
     Family(
         "learned on one case",
         tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
@@ -226,6 +226,7 @@ HEADLINE_DUELS = (
     ("learned:three-cases-cheap/*@10", "open-loop:three-cases@0.5"),
     ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended@0.1"),
+    ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended-13-knots@0.02"),
     ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
     ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
 )
