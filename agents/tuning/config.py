@@ -26,7 +26,7 @@ class TuneConfig:
     """Threads that the swarms are spread over. Results do not depend on it."""
     seed: int = 0
     """Seed of everything random in the run."""
-    total_steps: int = 640_000
+    total_steps: int = 800_000
     """Environment steps, over all swarms; never exceeded."""
     optimizer: str = "firefly"
     """The optimizer that is controlled."""
