@@ -203,7 +203,21 @@ ABLATED = (
         tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
     ),
     Family("learned by PPO (size, φ)", training_seeds("learned:three-cases-ppo", 1)),
-)
+    Family(
+        "recipes (extended)",
+        (
+            *training_seeds("learned:ablation-short", 3, 2),
+            *training_seeds("learned:ablation-from-start", 3, 2),
+            *(
+                policy
+                for recipe in (
+                    "one-price", "four-numbers", "log-reward", "ppo-residual", "ppo-imitation",
+                )
+                for policy in training_seeds(f"learned:ablation-{recipe}", 3)
+            ),
+        ),
+    ),
+)  # fmt: skip
 # How far what was learned on few maps carries, and what was learned on many.
 FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
 FROM_FIELDS = Family("learned on fields", AT_ONE_PRICE.all_learned)
@@ -211,7 +225,7 @@ FROM_FIELDS = Family("learned on fields", AT_ONE_PRICE.all_learned)
 HEADLINE_FAMILIES = families_of(FITTED_TO_CASES)
 ABLATION_FAMILIES = (
     Family("open loops", ("open-loop:three-cases", "open-loop:three-cases-extended@0.1")),
-    Family("learned", HEADLINE_LEARNED),
+    Family("learned", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED)),
     *ABLATED,
     FROM_FIELDS,
 )
