@@ -211,7 +211,7 @@ ABLATED = (
             *(
                 policy
                 for recipe in (
-                    "one-price", "four-numbers", "log-reward", "ppo-residual", "ppo-imitation",
+                    "one-price", "four-numbers", "log-reward", "ppo-residual",
                 )
                 for policy in training_seeds(f"learned:ablation-{recipe}", 3)
             ),
