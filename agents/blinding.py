@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats
+from agents.wrapper import Wrapper
 from swarm_gym.observation import make_observation
 
 # Inputs that are the iteration in other words: at a given iteration there is nothing in them to be blind for.
@@ -17,7 +18,7 @@ CLOCKS = (
 )
 
 
-class Blinded(Controller):
+class Blinded(Wrapper):
     """A controller, with some of its inputs replaced by what they are on average at the same iteration.
 
     Where a controller corrects another one, inputs of both are among the observation's columns, those of the
@@ -30,20 +31,9 @@ class Blinded(Controller):
     """
 
     def __init__(self, controller: Controller, courses: Floats, columns: Sequence[int]):
-        self._controller = copy.deepcopy(controller)
+        super().__init__(copy.deepcopy(controller))
         self._courses = courses
         self._columns = list(columns)
-        self._iteration = 0
-        self.observation = controller.observation
-        self.action = controller.action
-        self.initial_population_size = controller.initial_population_size
-        self.max_evaluations = controller.max_evaluations
-        self.price = controller.price
-
-    def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Begin episodes; all swarms go through them side by side."""
-        self._iteration = 0
-        self._controller.reset(num_swarms, seed)
 
     def act(self, observations: NDArray) -> NDArray:
         """What is decided without these inputs."""

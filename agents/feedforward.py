@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller, SizeLimits
 from agents.policy_file import PolicyFileError, Weights, load_policy, resolve
-from agents.residual import Base
+from agents.residual import Base, carried_out
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.checks import look_up
 from swarm_gym.errors import UnknownNameError
@@ -65,8 +65,7 @@ class FeedforwardController(Controller):
         hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
             hidden = np.tanh(affine(hidden, weight, bias))
-        actions = affine(hidden, *self._layers[-1])
-        return np.clip(actions, -1.0, 1.0) if proposal is None else proposal.corrected(actions)
+        return carried_out(affine(hidden, *self._layers[-1]), proposal)
 
     def _read_weights(self, path: Path, weights: Weights) -> None:
         """Keep the weights, held against the shapes that the manifest implies."""

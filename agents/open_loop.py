@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from agents.controller import Controller, Floats, SizeLimits
 from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.files import write_atomically
+from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
 
 FORMAT = "swarm_gym open loop 2"
@@ -83,7 +84,7 @@ class OpenLoop(Controller):
 
     def act(self, observations: NDArray) -> Floats:
         """What the knots say for the next iteration; beyond the last knot it stays as it is."""
-        iteration = np.minimum(observations[:, 3].astype(np.int64), len(self.table) - 1)
+        iteration = np.minimum(observations[:, ITERATION].astype(np.int64), len(self.table) - 1)
         return self.table[iteration]
 
 

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
+from agents.shipped import find_file, shipped_names
 from agents.train_config import TrainConfig
 
 PRESETS = Path(__file__).parent / "presets"
@@ -22,7 +23,7 @@ class PresetError(ValueError):
 
 def preset_names() -> list[str]:
     """Names of the presets."""
-    return sorted(path.stem for path in PRESETS.glob("*.toml"))
+    return shipped_names(PRESETS, ".toml")
 
 
 def load_preset(name: str) -> TrainConfig:
@@ -37,10 +38,8 @@ def load_preset(name: str) -> TrainConfig:
 
 def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     """A preset that the dependents, each the one before, are like."""
-    for path in (PRESETS / f"{name}.toml", Path(name)):
-        if path.is_file():
-            break
-    else:
+    path = find_file(name, PRESETS, ".toml")
+    if path is None:
         raise PresetError(f"preset {name!r}: neither one of {', '.join(preset_names())} nor a file")
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -35,6 +35,11 @@ class Proposal(NamedTuple):
         return np.clip(self.actions + allowed, -1.0, 1.0)
 
 
+def carried_out(decided: NDArray, proposal: Proposal | None) -> NDArray:
+    """(B, k) actions in [-1, 1], of what a policy decides: corrections of a proposal, or all by itself."""
+    return np.clip(decided, -1.0, 1.0) if proposal is None else proposal.corrected(decided)
+
+
 class Base:
     """A controller whose decisions a policy corrects.
 

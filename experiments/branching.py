@@ -20,11 +20,12 @@ from scipy import stats
 
 from agents import make_controller
 from agents.controller import Controller, Floats
-from agents.seeds import ANALYSIS
-from agents.watching import Watched, watch
+from agents.watching import Watched, decision_names, watch
+from agents.wrapper import Wrapper
+from experiments.analysis import analysis_seeds, outcome
 from experiments.labels import label
 from experiments.results import ResultsError
-from experiments.sensitivity_report import paired
+from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.action import make_action
 from swarm_gym.files import write_atomically
@@ -33,6 +34,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
 WINDOWS = ((0, 6), (6, 15), (15, 30), (30, 60), (60, 100))
+OPTIMIZER = "firefly"
 SEEN = "rich"
 MOVED = 0.01  # a change of the gap that the same corridor does not explain
 
@@ -74,23 +76,14 @@ CHANGES = (
 )
 
 
-class Changed(Controller):
+class Changed(Wrapper):
     """A controller, one of whose decisions is changed in a window of iterations, within its range."""
 
     def __init__(self, controller: Controller, change: Change, window: tuple[int, int]):
-        self._controller, self._change, self._window = controller, change, window
-        self.observation = controller.observation
-        self.action = controller.action
-        self.initial_population_size = controller.initial_population_size
-        self.max_evaluations = controller.max_evaluations
-        self.price = controller.price
-        layout = make_action(Settings(action=controller.action), get_optimizer("firefly"))
+        super().__init__(controller)
+        self._change, self._window = change, window
+        layout = make_action(Settings(action=controller.action), get_optimizer(OPTIMIZER))
         self._low, self._high = (float(end[change.column]) for end in (layout.space.low, layout.space.high))
-
-    def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Begin episodes; all swarms go through them side by side."""
-        self._iteration = 0
-        self._controller.reset(num_swarms, seed)
 
     def act(self, observations: NDArray) -> NDArray:
         """What the controller decides, changed."""
@@ -134,13 +127,11 @@ def analyse(
         )
 
     def runs(driver: Controller) -> list[Watched]:
-        found = [watch(driver, [], [one], seeds, SEEN, num_threads=threads) for one in scenarios]
-        if any(np.isnan(w.gap).any() for w in found):
-            raise ResultsError("gaps need the optima of all scenarios; see swarm_gym.reference.ensure_optima")
-        return found
+        return [watch(driver, [], [one], seeds, SEEN, num_threads=threads) for one in scenarios]
 
     straight = runs(controller)
-    num_decisions = 2 if controller.action == "natural" else 4
+    outcome(straight)  # an unknown optimum is refused before all the branches
+    num_decisions = len(decision_names(controller, OPTIMIZER))
     branches = {
         (window, change.name): runs(Changed(controller, change, window))
         for window in WINDOWS
@@ -153,18 +144,19 @@ def analyse(
 def branching_tables(found: Branching) -> list[Table]:
     """Differences of the outcome by window and change, and rank correlations with the final gap."""
     where = f"{len(found.straight[0].gap)} seeds on each of {', '.join(found.scenarios)}"
-    before, spent = _columns(found.straight)
+    straight = outcome(found.straight)
     rows = []
     for ((first, end), change), branch in found.branches.items():
-        gap, evaluations = _columns(branch)
-        difference, ends = paired(gap - before)
+        changed = outcome(branch)
+        differences = changed.gap - straight.gap
+        difference, ends = paired(differences)
         rows.append(
             (
                 f"{first} to {end - 1}",
                 change,
                 f"{percent(difference, '+.2f')} {percent_interval(ends, '+.2f')}",
-                percent((np.abs(gap - before) > MOVED).mean(), ".0f"),
-                f"{evaluations.mean() / spent.mean():.2f}",
+                percent((np.abs(differences) > MOVED).mean(), ".0f"),
+                f"{changed.evaluations.mean() / straight.evaluations.mean():.2f}",
             )
         )
     branches = Table(
@@ -176,11 +168,6 @@ def branching_tables(found: Branching) -> list[Table]:
         rows,
     )
     return [branches, _foresight(found, where)]
-
-
-def _columns(runs: list[Watched]) -> tuple[Floats, Floats]:
-    """Gaps and evaluations, (scenarios, seeds) each."""
-    return np.array([w.gap for w in runs]), np.array([w.evaluations for w in runs])
 
 
 def _foresight(found: Branching, where: str) -> Table:
@@ -212,8 +199,7 @@ def write_report(found: Branching, folder: Path) -> Path:
     """Write tables as Markdown, CSV and LaTeX, and a page that shows them; returns the page."""
     tables = branching_tables(found)
     for table in tables:
-        for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
-            write_atomically(folder / f"{table.name}.{suffix}", text)
+        table.write(folder)
     parts = [f"# When decisions of {label(found.controller)} matter\n", *(t.markdown() for t in tables)]
     return write_atomically(folder / "README.md", "\n".join(parts))
 
@@ -222,10 +208,8 @@ def main() -> None:
     """Analyse as the command line says."""
     config = tyro.cli(BranchingConfig, description=__doc__)
     try:
-        if config.seeds < 2:
-            raise ResultsError(f"--seeds must be at least 2, got {config.seeds}")
+        seeds = analysis_seeds(config.seeds)
         controller = make_controller(config.controller)
-        seeds = ANALYSIS[: config.seeds]
         found = analyse(config.controller, controller, config.scenarios, seeds, config.threads)
     except (ResultsError, ValueError) as error:
         sys.exit(f"error: {error}")

@@ -2,9 +2,8 @@
 
 Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... are training seeds of one group, whose key
 is `learned:three-cases/*`, or `learned:three-cases/*@0.3` where they are told a price; any other controller
-is a group of its own, under its own name. Scenarios
-`random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set, `random-fields:test`; any other
-scenario is a set of its own.
+is a group of its own, under its own name. Scenarios `random-fields:test:0`, `random-fields:test:1`, ... are
+drawn from one set, `random-fields:test`; any other scenario is a set of its own.
 """
 
 from collections.abc import Iterable

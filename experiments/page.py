@@ -28,8 +28,7 @@ def write_page(
         made_with: provenances of the runs, said in one line; a file of its own has it for documents.
     """
     for table in tables:
-        for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
-            write_atomically(folder / f"{table.name}.{suffix}", text)
+        table.write(folder)
     pictures = [
         f"![{figure.stem.replace('-', ' ')}]({figure.name})\n"
         for figure in figures

@@ -1,7 +1,7 @@
 """Put the study's results into its document: `python -m experiments.publish_study FOLDER`.
 
-Fills the marked blocks of docs/study.md from the tables that the suites and the sensitivity analysis wrote to
-folders of their names in FOLDER, and copies the figures that it shows to docs/results/study, which then has
+Fills the marked blocks of docs/study.md from the tables that the suites and the analyses wrote to folders of
+their names in FOLDER, and copies the figures that it shows to docs/results/study, which then has
 no others: no number there is typed by hand. Where something is missing, nothing is written.
 """
 

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -21,9 +21,9 @@ from agents import make_controller
 from agents.blinding import Blinded, clock_columns, input_names, mean_courses
 from agents.controller import Controller
 from agents.distilled import LINEAR
-from agents.seeds import ANALYSIS
 from agents.train_config import TrainConfig, stored_config
 from agents.watching import Watched, decision_names, watch
+from experiments.analysis import Outcome, analysis_seeds, outcome
 from experiments.results import ResultsError
 
 Floats = NDArray[np.float64]
@@ -46,14 +46,6 @@ class SensitivityConfig:
     """Folder for tables and figures."""
     threads: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """Threads that the swarms are spread over. Results do not depend on it."""
-
-
-class Outcome(NamedTuple):
-    """How episodes ended, (scenarios, seeds) each."""
-
-    gap: Floats
-    evaluations: Floats
-    returns: Floats
 
 
 @dataclass(frozen=True)
@@ -116,8 +108,8 @@ def analyse(
         tuple(scenarios),
         decisions,
         dict(zip(taken_away, changes, strict=True)),
-        _outcome(seeing),
-        {text: _outcome(episodes(blinded, [])) for text, blinded in taken_away.items()},
+        outcome(seeing),
+        {text: outcome(episodes(blinded, [])) for text, blinded in taken_away.items()},
     )
 
 
@@ -149,13 +141,6 @@ def _changes(decisions: Sequence[str], visited: list[Watched], watcher: int) -> 
     return np.array([column.mean() for column in columns])
 
 
-def _outcome(found: list[Watched]) -> Outcome:
-    gap = np.array([w.gap for w in found])
-    if np.isnan(gap).any():
-        raise ResultsError("gaps need the optima of all scenarios; see swarm_gym.reference.ensure_optima")
-    return Outcome(gap, np.array([w.evaluations for w in found]), np.array([w.returns for w in found]))
-
-
 def _side_by_side(parts: list[NDArray]) -> NDArray:
     """Arrays (T, B, ...) as one, with episodes of all; shorter ones are filled up by zeros."""
     longest = max(map(len, parts))
@@ -167,14 +152,11 @@ def main() -> None:
     """Analyse as the command line says."""
     config = tyro.cli(SensitivityConfig, description=__doc__)
     try:
-        if config.seeds < 2:
-            raise ResultsError(f"--seeds must be at least 2, got {config.seeds}")
+        seeds = analysis_seeds(config.seeds)
         controller = make_controller(config.policy)
         training = stored_config(getattr(controller, "manifest", {}))
         scenarios = config.scenarios or training.validation_scenarios or training.scenarios
-        found = analyse(
-            config.policy, controller, training, scenarios, ANALYSIS[: config.seeds], config.threads
-        )
+        found = analyse(config.policy, controller, training, scenarios, seeds, config.threads)
     except (ResultsError, ValueError) as error:
         sys.exit(f"error: {error}")
     from experiments.sensitivity_report import write_report

@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from agents.distilled import LINEAR
+from experiments.analysis import Outcome
 from experiments.figure_style import BLUE, FORMATS, ORANGE, new_figure, render, settings
 from experiments.labels import label
-from experiments.sensitivity import Outcome, Sensitivity
-from experiments.statistics import Interval, draw, interval, means
+from experiments.sensitivity import Sensitivity
+from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.files import write_atomically
 
@@ -87,8 +88,7 @@ def write_report(found: Sensitivity, folder: Path) -> Path:
     """Write tables as Markdown, CSV and LaTeX, the figure, and a page that shows all; returns the page."""
     tables = sensitivity_tables(found)
     for table in tables:
-        for suffix, text in (("md", table.markdown()), ("csv", table.csv()), ("tex", table.latex())):
-            write_atomically(folder / f"{table.name}.{suffix}", text)
+        table.write(folder)
     with settings():
         figure = draw_sensitivity(found)
         for form in FORMATS:
@@ -101,13 +101,6 @@ def write_report(found: Sensitivity, folder: Path) -> Path:
         "![sensitivity](figure-sensitivity.svg)\n",
     ]
     return write_atomically(folder / "README.md", "\n".join(parts))
-
-
-def paired(differences: Floats) -> tuple[float, Interval]:
-    """Mean of differences (scenarios, seeds) and its 95 % interval; every scenario is a stratum."""
-    num_scenarios, num_seeds = differences.shape
-    resampled = means(differences[None], draw(1, (1,) * num_scenarios, num_seeds))
-    return float(differences.mean()), interval(resampled)
 
 
 def _relative_evaluations(seeing: Outcome, outcome: Outcome) -> Floats:

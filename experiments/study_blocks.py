@@ -85,12 +85,8 @@ def _gaps(suite: str, source: Source) -> str:
     return _by_set(join(gaps, source.table(suite, "front"), ("scenarios", "controller"), "on the front"))
 
 
-def _differences(suite: str, source: Source) -> str:
-    return _by_set(source.table(suite, "differences"))
-
-
-def _duels(suite: str, source: Source) -> str:
-    return _by_set(source.table(suite, "duels"))
+def _whole_by_set(suite: str, name: str, source: Source) -> str:
+    return _by_set(source.table(suite, name))
 
 
 def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, source: Source) -> str:
@@ -115,7 +111,7 @@ def _parameter(name: str, symbol: str, printed: bool, source: Source) -> str:
 
 def _origins(source: Source) -> str:  # noqa: ARG001
     fitted = [*FITTED_TO_CASES.everything, *FITTED_TO_FIELDS.everything]
-    fitted += [c for family in ABLATED for c in family.controllers if not c.startswith("fixed:")]
+    fitted += [controller for family in ABLATED for controller in family.controllers]
     table = origins_table(tuple(dict.fromkeys(fitted)))
     rows = [row for row in table.rows if row[-2] != NOTHING]  # of rules, "understanding" says it
     return Table(table.name, table.caption, table.columns, rows).markdown()
@@ -130,8 +126,8 @@ def _suite_blocks(suite: str, several_sets: bool) -> dict[str, Block]:
     """What every suite with gaps has."""
     whole = {
         f"{suite}-gaps": partial(_gaps, suite),
-        f"{suite}-differences": partial(_differences, suite),
-        f"{suite}-duels": partial(_duels, suite),
+        f"{suite}-differences": partial(_whole_by_set, suite, "differences"),
+        f"{suite}-duels": partial(_whole_by_set, suite, "duels"),
     }
     by_value = {
         f"{suite}-gaps": partial(_spread, suite, "gaps", ("controller",), "mean gap"),

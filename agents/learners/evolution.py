@@ -22,6 +22,7 @@ from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
 from agents.paired_reward import ENV_REWARD, PAIRED
 from agents.policy_file import Weights
+from agents.residual import carried_out
 from agents.train_config import TrainConfig
 
 Floats = NDArray[np.float64]
@@ -113,8 +114,7 @@ class EvolutionLearner(Learner):
                 hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
                     hidden = np.tanh(hidden)
-            actions = hidden.reshape(self.env.num_envs, -1)
-            actions = np.clip(actions, -1.0, 1.0) if proposal is None else proposal.corrected(actions)
+            actions = carried_out(hidden.reshape(self.env.num_envs, -1), proposal)
             self.num_steps += int((~ended).sum())
             observations, rewards, ended = swarms.step_running(actions)
             returns += rewards

@@ -89,6 +89,13 @@ def ratio_interval(values: Floats, baseline: Floats) -> Interval:
     return interval(means(values[None, None], draws) / means(baseline[None, None], draws))
 
 
+def paired(differences: Floats) -> tuple[float, Interval]:
+    """Mean of differences (scenarios, seeds) and its 95 % interval; every scenario is a stratum."""
+    num_scenarios, num_seeds = differences.shape
+    resampled = means(differences[None], draw(1, (1,) * num_scenarios, num_seeds))
+    return float(differences.mean()), interval(resampled)
+
+
 def superiority(values: Floats, baseline: Floats) -> float:
     """A12: the probability that one of the values is smaller than one of the baseline, ties counted half.
 

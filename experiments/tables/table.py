@@ -4,8 +4,11 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+
+from swarm_gym.files import write_atomically
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,11 @@ class Table:
         if len(rows) < 2 or any(len(row) != len(rows[0]) for row in rows) or set(rows[1]) != {"---"}:
             raise ValueError(f"table {name!r} is not as it was written")
         return cls(name, caption.removeprefix("**").removesuffix("**"), rows[0], rows[2:])
+
+    def write(self, folder: Path) -> None:
+        """Write <name>.md, <name>.csv and <name>.tex."""
+        for suffix, text in (("md", self.markdown()), ("csv", self.csv()), ("tex", self.latex())):
+            write_atomically(folder / f"{self.name}.{suffix}", text)
 
     def csv(self) -> str:
         """Comma-separated values with a head line."""
