@@ -7,6 +7,7 @@ from io import BytesIO
 from typing import Any
 
 import matplotlib.style
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -107,9 +108,13 @@ def draw_banded_line(
 ) -> None:
     """Draw the line (m,) of a controller and both ends of its band, in its style among others."""
     style = among[controller]
+    # Points inside a level stretch add to the file only; Matplotlib drops those of lines, but not of areas.
+    moves = (np.diff(band) != 0.0).any(axis=0)
+    kept = np.concatenate([[True], moves]) | np.concatenate([moves, [True]])
     axes.fill_between(
-        x, *band, linewidth=0.6, facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE)
-    )
+        x[kept], *(end[kept] for end in band),
+        linewidth=0.6, facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE),
+    )  # fmt: skip
     # Every tenth of the axis, beginning at different places, so that equal lines show.
     order = list(among).index(controller)
     axes.plot(x, y, label=label(controller), markevery=(0.1 * order / len(among), 0.1), **style.options())
