@@ -211,7 +211,8 @@ ABLATED = (
             *(
                 policy
                 for recipe in (
-                    "one-price", "four-numbers", "log-reward", "ppo-residual",
+                    "one-price", "four-numbers", "log-reward",
+                    "ppo-residual", "ppo-paired", "ppo-imitation", "ppo-paced", "ppo-scratch", "recurrent",
                 )
                 for policy in training_seeds(f"learned:ablation-{recipe}", 3)
             ),
