@@ -123,7 +123,8 @@ class EvolutionLearner(Learner):
     def _begin(self, episodes: int, seed: int) -> tuple[NDArray, Floats, NDArray[np.bool_]]:
         """Observations, returns so far and ends of all swarms, at the first decision that a candidate makes.
 
-        What the base alone decides is carried out once per episode and copied to all candidates.
+        First populations, and what the base alone decides, are made once per episode and copied to all
+        candidates.
         """
         swarms: Any = self.env.unwrapped
         rows = np.tile(np.arange(episodes), self.env.num_envs // episodes)
@@ -132,15 +133,16 @@ class EvolutionLearner(Learner):
         self.env.reset(seed=seeds, options={"reset_mask": once})
         observations = swarms.copy_swarms(rows)
         returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
-        if self._base is None:
-            return observations, returns, ended
-        self._base.controller.reset(self.env.num_envs)
-        for _ in range(self.config.corrected_from):
-            actions = self._base.propose(observations[rows]).actions
-            self.num_steps += int((once & ~ended).sum())
-            observations, rewards, ended = swarms.step_running(actions, once)
-            returns += rewards
-        return swarms.copy_swarms(rows), returns[rows], ended[rows]
+        if self._base is not None:
+            self._base.controller.reset(self.env.num_envs)
+            for _ in range(self.config.corrected_from):
+                actions = self._base.propose(observations[rows]).actions
+                self.num_steps += int((once & ~ended).sum())
+                observations, rewards, ended = swarms.step_running(actions, once)
+                returns += rewards
+            if self.config.corrected_from:
+                observations, returns, ended = swarms.copy_swarms(rows), returns[rows], ended[rows]
+        return observations, returns, ended
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
         """Weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
