@@ -25,7 +25,7 @@ class Demonstration(NamedTuple):
 
     observations: NDArray  # (E, T, number of features)
     actions: NDArray  # (E, T, k) without the noise
-    returns: NDArray  # (E, T) rewards to come
+    returns: NDArray  # (E, T) rewards to come, discounted
     there: NDArray  # (E, T) 1 for steps, 0 for padding
 
     def one_by_one(self) -> "Demonstration":
@@ -67,10 +67,13 @@ def imitate(
         optimizer.step()
 
 
-def demonstrate(controller: Controller | None, env: SB3VecEnv, noise: float, seed: int) -> Demonstration:
+def demonstrate(
+    controller: Controller | None, env: SB3VecEnv, noise: float, discount: float, seed: int
+) -> Demonstration:
     """Whole episodes of a controller; without one, of correcting nothing.
 
-    They are disturbed by the noise that the policy will explore with, since its critic meets these.
+    They are disturbed by the noise that the policy will explore with, since its critic meets these; and the
+    discount is the one that it will be trained with, since its values are sums of rewards under it.
     """
     inner: Any = env.env.unwrapped
     simulation, settings = inner.simulation, inner.settings
@@ -95,7 +98,7 @@ def demonstrate(controller: Controller | None, env: SB3VecEnv, noise: float, see
         ends.append(ended)
     to_come = np.zeros((steps + 1, env.num_envs))
     for step in reversed(range(steps)):
-        to_come[step] = rewards[step] + np.where(ends[step], 0.0, to_come[step + 1])
+        to_come[step] = rewards[step] + discount * np.where(ends[step], 0.0, to_come[step + 1])
     columns = (np.stack(seen), np.stack(wanted), to_come[:-1].astype(np.float32))
     return _cut(columns, np.stack(ends), settings.iterations)
 

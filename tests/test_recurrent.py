@@ -142,7 +142,7 @@ def test_a_class_of_another_network_refuses_the_file(policy, tmp_path):
 def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, monkeypatch):
     monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 150)
     learner = make_learner(tiny_config(tmp_path, **{**RECURRENT, "observation": "scaled"}))
-    shown = demonstrate(make_controller("spsfa", learner.config.limits), learner.env, 0.1, 5)
+    shown = demonstrate(make_controller("spsfa", learner.config.limits), learner.env, 0.1, 1.0, 5)
     assert shown.there.all()
     assert shown.observations.shape == (4 * 4, 100, 4)
 

@@ -8,10 +8,11 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
-from trainings import STEPS, train
+from trainings import STEPS, tiny_config, train
 
 from agents import SizeLimits, make_controller
 from agents.feedforward import FeedforwardController
+from agents.learners import make_learner
 from agents.policy_file import load_policy
 from agents.run_folder import RunFolderError
 from agents.sb3_vec_env import SB3VecEnv
@@ -71,6 +72,17 @@ def test_the_saved_policy_decides_as_the_model_does(tmp_path):
     controller = FeedforwardController(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
     decided = controller.act(observations)
     np.testing.assert_allclose(decided, np.clip(actions, -1, 1), atol=1e-5)
+
+
+def test_the_critic_is_taught_rewards_to_come_under_the_discount_of_the_training(tmp_path, monkeypatch):
+    lessons = []
+    monkeypatch.setattr("agents.learners.ppo.imitate", lambda _, shown, *__: lessons.append(shown))
+    for discount in (1.0, 0.9):
+        make_learner(tiny_config(tmp_path, algorithm="recurrent-ppo", discount=discount)).begin()
+    whole, discounted = (np.pad(shown.returns, ((0, 0), (0, 1))) for shown in lessons)
+    rewards = whole[:, :-1] - whole[:, 1:]
+    np.testing.assert_allclose(discounted[:, :-1], rewards + 0.9 * discounted[:, 1:], atol=1e-5)
+    assert abs(whole - discounted).max() > 0.01
 
 
 @pytest.mark.parametrize("change", [{"price": (0.7,)}, {"seed": 3}, {"scenarios": ("case1",)}])

@@ -63,8 +63,8 @@ class PPOLearner(Learner):
         if self._teacher is not None or self.env.base is not None:
             noise = float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
             seed = TRAINING_START + self.config.seed
-            shown = self._lessons(demonstrate(self._teacher, self.env, noise, seed))
-            imitate(self.model.policy, shown, self._predict, seed)
+            shown = demonstrate(self._teacher, self.env, noise, self.config.discount, seed)
+            imitate(self.model.policy, self._lessons(shown), self._predict, seed)
 
     def learn(self, seed: int) -> dict[str, float]:
         """A number of rollouts with an update after each."""
