@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, SizeLimits
-from agents.policy_file import PolicyFileError, Weights, load_policy, resolve
+from agents.policy_file import PolicyFileError, Weights
 from agents.residual import Base, carried_out
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.checks import look_up
@@ -23,25 +23,27 @@ class FeedforwardController(Controller):
     Sums run along one row at a time, so that a decision does not depend on how many swarms are decided
     for at once; and no torch is needed.
 
+    Args:
+        path: the file, for messages; see `agents.learned.load_learned`.
+        weights: what the file holds.
+        manifest: what it says of them.
+        limits: the sizes that the environment allows.
+        price: what evaluations cost, for a policy that sees it.
+
     Attributes:
         manifest: what is known of the policy: layouts, configuration, seeds, versions.
         network: the kind of network, as the manifest names it.
+
+    Raises:
+        PolicyFileError: if weights and manifest do not fit together, or the policy is for something else.
     """
 
     network = "feedforward"
 
     def __init__(
-        self,
-        policy: str | Path,
-        limits: SizeLimits = SizeLimits(),  # noqa: B008
-        price: float | None = None,
+        self, path: Path, weights: Weights, manifest: dict[str, Any], limits: SizeLimits, price: float | None
     ):
-        path = resolve(str(policy))
-        weights, self.manifest = load_policy(path)
-        if network_of(self.manifest) != self.network:
-            raise PolicyFileError(
-                f"{path}: the network is {network_of(self.manifest)!r}, expected {self.network!r}"
-            )
+        self.manifest = manifest
         self._check_layouts(path, limits)
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
@@ -120,11 +122,6 @@ class FeedforwardController(Controller):
         trained = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
         if trained != limits:
             raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
-
-
-def network_of(manifest: dict[str, Any]) -> object:
-    """The kind of network that a manifest names; the first files did not, and are feedforward."""
-    return manifest.get("network", FeedforwardController.network)
 
 
 def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:

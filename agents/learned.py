@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from agents.controller import SizeLimits
-from agents.feedforward import FeedforwardController, network_of
+from agents.feedforward import FeedforwardController
 from agents.policy_file import PolicyFileError, load_policy, resolve
 from agents.recurrent import RecurrentController
 
@@ -25,7 +25,8 @@ def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> Feedf
             price = float(told)
         except ValueError as error:
             raise PolicyFileError(f"policy {str(policy)!r}: {told!r} is not a price") from error
-    network = network_of(load_policy(path)[1])
+    weights, manifest = load_policy(path)
+    network = manifest.get("network", FeedforwardController.network)  # the first files did not name theirs
     if not isinstance(network, str) or network not in NETWORKS:
         raise PolicyFileError(f"{path}: network {network!r} is not one of {', '.join(NETWORKS)}")
-    return NETWORKS[network](path, limits, price)
+    return NETWORKS[network](path, weights, manifest, limits, price)

@@ -9,7 +9,7 @@ from trainings import make_policy
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
 from agents.distilled import shipped_rules
-from agents.feedforward import FeedforwardController
+from agents.learned import load_learned
 from agents.open_loop import OpenLoopFileError, shipped_open_loops
 from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
 from agents.rollout import run_episodes
@@ -147,7 +147,7 @@ def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, mes
 def test_policy_equals_the_network_it_was_saved_from(policy):
     torch = pytest.importorskip("torch")
     weights, _ = load_policy(policy)
-    controller = FeedforwardController(policy)
+    controller = load_learned(policy)
     observations = random_observations("extended", np.random.default_rng(3), 50)
     with torch.no_grad():
         x = torch.as_tensor(observations)
@@ -182,7 +182,7 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
 def test_a_truncated_policy_is_refused(policy, kept):
     policy.write_bytes(policy.read_bytes()[:kept])
     with pytest.raises(PolicyFileError, match=str(policy)):
-        FeedforwardController(policy)
+        load_learned(policy)
 
 
 def test_a_tampered_policy_is_refused(policy):
@@ -190,17 +190,17 @@ def test_a_tampered_policy_is_refused(policy):
     data[-3] ^= 1
     policy.write_bytes(bytes(data))
     with pytest.raises(PolicyFileError, match="digest"):
-        FeedforwardController(policy)
+        load_learned(policy)
 
 
 def test_a_policy_that_is_something_else_is_refused(policy):
     policy.write_bytes(b"PK\x03\x04 a zip file, say, that would be unpickled elsewhere")
     with pytest.raises(PolicyFileError, match="readable"):
-        FeedforwardController(policy)
+        load_learned(policy)
     header = json.dumps({"__metadata__": {"manifest": "[1]"}}).encode()
     policy.write_bytes(struct.pack("<Q", len(header)) + header)
     with pytest.raises(PolicyFileError, match="format"):
-        FeedforwardController(policy)
+        load_learned(policy)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,7 @@ def test_a_policy_for_something_else_is_refused(tmp_path, changes, message):
     weights, manifest = load_policy(path)
     save_policy(path, weights, {**manifest, **changes})
     with pytest.raises(PolicyFileError, match=message):
-        FeedforwardController(path)
+        load_learned(path)
 
 
 def test_a_manifest_without_a_required_entry_is_refused(policy):
@@ -228,7 +228,7 @@ def test_a_manifest_without_a_required_entry_is_refused(policy):
     del manifest["initial_population_size"]
     save_policy(policy, weights, manifest)
     with pytest.raises(PolicyFileError, match="initial_population_size"):
-        FeedforwardController(policy)
+        load_learned(policy)
 
 
 @pytest.mark.parametrize("name", NAMES)

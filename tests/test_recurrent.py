@@ -130,13 +130,13 @@ def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):
         load_learned(policy)
 
 
-def test_a_class_of_another_network_refuses_the_file(policy, tmp_path):
-    with pytest.raises(PolicyFileError, match="'lstm', expected 'feedforward'"):
-        FeedforwardController(policy)
+def test_the_file_tells_which_class_it_is_of_and_is_read_once(policy, tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr("agents.learned.load_policy", lambda path: read.append(path) or load_policy(path))
     other = make_policy(tmp_path / "other.safetensors", np.random.default_rng(0))
-    with pytest.raises(PolicyFileError, match="'feedforward', expected 'lstm'"):
-        RecurrentController(other)
+    assert type(load_learned(policy)) is NETWORKS["lstm"] is RecurrentController
     assert type(load_learned(other)) is NETWORKS["feedforward"] is FeedforwardController
+    assert read == [policy, other]
 
 
 def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from trainings import STEPS, tiny_config, train
 
 from agents import SizeLimits, make_controller
-from agents.feedforward import FeedforwardController
+from agents.learned import load_learned
 from agents.learners import make_learner
 from agents.policy_file import load_policy
 from agents.run_folder import RunFolderError
@@ -69,7 +69,7 @@ def test_the_saved_policy_decides_as_the_model_does(tmp_path):
                          initial_population_size=4)  # fmt: skip
     observations, _ = env.reset(seed=0)
     actions, _ = run.learner.model.predict(observations, deterministic=True)
-    controller = FeedforwardController(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
+    controller = load_learned(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
     decided = controller.act(observations)
     np.testing.assert_allclose(decided, np.clip(actions, -1, 1), atol=1e-5)
 
