@@ -70,3 +70,22 @@ class Controller(ABC):
         if self.price is not None:
             options["price"] = self.price
         return options
+
+
+def require_fitting(controller: Controller, max_evaluations: int | None) -> None:
+    """Refuse a controller that is to decide in episodes made for another one, but needs others.
+
+    Args:
+        controller: what is to decide.
+        max_evaluations: budget of these episodes; None is no budget.
+
+    Raises:
+        ValueError: if it was made for another budget, or for a price that it sees.
+    """
+    if controller.max_evaluations not in (None, max_evaluations):
+        raise ValueError(
+            f"it needs episodes with max_evaluations {controller.max_evaluations}, but these have "
+            f"{max_evaluations or 'no budget'}"
+        )
+    if controller.price is not None:
+        raise ValueError(f"it is told a price, {controller.price:g}, that these episodes need not have")

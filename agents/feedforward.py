@@ -48,9 +48,9 @@ class FeedforwardController(Controller):
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
-        self._base = self._make_base(limits)
         self.initial_population_size = self.manifest["initial_population_size"]
         self.max_evaluations = self.manifest.get("max_evaluations")
+        self._base = self._make_base(path, limits)
         self._read_weights(path, weights)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
@@ -90,21 +90,27 @@ class FeedforwardController(Controller):
             raise PolicyFileError(f"{path}: trained with prices in [{low:g}, {high:g}], got {price:g}")
         return price
 
-    def _make_base(self, limits: SizeLimits) -> Base | None:
-        if self.manifest["base"] == "none":
+    def _make_base(self, path: Path, limits: SizeLimits) -> Base | None:
+        name = self.manifest["base"]
+        if name == "none":
             return None
         from agents import make_controller
 
-        controller = make_controller(self.manifest["base"], limits)
-        self.observation = f"{controller.observation}+{self.observation}"
         settings = Settings(
             action=self.action,
             min_population_size=limits.smallest,
             max_population_size=limits.largest,
             initial_population_size=limits.smallest,
+            max_evaluations=self.max_evaluations,
         )
         layout = make_action(settings, get_optimizer(self.manifest["optimizer"]))
-        return Base(controller, layout, self.manifest.get("corrected_from", 0))
+        corrected_from = self.manifest.get("corrected_from", 0)
+        try:
+            base = Base(make_controller(name, limits), layout, corrected_from, self.max_evaluations)
+        except ValueError as error:
+            raise PolicyFileError(f"{path}: base {name!r}: {error}") from error
+        self.observation = f"{base.controller.observation}+{self.observation}"
+        return base
 
     def _check_layouts(self, path: Path, limits: SizeLimits) -> None:
         manifest = self.manifest

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from agents.controller import Controller
+from agents.controller import Controller, require_fitting
 from swarm_gym.action import Action
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.settings import Settings
@@ -50,9 +50,20 @@ class Base:
         controller: decides first; its action layout is `natural` or `extended`.
         layout: of the actions that are made, scaled to [-1, 1].
         corrected_from: the iteration, counted from 0, from which the policy is listened to.
+        max_evaluations: budget of the episodes, which are the policy's; None is no budget.
+
+    Raises:
+        ValueError: for a controller or a layout that this cannot be done with, or a controller that needs
+            other episodes.
     """
 
-    def __init__(self, controller: Controller, layout: Action, corrected_from: int = 0):
+    def __init__(
+        self,
+        controller: Controller,
+        layout: Action,
+        corrected_from: int = 0,
+        max_evaluations: int | None = None,
+    ):
         scaled = (layout.space.low == -1.0).all() and (layout.space.high == 1.0).all()
         paced = layout.name.endswith("paced")
         more = controller.action == "extended" and not layout.name.startswith("extended")
@@ -61,6 +72,7 @@ class Base:
                 f"a controller with actions {controller.action!r} cannot be corrected in the layout "
                 f"{layout.name!r}"
             )
+        require_fitting(controller, max_evaluations)
         self.controller = controller
         self.layout = layout
         self.corrected_from = corrected_from

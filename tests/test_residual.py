@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from trainings import make_rule
 
 from agents import Controller, SizeLimits, make_controller
 from agents.learned import load_learned
 from agents.open_loop import OpenLoop, save_open_loop
-from agents.policy_file import save_policy
+from agents.policy_file import PolicyFileError, save_policy
 from agents.residual import Base
 from agents.rollout import run_episodes
 from agents.sb3_vec_env import SB3VecEnv
@@ -42,11 +43,11 @@ def make_layout(action):
     return make_action(Settings(action=action, initial_population_size=6, max_population_size=20), Firefly)
 
 
-def make_base(name, action="normalised"):
-    return Base(make_controller(name, LIMITS), make_layout(action))
+def make_base(name, action="normalised", budget=None):
+    return Base(make_controller(name, LIMITS), make_layout(action), max_evaluations=budget)
 
 
-def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0):
+def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0, budget=None):
     """A policy with random hidden layers and a last one that always says the same."""
     rng = np.random.default_rng(0)
     features = base.features("extended")
@@ -61,7 +62,8 @@ def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0):
         "action": action, "base": base_name, "corrected_from": corrected_from, "features": features,
         "hidden_layers": [8],
         "initial_population_size": 6, "max_population_size": 20, "min_population_size": 2,
-        "num_decisions": decisions, "observation": "extended", "optimizer": "firefly",
+        "max_evaluations": budget, "num_decisions": decisions, "observation": "extended",
+        "optimizer": "firefly",
     }  # fmt: skip
     save_policy(path, weights, manifest)
     return load_learned(path, LIMITS)
@@ -183,3 +185,28 @@ def test_a_controller_of_more_decisions_than_the_layout_is_refused():
 def test_a_controller_that_answers_scaled_is_refused():
     with pytest.raises(ValueError, match="'normalised' cannot be corrected"):
         Base(Encoded(make_controller("fixed:9"), make_layout("normalised")), make_layout("normalised"))
+
+
+def test_a_base_that_needs_a_budget_decides_in_episodes_of_that_budget_only(tmp_path):
+    name, path = make_rule(tmp_path / "rule.json", 900), tmp_path / "p.safetensors"
+    base = make_base(name, budget=900)
+    policy = silent_policy(path, base, name, "normalised", budget=900)
+    assert policy.env_options()["max_evaluations"] == 900
+    ours, theirs = (run_episodes(c, "case3", range(3), **SIZES) for c in (policy, base.controller))
+    np.testing.assert_array_equal(ours.sizes, theirs.sizes)
+    for other in (None, 800):
+        with pytest.raises(PolicyFileError, match=f"{path}: base '{name}': .*max_evaluations 900"):
+            silent_policy(path, base, name, "normalised", budget=other)
+
+
+def test_any_base_may_decide_under_the_budget_of_the_policy(tmp_path):
+    path = tmp_path / "p.safetensors"
+    policy = silent_policy(path, make_base("spsfa"), "spsfa", "normalised", budget=900)
+    assert policy.env_options()["max_evaluations"] == 900
+
+
+def test_a_base_that_is_told_a_price_is_refused():
+    priced = make_controller("fixed:9", LIMITS)
+    priced.price = 0.3
+    with pytest.raises(ValueError, match=r"price, 0\.3"):
+        Base(priced, make_layout("normalised"))

@@ -8,7 +8,7 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
-from trainings import STEPS, tiny_config, train
+from trainings import STEPS, make_rule, tiny_config, train
 
 from agents import SizeLimits, make_controller
 from agents.learned import load_learned
@@ -143,6 +143,10 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"algorithm": "sac"}, "sac.*recurrent-ppo"),
         ({"base": "spsfa"}, "'spsfa' and warm_start 'spsfa-tip' exclude"),
         ({"base": "spfsa", "warm_start": "none"}, "spfsa.*spsfa"),
+        (
+            {"base": "learned:three-cases/0@1", "warm_start": "none", "max_population_size": 200},
+            "base 'learned:three-cases/0@1': .*'normalised' cannot be corrected",
+        ),
         ({"corrected_from": 3}, "corrected_from 3: without a base"),
         ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
         ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
@@ -158,6 +162,17 @@ def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, opti
     with pytest.raises(ValueError, match=message):
         train(tmp_path, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("role", ["base", "warm_start"])
+def test_a_controller_that_needs_a_budget_is_refused_where_episodes_have_another(tmp_path, role):
+    name, runs = make_rule(tmp_path / "rule.json", 900), tmp_path / "runs"
+    options = {"warm_start": "none", role: name}
+    for budget in (0, 800):
+        with pytest.raises(ValueError, match=f"{role} '{name}': .*max_evaluations 900"):
+            train(runs, **options, max_evaluations=budget)
+    assert not runs.exists()
+    train(runs, **options, max_evaluations=900)
 
 
 @pytest.mark.parametrize(

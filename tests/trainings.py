@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from agents.controller import SizeLimits
+from agents.distilled import DistilledRule, Formula, save_rule
 from agents.policy_file import save_policy
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
@@ -53,3 +55,11 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     }
     save_policy(path, weights, manifest)
     return path
+
+
+def make_rule(path, max_evaluations):
+    """The name of a distilled rule in natural units, which may need an evaluation budget."""
+    formulas = Formula("population size", 1.5, {}), Formula("repair degree", 0.1, {})
+    limits = SizeLimits(2, 12)
+    save_rule(path, DistilledRule(4, formulas, "firefly", max_evaluations, limits), limits, {})
+    return f"distilled:{path}"

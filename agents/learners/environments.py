@@ -50,7 +50,10 @@ def make_swarms(
         return env, None
     inner: Any = env.unwrapped
     layout = make_action(inner.settings, get_optimizer(config.optimizer))
-    return env, Base(controller, layout, config.corrected_from)
+    try:
+        return env, Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
+    except ValueError as error:
+        raise ValueError(f"base {config.base!r}: {error}") from error
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:

@@ -14,6 +14,7 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
 
 from agents import make_controller
+from agents.controller import require_fitting
 from agents.imitation import Demonstration, demonstrate, imitate
 from agents.learners.environments import feature_names, make_reference, make_swarms
 from agents.learners.learner import Learner
@@ -47,6 +48,10 @@ class PPOLearner(Learner):
                     f"warm_start {config.warm_start!r}: a controller with actions {self._teacher.action!r} "
                     f"cannot be imitated in the layout {config.action!r}"
                 )
+            try:
+                require_fitting(self._teacher, config.max_evaluations or None)
+            except ValueError as error:
+                raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
         self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
