@@ -51,16 +51,27 @@ def mean_courses(seen: NDArray, running: NDArray[np.bool_]) -> Floats:
 
 
 def input_names(controller: Controller) -> list[str]:
-    """Names of what a controller sees; a name that is there twice says of which layout the first is."""
-    layout, parts = controller.observation, controller.observation.split("+")
-    names = [feature.name for feature in make_observation(layout).features]
-    if len(parts) > 1:
-        of_base = len(make_observation(parts[0]).features)
-        names = [f"{name} (base)" if k < of_base else name for k, name in enumerate(names)]
-    return names
+    """Names of what a controller sees, no two alike.
+
+    What its base sees is marked so; a name that joined layouts repeat is numbered.
+
+    Raises:
+        UnknownNameError: if it sees a layout that there is not.
+    """
+    of_base = len(_features(controller.corrects)) if controller.corrects else 0
+    names = [
+        f"{name} (base)" if column < of_base else name for column, name in enumerate(_features(controller))
+    ]
+    return [
+        f"{name} ({names[:column].count(name) + 1})" if name in names[:column] else name
+        for column, name in enumerate(names)
+    ]
 
 
 def clock_columns(controller: Controller) -> list[int]:
     """Which of these are the iteration."""
-    names = [name.removesuffix(" (base)") for name in input_names(controller)]
-    return [column for column, name in enumerate(names) if name in CLOCKS]
+    return [column for column, name in enumerate(_features(controller)) if name in CLOCKS]
+
+
+def _features(controller: Controller) -> list[str]:
+    return [feature.name for feature in make_observation(controller.observation).features]

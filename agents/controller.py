@@ -38,6 +38,7 @@ class Controller(ABC):
         initial_population_size: PS(0), to be given to the environment.
         max_evaluations: evaluation budget of an episode, where the controller needs one.
         price: what evaluations cost, where the controller sees it.
+        corrects: its base, if it corrects another controller; `observation` begins with the layout of that.
     """
 
     observation: str = "paper"
@@ -45,6 +46,7 @@ class Controller(ABC):
     initial_population_size: int
     max_evaluations: int | None = None
     price: float | None = None
+    corrects: "Controller | None" = None
 
     @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:

@@ -109,7 +109,8 @@ class FeedforwardController(Controller):
             base = Base(make_controller(name, limits), layout, corrected_from, self.max_evaluations)
         except ValueError as error:
             raise PolicyFileError(f"{path}: base {name!r}: {error}") from error
-        self.observation = f"{base.controller.observation}+{self.observation}"
+        self.corrects = base.controller
+        self.observation = f"{self.corrects.observation}+{self.observation}"
         return base
 
     def _check_layouts(self, path: Path, limits: SizeLimits) -> None:

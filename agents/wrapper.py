@@ -20,6 +20,7 @@ class Wrapper(Controller):
         self.initial_population_size = controller.initial_population_size
         self.max_evaluations = controller.max_evaluations
         self.price = controller.price
+        self.corrects = controller.corrects
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes; all swarms go through them side by side."""

@@ -12,6 +12,7 @@ from agents.train_config import TrainConfig
 from agents.watching import decision_names, watch
 from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
+from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 
 TRAINING = TrainConfig(scenarios=("case3",), initial_population_size=20)
@@ -151,7 +152,32 @@ def test_every_layout_says_which_inputs_are_the_iteration():
         assert len(clock_columns(controller)) == (2 if name in ("rich", "priced") else 1)
     controller.observation = "paper+extended"
     assert clock_columns(controller) == [3, 7]
-    assert len(set(input_names(controller))) == len(input_names(controller))
+
+
+def test_inputs_are_named_by_their_features_and_those_of_a_base_marked():
+    controller = Partial()
+    assert input_names(controller) == NAMES
+    paper = [feature.name for feature in OBSERVATIONS["paper"].features]
+    controller.observation = "paper+rich"
+    assert input_names(controller) == paper + NAMES
+    controller.corrects = make_controller("spsfa")
+    assert input_names(controller) == [*(f"{name} (base)" for name in paper), *NAMES]
+    policy = make_controller("learned:three-cases/0")
+    assert input_names(policy)[:4] == [f"{name} (base)" for name in paper]
+
+
+def test_no_two_inputs_have_one_name():
+    controller = Partial()
+    scaled = [feature.name for feature in OBSERVATIONS["scaled"].features]
+    controller.observation = "scaled+scaled+scaled"
+    assert input_names(controller) == [*scaled, *(f"{n} ({k})" for k in (2, 3) for n in scaled)]
+
+
+def test_inputs_of_a_layout_that_there_is_not_have_no_names():
+    controller = Partial()
+    controller.observation = "papers+rich"
+    with pytest.raises(UnknownNameError, match=r"'papers'.*paper, priced"):
+        input_names(controller)
 
 
 def test_differences_are_paired_and_their_interval_holds_the_mean():
