@@ -1,17 +1,17 @@
 """Whole episodes of a controller on many seeds at once."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from agents.controller import Controller
-from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import Scenario
 from swarm_gym.simulation import HISTORY
+from swarm_gym.vector_env import SwarmVectorEnv
 
 Floats = NDArray[np.float64]
 
@@ -47,21 +47,8 @@ def run_episodes(
         optimizer: name of the optimizer.
         options: further options of the environment.
     """
-    env = gymnasium.make_vec(
-        environment_id(optimizer),
-        num_envs=len(seeds),
-        scenario=scenario,
-        autoreset_mode=AutoresetMode.DISABLED,
-        **{**options, **controller.env_options()},
-    )
-    controller.reset(len(seeds), seeds.start)
-    observations, _ = env.reset(seed=seeds.start)
-    returns = np.zeros(len(seeds))
-    swarms: Any = env.unwrapped
-    ended = np.zeros(len(seeds), dtype=np.bool_)
-    while not ended.all():
-        observations, rewards, ended = swarms.step_running(controller.act(observations))
-        returns += rewards
+    swarms = swarms_for(controller, len(seeds), optimizer, scenario=scenario, **options)
+    returns = drive(controller, swarms, seeds)
     history = swarms.simulation.history[:, 1:]
     sizes, repair_degrees = (
         history[..., HISTORY.index(name)] for name in ("population_size", "repair_degree")
@@ -70,3 +57,35 @@ def run_episodes(
     return Episodes(
         final.best_fitness.copy(), final.evaluations.astype(np.float64), returns, sizes, repair_degrees
     )
+
+
+def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: Any) -> SwarmVectorEnv:
+    """Swarms as a controller needs them, for an episode each."""
+    return SwarmVectorEnv(
+        num_swarms,
+        optimizer,
+        autoreset_mode=AutoresetMode.DISABLED,
+        **{**options, **controller.env_options()},
+    )
+
+
+def drive(
+    controller: Controller, swarms: SwarmVectorEnv, seeds: range, look: Callable[[], None] = lambda: None
+) -> Floats:
+    """(B,) sums of the rewards of one episode per swarm, side by side, as a controller decides.
+
+    Args:
+        controller: decides.
+        swarms: B of them, made for the controller.
+        seeds: consecutive seeds, one per swarm.
+        look: called before every iteration.
+    """
+    controller.reset(len(seeds), seeds.start)
+    observations, _ = swarms.reset(seed=seeds.start)
+    returns = np.zeros(len(seeds))
+    ended = np.zeros(len(seeds), dtype=np.bool_)
+    while not ended.all():
+        look()
+        observations, rewards, ended = swarms.step_running(controller.act(observations))
+        returns += rewards
+    return returns

@@ -5,12 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
 from agents.controller import Controller
+from agents.rollout import drive, swarms_for
 from swarm_gym.action import make_action
-from swarm_gym.batch import SwarmBatch
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -64,24 +63,21 @@ def watch(
         num_threads: that swarms are spread over; results do not depend on it.
         options: further options of the environment.
     """
-    options = {**options, **driver.env_options(), "scenario": list(scenarios)}
-    batch = SwarmBatch(optimizer, options, len(seeds), num_threads)
-    simulation = batch.simulation
+    options = {**options, "scenario": list(scenarios), "num_threads": num_threads}
+    swarms = swarms_for(driver, len(seeds), optimizer, **options)
+    simulation = swarms.simulation
     eyes = [_Eye(controller, simulation) for controller in watchers]
     keeper = _View(observation, simulation)
-    for controller in (driver, *watchers):
+    for controller in watchers:
         controller.reset(len(seeds), seeds.start)
-    everyone = np.ones(len(seeds), dtype=np.bool_)
-    batch.reset(everyone, [seeding.np_random(seed)[0] for seed in seeds], None)
-    returns = np.zeros(len(seeds))
     seen, running, decided = [], [], []
-    while simulation.running.any():
-        chosen = simulation.running.copy()
+
+    def look() -> None:
         seen.append(keeper.observe())
-        running.append(chosen)
+        running.append(simulation.running.copy())
         decided.append([eye.decide() for eye in eyes])
-        rewards, _ = batch.step(chosen, driver.act(batch.observe()))
-        returns += rewards
+
+    returns = drive(driver, swarms, seeds, look)
     return Watched(
         np.array(seen),
         tuple(np.array(of_one) for of_one in zip(*decided, strict=True)),
