@@ -168,6 +168,7 @@ FITTED_TO_CASES = Fitted(
     learned_extended=(
         *training_seeds("learned:three-cases-extended", 7, 2),
         *training_seeds("learned:three-cases-extended-fine", 3),
+        *training_seeds("learned:three-cases-extended-deep", 2),
         *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
     ),
 )
@@ -191,6 +192,7 @@ LOOKED_INTO = (
     "open-loop:three-cases",
     *HEADLINE_EXTENDED,
     *training_seeds("learned:three-cases-extended-fine", 3),
+    *training_seeds("learned:three-cases-extended-deep", 2),
     "open-loop:three-cases-extended@0.1",
 )
 
@@ -242,6 +244,7 @@ HEADLINE_DUELS = (
     ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended@0.1"),
     ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended-13-knots@0.02"),
+    ("learned:three-cases-extended-deep/*", "open-loop:three-cases-extended-13-knots@0.02"),
     ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
     ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
 )
