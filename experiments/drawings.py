@@ -21,7 +21,7 @@ from experiments.labels import label
 from experiments.results import Floats, Run, RunKey, Snapshot
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import Scenario, make_scenario
+from swarm_gym.scenarios import AnyScenario, make_scenario
 
 COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
 # Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
@@ -45,7 +45,7 @@ class Case:
         styles: by controller.
     """
 
-    scenario: Scenario
+    scenario: AnyScenario
     optimum: float
     runs: Mapping[str, list[Run]]
     styles: Mapping[str, Style]

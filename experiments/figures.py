@@ -26,9 +26,8 @@ from experiments.results import Results, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
-from swarm_gym.problem import Problem
 from swarm_gym.reference import known_optimum
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.settings import make_problem
 
 # The numbers that figures have in the SPSFA paper; those of other scenarios have none.
 NUMBERS = {
@@ -165,9 +164,8 @@ def load_cases(suite: Suite, results: Results) -> list[Case]:
             if (found := results.runs(controller, name, suite.num_seeds, suite.seeds[name].start))
         }
         if runs:
-            scenario = make_scenario(name)
-            optimum = known_optimum(Problem(scenario))
-            cases.append(Case(scenario, optimum, runs, styles(suite.controllers)))
+            problem = make_problem(name)
+            cases.append(Case(problem.scenario, known_optimum(problem), runs, styles(suite.controllers)))
     return cases
 
 

@@ -1,10 +1,12 @@
 """Maps in figures: obstacles, start and target, populations, best paths."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patches import Patch
@@ -13,7 +15,7 @@ from matplotlib.patches import Polygon as PolygonPatch
 from experiments.figure_style import BLUE, RED, Style
 from experiments.results import Floats, Run, Snapshot
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import Circle, Obstacle, Scenario
+from swarm_gym.scenarios import AnyScenario, Circle, GridMap, Obstacle, Scenario
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
 INK = "#222222"
@@ -24,17 +26,17 @@ COLLIDING: dict[str, Any] = {"color": RED, "linestyle": (0, (6, 3)), "linewidth"
 MARKER_EVERY = 7
 
 
-def draw_map(axes: Axes, scenario: Scenario) -> None:
+def draw_map(axes: Axes, scenario: AnyScenario) -> None:
     """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates."""
     x_min, y_min, x_max, y_max = scenario.workspace
-    axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max), aspect="equal")
     axes.grid(False)
     axes.spines[:].set_visible(True)
-    patches = [_patch(obstacle) for obstacle in scenario.obstacles]
-    # The outlines above the paths, so that a crowd does not hide the obstacles.
-    for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
-        shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
-        axes.add_collection(shapes)
+    if isinstance(scenario, Scenario):
+        _draw_obstacles(axes, scenario.obstacles)
+    else:
+        _draw_cells(axes, scenario.map)
+    heights = (y_min, y_max) if scenario.y_up else (y_max, y_min)
+    axes.set(xlim=(x_min, x_max), ylim=heights, aspect="equal")
     for letter, marker, point in (("S", "o", scenario.start), ("T", "*", scenario.target)):
         size = 6 if marker == "o" else 10
         axes.plot(
@@ -76,6 +78,21 @@ def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -
 def draw_shortest_path(axes: Axes, points: Floats, label: str) -> None:
     """Draw a path (k, 2) as a broad pale line below the others."""
     axes.plot(*points.T, color="#f0e442", linewidth=5, label=label, zorder=2)
+
+
+def _draw_obstacles(axes: Axes, obstacles: Sequence[Obstacle]) -> None:
+    patches = [_patch(obstacle) for obstacle in obstacles]
+    # The outlines above the paths, so that a crowd does not hide the obstacles.
+    for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
+        shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
+        axes.add_collection(shapes)
+
+
+def _draw_cells(axes: Axes, grid: GridMap) -> None:
+    x_min, y_min, x_max, y_max = grid.extent
+    extent = (x_min, x_max, y_min, y_max) if grid.y_up else (x_min, x_max, y_max, y_min)
+    colours = ListedColormap(["white", OBSTACLE])
+    axes.imshow(grid.blocked, extent=extent, cmap=colours, vmin=0, vmax=1, interpolation="none", zorder=1)
 
 
 def _patch(obstacle: Obstacle) -> Patch:

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from experiments.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.settings import make_problem
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +101,7 @@ class Outcomes:
         Raises:
             ScenarioError: for scenarios whose optimum is not known.
         """
-        optima = np.array([known_optimum(Problem(make_scenario(name))) for name in self.scenarios])
+        optima = np.array([known_optimum(make_problem(name)) for name in self.scenarios])
         unknown = [name for name, optimum in zip(self.scenarios, optima, strict=True) if np.isnan(optimum)]
         if unknown:
             raise ScenarioError(

@@ -20,7 +20,7 @@ from experiments.paper_numbers import FITNESS
 from experiments.statistics import summarise
 from experiments.tables import Table
 from swarm_gym.files import write_atomically
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.scenarios import make_scenario, require_analytic
 
 # Name of the reading, its first population (y from, y to), and its options of the environment.
 READINGS: list[tuple[str, tuple[float, float], dict[str, Any]]] = [
@@ -54,7 +54,7 @@ def compare_readings(config: ReadingsConfig) -> Table:
     printed = [FITNESS[config.case, controller] for controller in config.controllers]
     rows = [("paper", *(f"{row.mean:.1f} ({row.minimum:.1f})" for row in printed))]
     for name, (low, high), options in tqdm(READINGS, unit="reading", desc=config.case):
-        scenario = make_scenario(config.case)
+        scenario = require_analytic(make_scenario(config.case))
         y = scenario.start[1]
         scenario = dataclasses.replace(scenario, initial_range=(low - y, high - y))
         cells = []

@@ -20,11 +20,9 @@ from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
 from experiments.suites import Suite
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.problem import Problem
 from swarm_gym.reference.optima import digest
 from swarm_gym.registration import environment_id
-from swarm_gym.scenarios import make_scenario
-from swarm_gym.settings import Settings
+from swarm_gym.settings import Settings, make_problem
 from swarm_gym.warm_up import warm_up_single
 
 MOST_NAMED = 10  # in a message
@@ -153,10 +151,13 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
     # These vary within a suite and are part of the controllers and the runs.
     for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
         del settings[name]
+    # These are part of the scenarios' problems.
+    for name in ("encoding", "num_control_points", "penalty"):
+        del settings[name]
     found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
     for name in suite.scenarios:
-        scenario = make_scenario(name)
-        found[f"scenario {name}"] = [digest(Problem(scenario)), scenario.initial_range]
+        problem = make_problem(name)
+        found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found
 
 

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
+from numba.extending import overload
 
 from swarm_gym.files import digest_of_sources, user_cache
 
@@ -57,6 +58,23 @@ def inlined_kernel(function: Function) -> Function:
 def parallel_kernel(function: Function) -> Function:
     """Like `kernel`, with the iterations of `numba.prange` spread over threads."""
     return _compile(function, parallel=True)
+
+
+def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
+    """The kernel that belongs to the class of its first argument, a NamedTuple; inlined into its callers.
+
+    A caller is compiled once for each class that it is called with: nothing is decided while it runs.
+    """
+
+    def call(table: Any, *arguments: Any) -> Any:
+        return kernels[type(table)](table, *arguments)
+
+    def choose(table: Any, *_: Any) -> Callable[..., Any] | None:
+        chosen = kernels.get(getattr(table, "instance_class", type(None)))
+        return getattr(chosen, "py_func", chosen)
+
+    overload(call, strict=False, jit_options={"forceinline": True})(choose)
+    return call
 
 
 def _compile(function: Function, **options: bool) -> Function:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, kernel
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE, evaluate
-from swarm_gym.problem.waypoints import WaypointTable, columns, select
+from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.layout import columns
+from swarm_gym.problem.tables import Table, evaluate, select
 from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
 
 Floats = NDArray[np.float64]
@@ -20,9 +21,9 @@ Integers = NDArray[np.int64]
 
 
 class Swarms(NamedTuple):
-    """State of B swarms of up to M members with n waypoints each; changed in place by the kernels.
+    """State of B swarms of up to M members of dimension D; changed in place by the kernels.
 
-    Positions have C = `waypoints.columns(n)` columns, of which those from n on are zero.
+    Positions have C = `layout.columns(D)` columns, of which those from D on are zero.
     """
 
     problem: Integers  # (B,) index into the stacked problem tables
@@ -39,17 +40,17 @@ class Swarms(NamedTuple):
     summary: Floats  # (B, 5) E(P), mean collision, std collision, feasible share, diversity
 
     @classmethod
-    def allocate(cls, num_swarms: int, capacity: int, num_waypoints: int) -> "Swarms":
+    def allocate(cls, num_swarms: int, capacity: int, dimension: int) -> "Swarms":
         """Empty swarms."""
         members = (num_swarms, capacity)
         return cls(
             problem=np.zeros(num_swarms, dtype=np.int64),
             stream=np.zeros((num_swarms, *STREAM_SHAPE), dtype=np.uint64),
             size=np.zeros(num_swarms, dtype=np.int64),
-            positions=np.zeros((*members, columns(num_waypoints))),
+            positions=np.zeros((*members, columns(dimension))),
             fitness=np.zeros(members),
             collision=np.zeros(members),
-            best_position=np.zeros((num_swarms, columns(num_waypoints))),
+            best_position=np.zeros((num_swarms, columns(dimension))),
             best_fitness=np.full(num_swarms, np.inf),
             best_collision=np.full(num_swarms, np.inf),
             evaluations=np.zeros(num_swarms, dtype=np.int64),
@@ -72,7 +73,7 @@ def make_workspace(num_columns: int) -> Workspace:
 
 
 @inlined_kernel
-def evaluate_path(swarms: Swarms, b: int, table: WaypointTable, work: Workspace) -> tuple[float, float]:
+def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
     fitness, collision = evaluate(table, work.path)
     swarms.evaluations[b] += 1
@@ -88,7 +89,7 @@ def evaluate_path(swarms: Swarms, b: int, table: WaypointTable, work: Workspace)
 def add_members(
     swarms: Swarms,
     b: int,
-    table: WaypointTable,
+    table: Table,
     work: Workspace,
     count: int,
     lower: Floats,
@@ -119,7 +120,7 @@ def clear(swarms: Swarms, b: int) -> None:
 
 
 @kernel
-def resize(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_size: int) -> None:
+def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Grow or shrink swarm `b` to `new_size` members."""
     if new_size > swarms.size[b]:
         grow(swarms, b, table, work, new_size)
@@ -128,7 +129,7 @@ def resize(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_si
 
 
 @kernel
-def grow(swarms: Swarms, b: int, table: WaypointTable, work: Workspace, new_size: int) -> None:
+def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Add members uniform in the box that the population spans (eq. 12).
 
     Where the population has no extent in a component, the bounds of the workspace stand in.
@@ -228,7 +229,7 @@ def _diversity(positions: Floats, size: int) -> float:
 @kernel
 def adopt_population(
     swarms: Swarms,
-    tables: WaypointTable,
+    tables: Table,
     chosen: NDArray[np.bool_],
     sizes: Integers,
     mean_weight: float,

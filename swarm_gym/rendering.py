@@ -8,7 +8,7 @@ from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import Circle, Point, Scenario
+from swarm_gym.scenarios import AnyScenario, Circle, Obstacle, Point, Scenario
 from swarm_gym.simulation import HISTORY, Simulation
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
 class Scene:
     """What one picture shows of one swarm; lengths in map units, paths in map coordinates."""
 
-    scenario: Scenario
+    scenario: AnyScenario
     paths: Floats  # (members, n + 2, 2)
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
     best_path: Floats  # (n + 2, 2) best so far
@@ -182,7 +182,7 @@ class Pen:
 class MapView:
     """The map of a scenario: its picture without a swarm, and where points are on it."""
 
-    def __init__(self, scenario: Scenario, pen: Pen):
+    def __init__(self, scenario: AnyScenario, pen: Pen):
         self.scenario = scenario
         self.background = pen.surface
         low, high = np.reshape(scenario.workspace, (2, 2))
@@ -195,23 +195,26 @@ class MapView:
         pen.surface.fill(PAPER)
         pen.draw.rect(pen.surface, MAP, border)
         pen.surface.set_clip(border)
-        for obstacle in scenario.obstacles:
-            if isinstance(obstacle, Circle):
-                centre = self.pixels(np.array([obstacle.x, obstacle.y]))
-                pen.draw.circle(pen.surface, OBSTACLE, centre, obstacle.radius * self._scale)
-            else:
-                pen.draw.polygon(pen.surface, OBSTACLE, self.pixels(np.array(obstacle.vertices)))
+        if isinstance(scenario, Scenario):
+            for obstacle in scenario.obstacles:
+                self._draw_obstacle(pen, obstacle)
+        else:
+            self._draw_cells(pen, scenario.map.blocked)
         pen.surface.set_clip(None)
         pen.draw.rect(pen.surface, FAINT_INK, border.inflate(pen.px(2), pen.px(2)), pen.px(1))
         below, before = border.bottom + pen.px(5), border.left - pen.px(6)
         pen.text(f"{low[0]:g}", (border.left, below), "topleft")
         pen.text(f"{high[0]:g}", (border.right, below), "topright")
-        pen.text(f"{low[1]:g}", (before, border.bottom), "bottomright")
-        pen.text(f"{high[1]:g}", (before, border.top), "topright")
+        bottom, top = (low[1], high[1]) if scenario.y_up else (high[1], low[1])
+        pen.text(f"{bottom:g}", (before, border.bottom), "bottomright")
+        pen.text(f"{top:g}", (before, border.top), "topright")
 
     def pixels(self, points: Floats) -> Floats:
         """Convert map coordinates (..., 2) to the picture's, whose y grows downward."""
-        return self._origin + (points - self.scenario.workspace[:2]) * [self._scale, -self._scale]
+        x_min, y_min, _, y_max = self.scenario.workspace
+        if self.scenario.y_up:
+            return self._origin + (points - (x_min, y_min)) * [self._scale, -self._scale]
+        return self._origin + (points - (x_min, y_max)) * self._scale
 
     def draw_swarm(self, pen: Pen, scene: Scene) -> None:
         """Draw the colliding members, above them the feasible ones, and the best path on top."""
@@ -224,6 +227,19 @@ class MapView:
         pen.surface.set_clip(None)
         self._draw_end(pen, "start", self.scenario.start, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
+
+    def _draw_obstacle(self, pen: Pen, obstacle: Obstacle) -> None:
+        if isinstance(obstacle, Circle):
+            centre = self.pixels(np.array([obstacle.x, obstacle.y]))
+            pen.draw.circle(pen.surface, OBSTACLE, centre, obstacle.radius * self._scale)
+        else:
+            pen.draw.polygon(pen.surface, OBSTACLE, self.pixels(np.array(obstacle.vertices)))
+
+    def _draw_cells(self, pen: Pen, blocked: NDArray[np.bool_]) -> None:
+        """Draw a grid map, row 0 on top, over the whole border."""
+        pixels = np.where(blocked.T[..., None], OBSTACLE, MAP).astype(np.uint8)
+        cells = pen.pygame.surfarray.make_surface(pixels)
+        pen.surface.blit(pen.pygame.transform.scale(cells, self.border.size), self.border)
 
     def _draw_end(self, pen: Pen, name: str, point: Point, colour: Colour, corners: int) -> None:
         angles = 2 * np.pi * np.arange(corners) / corners

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from swarm_gym.checks import require_integer, require_number
+from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.scenarios import Scenario, make_scenarios
+from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
+from swarm_gym.problem.grid_problem import ENCODINGS
+from swarm_gym.scenarios import AnyScenario, Scenario, make_scenarios
 
 
 @dataclass(frozen=True)
@@ -19,8 +21,11 @@ class Settings:
     Attributes:
         scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed;
             a name with a range of numbers stands for all of them.
+        encoding: how decision vectors are read, "waypoints" or, on grid maps, "bezier".
         num_waypoints: n, the number of waypoints of a path.
-        length_weight: mu in (0, 1], the weight of the length in the fitness.
+        num_control_points: of a Bezier curve, without start and target.
+        length_weight: mu in (0, 1], the weight of the length in the fitness on analytic maps.
+        penalty: lambda, the fitness that each infeasible sample of a path costs on grid maps.
         iterations: g_max, the length of an episode.
         initial_population_size: PS(0).
         min_population_size: smallest size that an action can ask for.
@@ -36,9 +41,12 @@ class Settings:
         knobs: parameters of the optimizer by name, where they differ from its defaults.
     """
 
-    scenario: str | Scenario | tuple[str | Scenario, ...] = "case1"
+    scenario: str | AnyScenario | tuple[str | AnyScenario, ...] = "case1"
+    encoding: str = "waypoints"
     num_waypoints: int = 31
+    num_control_points: int = 3
     length_weight: float = 0.3
+    penalty: float = 500.0
     iterations: int = 100
     initial_population_size: int = 80
     min_population_size: int = 2
@@ -81,9 +89,11 @@ class Settings:
             values["scenario"] = tuple(scenario)
         knobs = {name: value for name, value in options.items() if name in optimizer.knobs}
         optimizer.knob_values(knobs)
-        return cls(**values, knobs=knobs)
+        settings = cls(**values, knobs=knobs)
+        settings._refuse_unused(values)
+        return settings
 
-    def scenarios(self) -> list[Scenario]:
+    def scenarios(self) -> list[AnyScenario]:
         """The scenarios that episodes draw from.
 
         Raises:
@@ -94,6 +104,45 @@ class Settings:
         if not scenarios:
             raise SettingError("scenario: the list of scenarios is empty")
         return scenarios
+
+    def problems(self) -> list[Problem]:
+        """The problems of these scenarios, all on maps of one kind.
+
+        Raises:
+            SettingError: if there is none, if maps are of both kinds, or if the encoding needs another kind.
+        """
+        scenarios = self.scenarios()
+        for scenario in scenarios[1:]:
+            if type(scenario) is not type(scenarios[0]):
+                raise SettingError(
+                    f"scenario: {scenarios[0].name!r} and {scenario.name!r} cannot be in one environment: "
+                    f"one has a grid map and the other an analytic one"
+                )
+        return list(map(self._problem, scenarios))
+
+    def _problem(self, scenario: AnyScenario) -> Problem:
+        look_up("encoding", self.encoding, ENCODINGS)
+        if isinstance(scenario, Scenario):
+            if self.encoding != "waypoints":
+                raise SettingError(
+                    f"encoding {self.encoding!r} needs a grid map; scenario {scenario.name!r} is analytic"
+                )
+            return AnalyticProblem(scenario, self.num_waypoints, self.length_weight)
+        num_points = self.num_waypoints if self.encoding == "waypoints" else self.num_control_points
+        return GridProblem(scenario, self.encoding, num_points, self.penalty)
+
+    def _refuse_unused(self, given: Iterable[str]) -> None:
+        """Refuse options that say something about another kind of map or encoding."""
+        on_grid = not isinstance(self.scenarios()[0], Scenario)
+        unused = {
+            "length_weight": ("analytic maps", on_grid),
+            "penalty": ("grid maps", not on_grid),
+            "num_control_points": ("encoding 'bezier'", self.encoding == "waypoints"),
+            "num_waypoints": ("encoding 'waypoints'", self.encoding != "waypoints"),
+        }
+        for name in given:
+            if name in unused and unused[name][1]:
+                raise SettingError(f"option {name!r} is for {unused[name][0]} only; it would change nothing")
 
     def draw_price(self, generator: np.random.Generator) -> float:
         """The price of an episode."""
@@ -117,3 +166,8 @@ class Settings:
     def check_population_size(self, name: str, value: object) -> None:
         """Refuse what is not a population size inside the limits."""
         require_integer(name, value, self.min_population_size, self.max_population_size)
+
+
+def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
+    """The problem of an environment of that scenario and these options of `Settings`."""
+    return Settings(scenario=scenario, **options).problems()[0]

@@ -13,8 +13,7 @@ from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms, adopt_population
 from swarm_gym.problem import Problem
-from swarm_gym.problem.problem import points_beside
-from swarm_gym.problem.waypoints import stack
+from swarm_gym.problem.tables import stack
 from swarm_gym.random_stream import seed_stream
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import Settings
@@ -50,6 +49,7 @@ class Simulation:
 
     Attributes:
         problems: the distinct problems that episodes draw from.
+        dimension: length of a decision vector.
         swarms: the state that the kernels work on.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
@@ -75,16 +75,12 @@ class Simulation:
         self.settings = settings
         self.num_threads = num_threads
         self.parallel = num_swarms > 1 and num_threads != 1
-        self.problems = [
-            Problem(scenario, settings.num_waypoints, settings.length_weight)
-            for scenario in settings.scenarios()
-        ]
+        self.problems = settings.problems()
+        self.dimension = self.problems[0].dimension
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
-        self._lines = np.stack([problem.line for problem in self.problems])
-        self._across = np.stack([problem.across for problem in self.problems])
         self.tables = stack([problem.table for problem in self.problems])
-        self.swarms = Swarms.allocate(num_swarms, settings.max_population_size, settings.num_waypoints)
+        self.swarms = Swarms.allocate(num_swarms, settings.max_population_size, self.dimension)
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
         self.iteration = np.zeros(num_swarms, dtype=np.int64)
         self.running = np.zeros(num_swarms, dtype=np.bool_)
@@ -110,7 +106,7 @@ class Simulation:
             chosen: (B,) which swarms.
             seeds: one per chosen swarm; it fixes the scenario and the trajectory.
             options: `scenario` (one of this environment's, by name), `initial_population_size`, or
-                `initial_population` (waypoint offsets, shape (members, n), in map units).
+                `initial_population` (decision vectors, shape (members, dimension), in map units).
 
         Raises:
             UnknownNameError: for an option or scenario that is not there.
@@ -131,7 +127,7 @@ class Simulation:
         if population is None:
             self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         else:
-            swarms.positions[rows, :size, : self.settings.num_waypoints] = population
+            swarms.positions[rows, :size, : self.dimension] = population
             adopt_population(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         self.iteration[rows] = 0
         self.running[rows] = True
@@ -200,17 +196,22 @@ class Simulation:
                 )
 
     def best_paths(self) -> Floats:
-        """(B, n + 2, 2) best paths so far in map coordinates."""
-        lines, across = self._lines[self.swarms.problem], self._across[self.swarms.problem]
-        return points_beside(lines, across, self.swarms.best_position[:, : self.settings.num_waypoints])
+        """(B, k, 2) best paths so far in map coordinates."""
+        vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
+        if len(self.problems) == 1:
+            return self.problems[0].points(vectors)
+        paths = np.empty((self.num_swarms, *self.problems[0].points(vectors[0]).shape))
+        for number in np.unique(numbers):
+            paths[numbers == number] = self.problems[number].points(vectors[numbers == number])
+        return paths
 
     def positions(self, row: int) -> Floats:
-        """Positions of the living members of a swarm, (size, n), a view."""
-        return self.swarms.positions[row, : self.swarms.size[row], : self.settings.num_waypoints]
+        """Positions of the living members of a swarm, (size, dimension), a view."""
+        return self.swarms.positions[row, : self.swarms.size[row], : self.dimension]
 
     def best_position(self, row: int) -> Floats:
-        """Best position so far of a swarm, (n,), a view."""
-        return self.swarms.best_position[row, : self.settings.num_waypoints]
+        """Best position so far of a swarm, (dimension,), a view."""
+        return self.swarms.best_position[row, : self.dimension]
 
     def problem_of(self, row: int) -> Problem:
         """The problem that a swarm works on."""
@@ -251,7 +252,7 @@ class Simulation:
         return int(size), population, scenario
 
     def _read_population(self, population: object) -> Floats:
-        n = self.settings.num_waypoints
+        n = self.dimension
         array = np.asarray(population, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != n:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")

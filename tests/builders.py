@@ -7,8 +7,9 @@ import numpy as np
 import shapely
 
 from swarm_gym.population import Swarms, adopt_population, make_workspace
-from swarm_gym.problem import Problem
-from swarm_gym.problem.waypoints import columns, select, stack
+from swarm_gym.problem import AnalyticProblem
+from swarm_gym.problem.layout import columns
+from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
@@ -137,7 +138,7 @@ def assert_same_swarm(swarms, twin, b=0):
 def problem_of(source, num_waypoints, seed=3):
     """A case of the paper by name, or a random one."""
     if source == "random":
-        return Problem(random_scenario(np.random.default_rng(seed)), num_waypoints)
+        return AnalyticProblem(random_scenario(np.random.default_rng(seed)), num_waypoints)
     return make_problem(source, num_waypoints)
 
 
@@ -154,4 +155,4 @@ def workspace(num_waypoints):
 
 
 def make_problem(case, num_waypoints=31, length_weight=0.3):
-    return Problem(make_scenario(case), num_waypoints, length_weight)
+    return AnalyticProblem(make_scenario(case), num_waypoints, length_weight)

@@ -23,14 +23,14 @@ from experiments.speed.measurement import (
 from experiments.speed.numpy_firefly import NumpyFirefly
 from experiments.speed.page import write_page
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_numpy_version_has_the_same_cost(case):
-    problem = Problem(make_scenario(case))
+    problem = AnalyticProblem(make_scenario(case))
     swarm = NumpyFirefly(problem, 2, seed=0)
     rng = np.random.default_rng(1)
     for spread in (5.0, 60.0, 250.0):
@@ -40,7 +40,7 @@ def test_the_numpy_version_has_the_same_cost(case):
 
 
 def test_the_numpy_version_converges_like_the_kernels():
-    problem, size, iterations = Problem(make_scenario("case3")), 12, 5
+    problem, size, iterations = AnalyticProblem(make_scenario("case3")), 12, 5
     theirs, seeds = [], 40
     for seed in range(seeds):
         swarm = NumpyFirefly(problem, size, seed)
@@ -109,7 +109,7 @@ def test_every_value_of_an_axis_is_an_environment(axis):
 
 @pytest.mark.parametrize("number", [4, 32])
 def test_every_bar_is_near_every_segment(number):
-    problem = Problem(growth.bars(number))
+    problem = AnalyticProblem(growth.bars(number))
     assert np.bincount([pair.segment for pair in problem.pairs]).tolist() == [number] * 32
 
 

@@ -24,8 +24,8 @@ from hypothesis.extra.numpy import arrays
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.firefly import Firefly, iterate, move_towards, step_parallel, step_serial
 from swarm_gym.population import Swarms
-from swarm_gym.problem import Problem
-from swarm_gym.problem.waypoints import select, stack
+from swarm_gym.problem import AnalyticProblem
+from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
 
 PAPER = np.array([2.0, 0.1, 5e-6])
@@ -168,7 +168,7 @@ def test_equals_do_not_move(size):
 @pytest.mark.parametrize("repair_degree", [0.0, 0.5])
 def test_stored_values_belong_to_the_stored_positions(repair_degree):
     swarms, table, work, twin = twins_of("case3", 15, 1, 31)
-    problem = Problem(twin.scenario)
+    problem = AnalyticProblem(twin.scenario)
     for _ in range(5):
         iterate(swarms, 0, table, work, repair_degree, STRONG)
     for i in range(15):

@@ -17,7 +17,7 @@ from builders import (
     turned,
 )
 
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.collision import clearing_shifts
 from swarm_gym.problem.waypoints import PRESENCE
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
@@ -30,7 +30,7 @@ CLOSE = 1e-9
 
 def middle_segment(obstacles):
     """The problem in which segments between (0, y) and (100, y) are the middle ones."""
-    return Problem(
+    return AnalyticProblem(
         Scenario(
             "middle",
             (-SPACING, 0.0),
@@ -357,7 +357,7 @@ def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
 
 def check_random_scenario(seed, num_paths):
     rng = np.random.default_rng(seed)
-    problem = Problem(random_scenario(rng), int(rng.choice([1, 2, 5, 13, 31, 40])))
+    problem = AnalyticProblem(random_scenario(rng), int(rng.choice([1, 2, 5, 13, 31, 40])))
     paths = [random_path(rng, problem) for _ in range(num_paths)]
     assert max(assert_fitness_is_naive(problem, path) for path in paths) > 1
 
@@ -388,10 +388,10 @@ def test_turning_and_shifting_the_whole_map_changes_nothing(source, seed):
     rng = np.random.default_rng(seed)
     scenario = random_scenario(rng) if source == "random" else make_scenario(source)
     # 40 waypoints: in no case does an edge stand exactly on the line of one.
-    problem = Problem(scenario, 40)
+    problem = AnalyticProblem(scenario, 40)
     moved = turned(scenario, rng.uniform(0, math.tau), tuple(rng.uniform(-500, 500, 2)))
     paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, Problem(moved, 40), paths)
+    assert_same_fitness(problem, AnalyticProblem(moved, 40), paths)
 
 
 @pytest.mark.parametrize("case", ["case2", "case3"])
@@ -400,7 +400,7 @@ def test_turning_a_map_with_edges_on_the_lines_of_waypoints_changes_nothing(case
     problem = make_problem(case)
     paths = [random_path(rng, problem) for _ in range(10)]
     for angle in np.linspace(0.1, 6.2, 20):
-        assert_same_fitness(problem, Problem(turned(problem.scenario, angle), 31), paths)
+        assert_same_fitness(problem, AnalyticProblem(turned(problem.scenario, angle), 31), paths)
 
 
 @pytest.mark.parametrize("angle", [math.pi / 2, math.pi, -math.pi / 2])
@@ -409,7 +409,7 @@ def test_quarter_turns_keep_rectangles_upright_and_change_nothing(case, angle):
     rng = np.random.default_rng(0)
     problem = make_problem(case, 40)
     paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, Problem(turned(problem.scenario, angle), 40), paths)
+    assert_same_fitness(problem, AnalyticProblem(turned(problem.scenario, angle), 40), paths)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -419,10 +419,10 @@ def test_going_back_from_target_to_start_costs_the_same(source, seed):
     forth = random_scenario(rng) if source == "random" else make_scenario(source)
     low, high = forth.initial_range
     back = Scenario("back", forth.target, forth.start, forth.obstacles, forth.workspace, (-high, -low))
-    problem = Problem(forth, 23)
+    problem = AnalyticProblem(forth, 23)
     paths = [random_path(rng, problem) for _ in range(10)]
     # Left of the way back is right of the way there.
-    assert_same_fitness(problem, Problem(back, 23), paths, lambda offsets: -offsets[::-1])
+    assert_same_fitness(problem, AnalyticProblem(back, 23), paths, lambda offsets: -offsets[::-1])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -441,7 +441,7 @@ def test_the_order_of_the_obstacles_does_not_change_the_fitness(case, seed):
         scenario.initial_range,
     )
     paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, Problem(other), paths)
+    assert_same_fitness(problem, AnalyticProblem(other), paths)
 
 
 def test_a_scenario_that_was_accepted_can_be_turned_into_its_frame():
@@ -450,4 +450,4 @@ def test_a_scenario_that_was_accepted_can_be_turned_into_its_frame():
     for _ in range(300):
         target = tuple(rng.uniform(500.0, 590.0, 2))
         scenario = Scenario("flat corner", (10.0, 10.0), target, (barely_convex,))
-        assert Problem(scenario).table.spacing > 0
+        assert AnalyticProblem(scenario).table.spacing > 0

@@ -26,8 +26,8 @@ from swarm_gym.population import (
     shrink,
     summarise,
 )
-from swarm_gym.problem import Problem
-from swarm_gym.problem.waypoints import select
+from swarm_gym.problem import AnalyticProblem
+from swarm_gym.problem.tables import select
 from swarm_gym.scenarios import Circle, Scenario
 
 SIZES = (1, 2, 3, 12)
@@ -265,7 +265,7 @@ def test_many_resizes_are_the_naive_ones(seed):
 def test_the_best_so_far_survives_the_deletion_of_its_member():
     bump = Circle(500, 310, 13)
     scenario = Scenario("bump", (20.0, 300.0), (980.0, 300.0), (bump,), initial_range=(-9, 9))
-    problem = Problem(scenario, 7)
+    problem = AnalyticProblem(scenario, 7)
     # The least fitness collides a little; the other member is longer and feasible.
     grazing, detour = np.zeros(7), np.full(7, 250.0)
     swarms, tables, _ = make_twins(problem, [grazing, detour], 0)
@@ -288,7 +288,7 @@ def test_a_new_member_that_is_better_becomes_the_best_so_far():
 
 
 def test_an_equal_member_does_not_replace_the_best_so_far():
-    problem = Problem(Scenario("empty", (20.0, 300.0), (980.0, 300.0), ()), 1)
+    problem = AnalyticProblem(Scenario("empty", (20.0, 300.0), (980.0, 300.0), ()), 1)
     swarms, _, _ = make_twins(problem, [[50.0], [-50.0]], 0)
     assert swarms.fitness[0, 0] == swarms.fitness[0, 1]
     assert swarms.best_position[0, 0] == 50.0

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import ScenarioError, SettingError
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.repair import repair
-from swarm_gym.problem.waypoints import select, stack
+from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
 NUMS = (1, 2, 5, 31, 40)
@@ -22,14 +22,14 @@ SCENARIOS = (*CASES, "random")
 def problem_of(source, seed, num_waypoints=31, length_weight=0.3):
     if source == "random":
         scenario = random_scenario(np.random.default_rng(seed))
-        return Problem(scenario, num_waypoints, length_weight)
+        return AnalyticProblem(scenario, num_waypoints, length_weight)
     return make_problem(source, num_waypoints, length_weight)
 
 
 def one_obstacle(obstacle, num_waypoints=31, workspace=(0.0, 0.0, 1000.0, 600.0)):
     """The start, target and waypoints of the cases: a line every 30 units from x = 50."""
     scenario = Scenario("one", (20.0, 300.0), (980.0, 300.0), (obstacle,), workspace, (-180, 180))
-    return Problem(scenario, num_waypoints)
+    return AnalyticProblem(scenario, num_waypoints)
 
 
 # Fitness.
@@ -74,7 +74,7 @@ def test_fitness_of_awkward_paths_of_few_waypoints_is_the_naive_one(offsets):
 @pytest.mark.parametrize("num_waypoints", NUMS)
 def test_the_straight_path_on_an_empty_map_costs_the_lower_bound(num_waypoints):
     scenario = Scenario("empty", (20.0, 300.0), (980.0, 300.0), ())
-    problem = Problem(scenario, num_waypoints)
+    problem = AnalyticProblem(scenario, num_waypoints)
     fitness, collision = problem.evaluate(np.zeros(num_waypoints))
     assert collision == 0
     assert fitness == pytest.approx(0.3 * 960, rel=1e-14)
@@ -223,8 +223,8 @@ def test_each_repair_sees_what_the_ones_before_did():
     obstacles = (Polygon.rectangle(502, 280, 512, 304), Polygon.rectangle(514, 301, 526, 330))
     scenario = Scenario("two", (20.0, 300.0), (980.0, 300.0), obstacles, initial_range=(-9, 9))
     turned = Scenario("two", (20.0, 300.0), (980.0, 300.0), obstacles[::-1], initial_range=(-9, 9))
-    assert Problem(scenario).repaired(np.zeros(31), 1.0)[15] == 1
-    assert Problem(turned).repaired(np.zeros(31), 1.0)[15] == 4
+    assert AnalyticProblem(scenario).repaired(np.zeros(31), 1.0)[15] == 1
+    assert AnalyticProblem(turned).repaired(np.zeros(31), 1.0)[15] == 4
 
 
 @pytest.mark.parametrize("repair_degree", [0.5, 1.0])
@@ -316,24 +316,24 @@ def test_the_cases_are_bounded_by_the_workspace_and_begin_in_their_initial_range
 
 def test_the_first_population_spans_the_obstacles_where_no_range_is_given():
     obstacles = (Circle(300, 250, 70), Polygon.rectangle(500, 310, 520, 415))
-    problem = Problem(Scenario("free", (20.0, 300.0), (980.0, 300.0), obstacles))
+    problem = AnalyticProblem(Scenario("free", (20.0, 300.0), (980.0, 300.0), obstacles))
     assert list(map(set, problem.initial_bounds)) == [{-120}, {115}]
 
 
 def test_the_first_population_spans_the_workspace_where_there_is_no_obstacle():
-    problem = Problem(Scenario("empty", (20.0, 200.0), (980.0, 200.0), ()))
+    problem = AnalyticProblem(Scenario("empty", (20.0, 200.0), (980.0, 200.0), ()))
     assert list(map(set, problem.initial_bounds)) == [{-200}, {400}]
 
 
 def test_an_initial_range_outside_the_workspace_is_refused():
     scenario = Scenario("off", (20.0, 300.0), (980.0, 300.0), (), initial_range=(400.0, 500.0))
     with pytest.raises(ScenarioError, match=r"'off'.*initial range \(400.0, 500.0\)"):
-        _ = Problem(scenario).table
+        _ = AnalyticProblem(scenario).table
 
 
 def test_a_scenario_needs_no_initial_range_for_a_diagonal_across_the_workspace():
     scenario = Scenario("diagonal", (10.0, 10.0), (990.0, 590.0), (Circle(300, 400, 50),))
-    initial_lower, initial_upper = Problem(scenario).initial_bounds
+    initial_lower, initial_upper = AnalyticProblem(scenario).initial_bounds
     assert (initial_lower < initial_upper).all()
 
 
@@ -343,7 +343,7 @@ def test_a_scenario_needs_no_initial_range_for_a_diagonal_across_the_workspace()
 @pytest.mark.parametrize("num_waypoints", [1, 5, 31])
 def test_a_problem_out_of_a_stack_is_the_problem_itself(num_waypoints):
     rng = np.random.default_rng(0)
-    empty = Problem(Scenario("empty", (20.0, 300.0), (900.0, 300.0), ()), num_waypoints)
+    empty = AnalyticProblem(Scenario("empty", (20.0, 300.0), (900.0, 300.0), ()), num_waypoints)
     problems = [
         empty,
         *(
@@ -388,7 +388,7 @@ def test_a_stack_keeps_fractions_behind_a_whole_number():
 )
 def test_a_setting_out_of_range_is_refused_by_name_and_value(name, value):
     with pytest.raises(SettingError) as caught:
-        Problem(make_scenario("case1"), **{name: value})
+        AnalyticProblem(make_scenario("case1"), **{name: value})
     assert name in str(caught.value)
     assert repr(value) in str(caught.value)
 
@@ -398,13 +398,13 @@ def test_a_setting_out_of_range_is_refused_by_name_and_value(name, value):
 )
 def test_a_setting_of_the_wrong_type_is_refused_by_name_and_value(name, value):
     with pytest.raises(SettingError, match=name):
-        Problem(make_scenario("case1"), **{name: value})
+        AnalyticProblem(make_scenario("case1"), **{name: value})
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (30,), (32,), (33,), (1, 31), (31, 1)])
-@pytest.mark.parametrize("call", [Problem.evaluate, lambda problem, o: problem.repaired(o, 0.5)])
+@pytest.mark.parametrize("call", [AnalyticProblem.evaluate, lambda problem, o: problem.repaired(o, 0.5)])
 def test_offsets_of_another_shape_are_refused(call, shape):
-    with pytest.raises(ValueError, match="expected 31 offsets") as caught:
+    with pytest.raises(ValueError, match="expected 31 components") as caught:
         call(make_problem("case1"), np.zeros(shape))
     assert str(shape) in str(caught.value)
 

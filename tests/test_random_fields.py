@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.random_fields import SPLITS
@@ -101,7 +101,7 @@ def test_scattered_obstacles_lie_apart(split):
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_path_of_waypoints_along_the_side_of_a_scattered_field_is_free(split, num_waypoints, side):
     for field in fields(split):
-        problem = Problem(field, num_waypoints)
+        problem = AnalyticProblem(field, num_waypoints)
         offsets = problem.bounds[0 if side < 0 else 1]
         assert problem.evaluate(offsets)[1] == 0.0
 

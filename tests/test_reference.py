@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
 from swarm_gym.reference.optima import digest, shipped, store_optimum
@@ -198,7 +198,7 @@ def test_turning_and_shifting_the_map_keeps_the_length(seed, angle):
 @given(seed=SEEDS)
 def test_the_best_path_on_a_grid_is_the_best_of_all_its_paths(seed):
     rng = np.random.default_rng(seed)
-    problem = Problem(random_scenario(rng), 4, rng.uniform(0.05, 1.0))
+    problem = AnalyticProblem(random_scenario(rng), 4, rng.uniform(0.05, 1.0))
     grid = np.zeros((6, 5))
     grid[1:-1] = rng.uniform(-100.0, 100.0, (4, 5))
     path = best_path(problem.table, grid)
@@ -209,7 +209,7 @@ def test_the_best_path_on_a_grid_is_the_best_of_all_its_paths(seed):
 @pytest.mark.parametrize("length_weight", [0.05, 0.3, 0.9])
 def test_one_waypoint_is_put_where_a_scan_of_all_offsets_has_its_minimum(length_weight):
     made = scenario(Circle(4.0, 0.5, 2.0), Polygon.rectangle(6.0, -4.0, 7.0, 1.5))
-    problem = Problem(made, 1, length_weight)
+    problem = AnalyticProblem(made, 1, length_weight)
     fitness, offsets = optimum(problem, coarse_step=0.5)
     scan = min(problem.evaluate([y])[0] for y in np.linspace(-20.0, 20.0, 40001))
     assert problem.evaluate(offsets)[0] == fitness
@@ -218,7 +218,7 @@ def test_one_waypoint_is_put_where_a_scan_of_all_offsets_has_its_minimum(length_
 
 @pytest.mark.parametrize(("obstacles", "length_weight"), [((), 0.3), ((Circle(5, 0.3, 1),), 1.0)])
 def test_without_obstacles_or_weight_on_them_it_is_the_straight_line(obstacles, length_weight):
-    fitness, offsets = optimum(Problem(scenario(*obstacles), 3, length_weight))
+    fitness, offsets = optimum(AnalyticProblem(scenario(*obstacles), 3, length_weight))
     assert fitness == pytest.approx(10.0 * length_weight, rel=1e-12)
     np.testing.assert_allclose(offsets, 0.0, atol=1e-6)
 
@@ -226,17 +226,17 @@ def test_without_obstacles_or_weight_on_them_it_is_the_straight_line(obstacles, 
 def test_the_optimum_stays_inside_the_workspace():
     wall = Polygon.rectangle(4.0, -1.0, 6.0, 3.0)
     made = Scenario("made", (0.0, 0.0), (10.0, 0.0), (wall,), (0.0, -0.5, 10.0, 6.0))
-    problem = Problem(made, 3)
+    problem = AnalyticProblem(made, 3)
     offsets = optimum(problem)[1]
     np.testing.assert_array_equal(offsets, np.clip(offsets, *problem.bounds))
-    assert optimum(problem)[0] > optimum(Problem(scenario(wall), 3))[0] + 0.1
+    assert optimum(problem)[0] > optimum(AnalyticProblem(scenario(wall), 3))[0] + 0.1
 
 
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_no_feasible_waypoint_path_is_shorter_than_the_shortest_path(seed):
     made = passable_scenario(seed, 12)
-    problem = Problem(made, 8, length_weight=0.05)
+    problem = AnalyticProblem(made, 8, length_weight=0.05)
     offsets = optimum(problem, coarse_step=5.0)[1]
     assume(problem.evaluate(offsets)[1] <= FEASIBILITY_TOLERANCE)
     assert polyline_length(problem.points(offsets)) >= shortest_path(made)[0] - 1e-6
@@ -285,7 +285,7 @@ def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(t
         assert new.keys() == old.keys()
         for length in ("fitness", "shortest_path"):
             assert new[length] == pytest.approx(old[length], abs=2e-6)
-        assert known_optimum(Problem(make_scenario(old["name"]))) == old["fitness"]
+        assert known_optimum(AnalyticProblem(make_scenario(old["name"]))) == old["fitness"]
         assert old["length_weight"] * old["shortest_path"] < old["fitness"]
 
 
@@ -293,7 +293,7 @@ def test_optima_of_fields_ship_under_their_names_and_are_known():
     fields = shipped("random_fields.json")
     assert tuple(fields) == tuple(itertools.chain.from_iterable(map(expand_name, SHIPPED_FIELDS)))
     for name in list(fields)[::50]:
-        problem = Problem(make_scenario(name))
+        problem = AnalyticProblem(make_scenario(name))
         assert fields[name][0] == digest(problem)
         assert known_optimum(problem) == fields[name][1]
 
@@ -320,7 +320,7 @@ def test_the_shipped_optima_of_fields_are_what_is_computed(tmp_path):
 
 @pytest.mark.parametrize("name", ["test:300", "denser:300", "narrow:300", "rotated:300"])
 def test_a_finer_grid_finds_no_better_path_in_a_field(name):
-    problem = Problem(make_scenario(f"random-fields:{name}"), 20)
+    problem = AnalyticProblem(make_scenario(f"random-fields:{name}"), 20)
     assert optimum(problem, coarse_step=0.5)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
 
 
@@ -331,7 +331,7 @@ def cache(tmp_path, monkeypatch):
 
 
 def test_an_optimum_is_known_once_it_was_ensured(cache):
-    problems = [Problem(made, 8) for made in make_scenarios("random-fields:large-obstacles:0-2")]
+    problems = [AnalyticProblem(made, 8) for made in make_scenarios("random-fields:large-obstacles:0-2")]
     assert all(map(math.isnan, map(known_optimum, problems)))
     calls = []
     optima = ensure_optima(problems, 2, lambda done, total: calls.append((done, total)))
@@ -387,7 +387,7 @@ def test_the_command_refuses_what_it_cannot_do(arguments, message, cache, monkey
 
 
 def test_the_optimum_of_another_problem_is_not_known(cache):
-    assert math.isnan(known_optimum(Problem(scenario())))
+    assert math.isnan(known_optimum(AnalyticProblem(scenario())))
     assert math.isnan(known_optimum(make_problem("case1", 30)))
     assert math.isnan(known_optimum(make_problem("case1", length_weight=0.4)))
 
@@ -396,7 +396,7 @@ def test_equal_problems_have_one_digest_whatever_their_name_and_number_type():
     def made(name, number, radius=1):
         zero, five = number(0), number(5)
         circle, workspace = Circle(five, zero, number(radius)), (zero, -five, five + five, five)
-        return Problem(Scenario(name, (zero, zero), (five + five, zero), (circle,), workspace))
+        return AnalyticProblem(Scenario(name, (zero, zero), (five + five, zero), (circle,), workspace))
 
     digests = {digest(made(str(number), number)) for number in (int, float, np.int64, np.float32)}
     assert len(digests) == 1

@@ -11,7 +11,7 @@ from swarm_gym.batch import episode_seed
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.population import Swarms, make_workspace, resize, summarise
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.repair import repair
 from swarm_gym.random_stream import fill_uniform, seed_stream
@@ -31,7 +31,7 @@ class PaperAlgorithm2:
     smallest, largest = 2, 200
 
     def __init__(self, scenario, seed, size, iterations, treatment):
-        self.problem = Problem(make_scenario(scenario))
+        self.problem = AnalyticProblem(make_scenario(scenario))
         self.table = self.problem.table
         self.iterations, self.treatment = iterations, treatment
         # The environment's seeding: generator of the seed, episode, then scenario and stream.

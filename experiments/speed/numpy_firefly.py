@@ -7,7 +7,7 @@ else in arrays, and gives the same cost as the kernels up to rounding (a test ho
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.pairs import Pair
 
 Floats = NDArray[np.float64]
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 class NumpyFirefly:
     """FA with the SPSFA paper's parameters on circles and polygons, without repair."""
 
-    def __init__(self, problem: Problem, size: int, seed: int):
+    def __init__(self, problem: AnalyticProblem, size: int, seed: int):
         table = problem.table
         self.spacing, self.length_weight = float(table.spacing), float(table.length_weight)
         self.lower, self.upper = problem.bounds

@@ -33,7 +33,7 @@ from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly
 from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import evaluate
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.settings import make_problem
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
@@ -54,7 +54,7 @@ class PathProblem(NiapyProblem):
 
     def __init__(self, problem: Problem, cost: Callable[[Any], float]):
         lower, upper = problem.bounds
-        super().__init__(problem.num_waypoints, lower.tolist(), upper.tolist())
+        super().__init__(problem.dimension, lower.tolist(), upper.tolist())
         self.cost = cost
 
     def _evaluate(self, x: Any) -> float:
@@ -64,7 +64,7 @@ class PathProblem(NiapyProblem):
 def compiled_cost(problem: Problem) -> Callable[[Any], float]:
     """The kernel, with as little Python around it as can be."""
     path = np.zeros(len(problem.table.lower) + 1)
-    offsets, table = path[1 : problem.num_waypoints + 1], problem.table
+    offsets, table = path[1 : problem.dimension + 1], problem.table
 
     def cost(x: Any) -> float:
         offsets[:] = x
@@ -75,11 +75,11 @@ def compiled_cost(problem: Problem) -> Callable[[Any], float]:
 
 def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
     """FA-60 with the paper's parameters and first population, per evaluation."""
-    problem = Problem(make_scenario(case))
+    problem = make_problem(case)
     cost = compiled_cost(problem) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
 
     def first_population(task: Any, population_size: int, rng: Any, **_: Any) -> Any:
-        population = rng.uniform(*problem.initial_bounds, (population_size, problem.num_waypoints))
+        population = rng.uniform(*problem.initial_bounds, (population_size, problem.dimension))
         return population, np.apply_along_axis(task.eval, 1, population)
 
     def once() -> float:
@@ -100,8 +100,8 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
 
 def compiled_call(case: str) -> Callable[[], float]:
     """What calling the compiled cost takes by itself, most of it the passage from Python."""
-    problem = Problem(make_scenario(case))
-    cost, x = compiled_cost(problem), np.zeros(problem.num_waypoints)
+    problem = make_problem(case)
+    cost, x = compiled_cost(problem), np.zeros(problem.dimension)
 
     def once() -> float:
         return seconds_of(lambda: [cost(x) for _ in range(10_000)]) / 10_000 * 1e6

@@ -12,10 +12,9 @@ from experiments.paper_numbers import FITNESS, FITNESS_TABLES, SECONDS, TIME_TAB
 from experiments.statistics import Comparison, Summary, compare, holm, summarise
 from experiments.suites import Suite
 from experiments.tables.table import Table, percent
-from swarm_gym.problem import Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.settings import make_problem
 
 MINIMUM_TOLERANCE = 0.01  # of the paper's minimum
 MEAN_TOLERANCE = 0.02  # of the paper's mean, beyond our interval
@@ -58,7 +57,7 @@ def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
             cost = runs.evaluations.mean() / 1000
             cells.append(f"{ours.mean:.1f} ({low:.1f} to {high:.1f}) at {cost:.0f}k")
         rows.append((label(controller), *cells))
-    optima = [known_optimum(Problem(make_scenario(scenario))) for scenario in suite.scenarios]
+    optima = [known_optimum(make_problem(scenario)) for scenario in suite.scenarios]
     rows.append(("true optimum", *("–" if np.isnan(optimum) else f"{optimum:.1f}" for optimum in optima)))
     return Table(
         "summary",
@@ -69,7 +68,7 @@ def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
 
 
 def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
-    optimum = known_optimum(Problem(make_scenario(scenario)))
+    optimum = known_optimum(make_problem(scenario))
     rows = []
     for controller in suite.controllers:
         runs = outcomes.of(controller, scenario)

@@ -18,7 +18,9 @@ from swarm_gym.lanes.functions import (
     as_float,
     bits,
     broadcast,
+    floor,
     load,
+    look_up,
     maximum,
     minimum,
     read,
@@ -261,19 +263,53 @@ for _function, _choose in (
     _compile(_function, _choose, lambda a, b: _operands(FLOATS)(a, b) or (_is_number(a) and _is_number(b)))
 
 
+def _of_floats(name: str) -> Any:
+    """LLVM's intrinsic of that name, from floats to floats."""
+
+    @intrinsic
+    def function(context: Any, lanes: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            vector = _vector(FLOATS)
+            callee = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(vector, [vector]), f"llvm.{name}.v{NUM_LANES}f64"
+            )
+            return builder.call(callee, arguments)
+
+        return lanes(lanes), generate
+
+    return lambda lanes: function(lanes)
+
+
+_compile(square_root, _of_floats("sqrt"), _are(FLOATS))
+_compile(floor, _of_floats("floor"), _are(FLOATS))
+
+
 @intrinsic
-def _square_root(context: Any, lanes: Any) -> Any:
+def _look_up(context: Any, values: Any, indices: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        vector = _vector(FLOATS)
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(vector, [vector]), f"llvm.sqrt.v{NUM_LANES}f64"
-        )
-        return builder.call(function, arguments)
+        struct = context.make_array(values)(context, builder, arguments[0])
+        places = builder.fptosi(arguments[1], ir.VectorType(ir.IntType(64), NUM_LANES))
+        found = ir.Constant(ir.VectorType(ir.IntType(8), NUM_LANES), ir.Undefined)
+        for lane in range(NUM_LANES):
+            place = builder.extract_element(places, _INDEX(lane))
+            if context.enable_boundscheck:
+                cgutils.do_boundscheck(context, builder, place, builder.extract_value(struct.shape, 0))
+            entry = builder.load(builder.gep(struct.data, [place]))
+            found = builder.insert_element(found, entry, _INDEX(lane))
+        return builder.uitofp(found, _vector(FLOATS))
 
-    return lanes(lanes), generate
+    return FLOATS(values, indices), generate
 
 
-_compile(square_root, lambda lanes: _square_root(lanes), _are(FLOATS))
+_compile(
+    look_up,
+    lambda values, indices: _look_up(values, indices),
+    lambda values, indices: (
+        isinstance(values, types.Array)
+        and (values.ndim, values.layout, values.dtype) == (1, "C", types.uint8)
+        and indices == FLOATS
+    ),
+)
 
 
 @intrinsic

@@ -58,6 +58,16 @@ def square_root(lanes: Lanes) -> Lanes:
     return np.sqrt(lanes)
 
 
+def floor(lanes: Lanes) -> Lanes:
+    """The largest whole numbers that are no larger."""
+    return np.floor(lanes)
+
+
+def look_up(values: NDArray[np.uint8], indices: Lanes) -> Lanes:
+    """Entries of a one-dimensional array at whole, not negative indices, which are floats; as float64."""
+    return values[indices.astype(np.int64)].astype(np.float64)
+
+
 def as_float(words: Lanes) -> Lanes:
     """Words below 2^63 as float64."""
     return words.astype(np.float64)

@@ -26,8 +26,7 @@ from swarm_gym.population import (
     resize,
     summarise,
 )
-from swarm_gym.problem.repair import repair
-from swarm_gym.problem.waypoints import WaypointTable, select
+from swarm_gym.problem.tables import Table, repair, select
 from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
@@ -47,7 +46,7 @@ def squared_distance(path: Floats, position: Floats) -> float:
 
 @inlined_kernel
 def move_towards(
-    table: WaypointTable,
+    table: Table,
     work: Workspace,
     brighter: Floats,
     alpha: float,
@@ -68,7 +67,7 @@ def move_towards(
 def iterate(
     swarms: Swarms,
     b: int,
-    table: WaypointTable,
+    table: Table,
     work: Workspace,
     repair_degree: float,
     knobs: Floats,
@@ -94,7 +93,7 @@ def iterate(
 
 
 @kernel
-def initialise_swarm(swarms: Swarms, b: int, tables: WaypointTable, size: int, mean_weight: float) -> None:
+def initialise_swarm(swarms: Swarms, b: int, tables: Table, size: int, mean_weight: float) -> None:
     """Draw and evaluate the first population of swarm `b`."""
     table = select(tables, swarms.problem[b])
     work = make_workspace(swarms.positions.shape[2])
@@ -107,7 +106,7 @@ def initialise_swarm(swarms: Swarms, b: int, tables: WaypointTable, size: int, m
 def step_swarm(
     swarms: Swarms,
     b: int,
-    tables: WaypointTable,
+    tables: Table,
     size: int,
     repair_degree: float,
     knobs: Floats,
@@ -124,7 +123,7 @@ def step_swarm(
 @kernel
 def step_serial(
     swarms: Swarms,
-    tables: WaypointTable,
+    tables: Table,
     chosen: Flags,
     sizes: Integers,
     repair_degrees: Floats,
@@ -140,7 +139,7 @@ def step_serial(
 @parallel_kernel
 def step_parallel(
     swarms: Swarms,
-    tables: WaypointTable,
+    tables: Table,
     chosen: Flags,
     sizes: Integers,
     repair_degrees: Floats,
@@ -155,7 +154,7 @@ def step_parallel(
 
 @kernel
 def initialise_swarms(
-    swarms: Swarms, tables: WaypointTable, chosen: Flags, sizes: Integers, mean_weight: float
+    swarms: Swarms, tables: Table, chosen: Flags, sizes: Integers, mean_weight: float
 ) -> None:
     """`initialise_swarm` for the chosen swarms."""
     for b in range(sizes.shape[0]):
@@ -185,7 +184,7 @@ class Firefly(Optimizer):
     @staticmethod
     def initialise(  # noqa: D102
         swarms: Swarms,
-        tables: WaypointTable,
+        tables: Table,
         chosen: Flags,
         sizes: Integers,
         mean_weight: float,
@@ -195,7 +194,7 @@ class Firefly(Optimizer):
     @staticmethod
     def step(  # noqa: D102
         swarms: Swarms,
-        tables: WaypointTable,
+        tables: Table,
         chosen: Flags,
         sizes: Integers,
         repair_degrees: Floats,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.checks import require_number
 from swarm_gym.population import Swarms
-from swarm_gym.problem.waypoints import WaypointTable
+from swarm_gym.problem.tables import Table
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Optimizer(ABC):
     @abstractmethod
     def initialise(
         swarms: Swarms,
-        tables: WaypointTable,
+        tables: Table,
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         mean_weight: float,
@@ -59,7 +59,7 @@ class Optimizer(ABC):
     @abstractmethod
     def step(
         swarms: Swarms,
-        tables: WaypointTable,
+        tables: Table,
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         repair_degrees: NDArray[np.float64],

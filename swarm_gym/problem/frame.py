@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.scenarios import Point, Scenario
+from swarm_gym.scenarios import AnyScenario, Point
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ class Frame(NamedTuple):
     sine: float
 
     @classmethod
-    def of(cls, scenario: Scenario) -> "Frame":
+    def of(cls, scenario: AnyScenario) -> "Frame":
         """The frame in which the scenario's start-target line is the x' axis."""
         length = scenario.straight_line
         return cls(
@@ -26,6 +26,11 @@ class Frame(NamedTuple):
             (scenario.target[0] - scenario.start[0]) / length,
             (scenario.target[1] - scenario.start[1]) / length,
         )
+
+    @property
+    def across(self) -> Floats:
+        """By how much map coordinates change with y', (2,)."""
+        return np.array([-self.sine, self.cosine])
 
     def from_map(self, point: Point) -> Point:
         """Map coordinates to (x', y')."""

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.jit import kernel
-from swarm_gym.lanes import NUM_LANES, padded
+from swarm_gym.lanes import NUM_LANES
 from swarm_gym.problem.frame import Frame
+from swarm_gym.problem.layout import columns, pad
 from swarm_gym.problem.pairs import Pair, Shape, extent_of_all, shapes_in_frame
-from swarm_gym.scenarios import Scenario
+from swarm_gym.scenarios import AnyScenario, Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -40,11 +41,6 @@ CORNER_ROWS = 3
 # In tiles of both kinds, -inf in this row marks a segment without an obstacle.
 PRESENCE = BEGIN_CHORD
 assert PRESENCE == CORNER_TOP
-
-
-def columns(num_waypoints: int) -> int:
-    """Columns of arrays over waypoints or segments: n + 1 segments, padded to whole blocks."""
-    return padded(num_waypoints + 1)
 
 
 class WaypointTable(NamedTuple):
@@ -85,12 +81,20 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
     )
 
 
-def stack(tables: list[WaypointTable]) -> WaypointTable:
-    """Tables of equal n as one table with a leading axis; shorter lists of tiles are padded with zeros."""
-    return WaypointTable._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
+def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
+    """Paths (..., n + 2, 2) in map coordinates.
+
+    Args:
+        line: (n + 2, 2) start, waypoints of offset 0, and target.
+        across: (2,) by how much a waypoint moves with its offset.
+        offsets: decision vectors, shape (..., n).
+    """
+    y = np.zeros((*offsets.shape[:-1], len(line), 1))
+    y[..., 1:-1, 0] = offsets
+    return line + y * across
 
 
-def spacing_of(scenario: Scenario, num_waypoints: int) -> float:
+def spacing_of(scenario: AnyScenario, num_waypoints: int) -> float:
     """The x' distance between waypoints."""
     return scenario.straight_line / (num_waypoints + 1)
 
@@ -101,7 +105,7 @@ def tabulate(
     """The table of a scenario, with its pairs, for a number of waypoints and a weight mu of the length."""
     spacing = spacing_of(scenario, num_waypoints)
     shapes = shapes_in_frame(scenario)
-    lower, upper = _bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1))
+    lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1))
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
     # Beyond the path a length is not 0 but 1.5e-154: lost in the sum, and can be divided by.
     squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
@@ -110,10 +114,10 @@ def tabulate(
     return WaypointTable(
         float(spacing),
         float(length_weight),
-        _pad(lower, num_waypoints),
-        _pad(upper, num_waypoints),
-        _pad(initial_lower, num_waypoints),
-        _pad(initial_upper, num_waypoints),
+        pad(lower),
+        pad(upper),
+        pad(initial_lower),
+        pad(initial_upper),
         squared_spacing,
         first_tile,
         first_row,
@@ -122,7 +126,7 @@ def tabulate(
     )
 
 
-def _bounds(scenario: Scenario, x: Floats) -> tuple[Floats, Floats]:
+def offset_bounds(scenario: AnyScenario, x: Floats) -> tuple[Floats, Floats]:
     """The interval of y' inside the workspace, on the line of each waypoint."""
     frame = Frame.of(scenario)
     x_min, y_min, x_max, y_max = scenario.workspace
@@ -152,12 +156,6 @@ def _initial_range(
             f"{scenario.workspace} at every waypoint"
         )
     return initial_lower, initial_upper
-
-
-def _pad(values: Floats, num_waypoints: int) -> Floats:
-    out = np.zeros(columns(num_waypoints))
-    out[:num_waypoints] = values
-    return out
 
 
 class _Tile:
@@ -228,13 +226,3 @@ def _lay_out(
         np.array([tile.num_corners for tile in all_tiles], dtype=np.int64),
         np.concatenate([np.empty((0, NUM_LANES)), *rows]),
     )
-
-
-def _pad_and_stack(values: tuple) -> NDArray:
-    arrays = [np.asarray(value) for value in values]
-    shape = np.max([array.shape for array in arrays], axis=0).astype(int)
-    out = np.zeros((len(arrays), *shape), dtype=arrays[0].dtype)
-    for row, array in enumerate(arrays):
-        index: tuple[Any, ...] = (row, *map(slice, array.shape))
-        out[index] = array
-    return out

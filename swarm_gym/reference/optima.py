@@ -16,22 +16,11 @@ from typing import Any
 import swarm_gym.problem
 from swarm_gym.files import digest_of_sources, user_cache, write_atomically
 from swarm_gym.problem import Problem
-from swarm_gym.scenarios import Circle, Obstacle
 
 
 def digest(problem: Problem) -> str:
     """Name a problem: equally for equal geometry, encoding and weight, whatever it is called."""
-    scenario = problem.scenario
-    numbers = (
-        *scenario.start,
-        *scenario.target,
-        *scenario.workspace,
-        problem.num_waypoints,
-        problem.length_weight,
-    )
-    # As floats, since 1, 1.0 and a NumPy number are one value but print differently.
-    parts = [float(number) for number in numbers], [_plain(o) for o in scenario.obstacles]
-    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+    return hashlib.sha256(repr(problem.identity).encode()).hexdigest()[:16]
 
 
 @cache
@@ -71,9 +60,3 @@ def _stored(name: str) -> Path:
 def _definition() -> str:
     """Names what a fitness is: an optimum that was stored under other sources is not known."""
     return digest_of_sources(Path(swarm_gym.problem.__file__).parent)
-
-
-def _plain(obstacle: Obstacle) -> list:
-    if isinstance(obstacle, Circle):
-        return [float(obstacle.x), float(obstacle.y), float(obstacle.radius)]
-    return [(float(x), float(y)) for x, y in obstacle.vertices]

@@ -25,12 +25,12 @@ from swarm_gym.checks import require_integer
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.jit import kernel
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
 from swarm_gym.reference.optima import digest, known_optimum, store_optimum
 from swarm_gym.reference.visibility import shortest_path
-from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios
+from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ SHIPPED_FIELDS = (
 Progress = Callable[[int, int], None]
 
 
-def optimum(problem: Problem, coarse_step: float = 1.0) -> tuple[float, Floats]:
+def optimum(problem: AnalyticProblem, coarse_step: float = 1.0) -> tuple[float, Floats]:
     """Least fitness in the workspace, and a decision vector that has it, shape (num_waypoints,).
 
     Args:
@@ -77,7 +77,7 @@ def optimum(problem: Problem, coarse_step: float = 1.0) -> tuple[float, Floats]:
     return best, offsets
 
 
-def _best_on_grid(problem: Problem, middle: Floats, step: float, reach: int) -> Floats:
+def _best_on_grid(problem: AnalyticProblem, middle: Floats, step: float, reach: int) -> Floats:
     """Best decision vector with offsets `middle` (n,) plus -reach .. reach steps, in the bounds."""
     lower, upper = problem.bounds
     grid = middle[:, np.newaxis] + step * np.arange(-reach, reach + 1)
@@ -121,7 +121,7 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
 
 
 def ensure_optima(
-    problems: Sequence[Problem], num_threads: int = 1, progress: Progress | None = None
+    problems: Sequence[AnalyticProblem], num_threads: int = 1, progress: Progress | None = None
 ) -> list[float]:
     """Least fitness of each problem, in map units; what is not known yet is computed and stored.
 
@@ -143,7 +143,7 @@ def ensure_optima(
     return optima
 
 
-def _ensure_optimum(problem: Problem) -> float:
+def _ensure_optimum(problem: AnalyticProblem) -> float:
     fitness = known_optimum(problem)
     if math.isnan(fitness):
         fitness = optimum(problem)[0]
@@ -158,7 +158,7 @@ def write_optima(file: Path) -> None:
     """
     entries = []
     for name in sorted(SCENARIOS):
-        problem = Problem(make_scenario(name))
+        problem = AnalyticProblem(require_analytic(make_scenario(name)))
         name_of_problem, fitness, length = _solve(problem)
         entries.append(
             {
@@ -178,15 +178,15 @@ def write_field_optima(file: Path, names: Sequence[str], progress: Progress) -> 
 
     The encoding and weight are the default, and all lengths in map units, to 1e-6.
     """
-    fields = [field for name in names for field in make_scenarios(name)]
+    fields = [field for name in names for field in map(require_analytic, make_scenarios(name))]
     lines = []
     for field in fields:
-        lines.append(f"{json.dumps(field.name)}: {json.dumps(_solve(Problem(field)))}")
+        lines.append(f"{json.dumps(field.name)}: {json.dumps(_solve(AnalyticProblem(field)))}")
         progress(len(lines), len(fields))
     write_atomically(file, "{\n" + ",\n".join(lines) + "\n}\n")
 
 
-def _solve(problem: Problem) -> tuple[str, float, float]:
+def _solve(problem: AnalyticProblem) -> tuple[str, float, float]:
     """Digest, least fitness and shortest path of a problem."""
     return digest(problem), round(optimum(problem)[0], 6), round(shortest_path(problem.scenario)[0], 6)
 
@@ -198,8 +198,8 @@ def main() -> None:
         description="Compute the true optima of scenarios and store them in the user's cache.",
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help="scenarios, as in random-fields:test:0-199")
-    parser.add_argument("--num-waypoints", type=int, default=Problem.num_waypoints, metavar="N")
-    parser.add_argument("--length-weight", type=float, default=Problem.length_weight, metavar="MU")
+    parser.add_argument("--num-waypoints", type=int, default=AnalyticProblem.num_waypoints, metavar="N")
+    parser.add_argument("--length-weight", type=float, default=AnalyticProblem.length_weight, metavar="MU")
     parser.add_argument("--threads", type=int, default=1, metavar="N")
     parser.add_argument("--ship", action="store_true", help="write the files that ship with the package")
     options = parser.parse_args()
@@ -211,7 +211,7 @@ def main() -> None:
         return
     try:
         problems = [
-            Problem(scenario, options.num_waypoints, options.length_weight)
+            AnalyticProblem(require_analytic(scenario), options.num_waypoints, options.length_weight)
             for name in options.names
             for scenario in make_scenarios(name)
         ]

@@ -9,12 +9,17 @@ from collections.abc import Callable
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.scenarios import paper_cases, random_fields
 from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.grid_map import GridMap
+from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
 
 __all__ = [
     "FAMILIES",
     "SCENARIOS",
+    "AnyScenario",
     "Circle",
+    "GridMap",
+    "GridScenario",
     "Obstacle",
     "Point",
     "Polygon",
@@ -22,9 +27,11 @@ __all__ = [
     "expand_name",
     "make_scenario",
     "make_scenarios",
+    "require_analytic",
     "sample_names",
 ]
 
+AnyScenario = Scenario | GridScenario
 
 SCENARIOS: dict[str, Callable[[], Scenario]] = {
     "case1": paper_cases.case1,
@@ -37,14 +44,14 @@ FAMILIES: dict[str, Family] = {
 }
 
 
-def make_scenario(scenario: str | Scenario) -> Scenario:
+def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
     """The scenario of that name; a `Scenario` is returned as it is.
 
     Raises:
         UnknownNameError: if there is none of that name.
         ScenarioError: if the name stands for several, or has not the form of its family.
     """
-    if isinstance(scenario, Scenario):
+    if isinstance(scenario, AnyScenario):
         return scenario
     names = expand_name(scenario)
     if names != (scenario,):
@@ -52,16 +59,27 @@ def make_scenario(scenario: str | Scenario) -> Scenario:
     return _make(scenario)
 
 
-def make_scenarios(scenario: str | Scenario) -> tuple[Scenario, ...]:
+def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
     """All scenarios that a name stands for, in order; of a `Scenario` that one.
 
     Raises:
         UnknownNameError: if there is none of that name.
         ScenarioError: if the name has not the form of its family.
     """
-    if isinstance(scenario, Scenario):
+    if isinstance(scenario, AnyScenario):
         return (scenario,)
     return tuple(map(_make, expand_name(scenario)))
+
+
+def require_analytic(scenario: AnyScenario) -> Scenario:
+    """The scenario, if its map is one of circles and polygons.
+
+    Raises:
+        ScenarioError: if it has a grid map.
+    """
+    if not isinstance(scenario, Scenario):
+        raise ScenarioError(f"scenario {scenario.name!r}: expected circles and polygons, not a grid map")
+    return scenario
 
 
 def expand_name(name: str) -> tuple[str, ...]:

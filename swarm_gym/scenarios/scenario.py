@@ -136,6 +136,11 @@ class Scenario:
             raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")
 
     @property
+    def y_up(self) -> bool:
+        """Whether y grows upwards in pictures."""
+        return True
+
+    @property
     def straight_line(self) -> float:
         """Distance from start to target: no path is shorter."""
         return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])

@@ -1,0 +1,18 @@
+"""How decision vectors lie in arrays: padded by zeros to whole blocks of lanes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.lanes import padded
+
+
+def columns(dimension: int) -> int:
+    """Columns of arrays over components of decision vectors, or over the segments of a path: one more."""
+    return padded(dimension + 1)
+
+
+def pad(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An array over components, (dimension,), with zeros up to all columns, (C,)."""
+    out = np.zeros(columns(len(values)))
+    out[: len(values)] = values
+    return out

@@ -1,0 +1,44 @@
+"""Problems of every kind as the kernels of optimizers read them: a table, and what can be done with it.
+
+A table of each kind is a NamedTuple of arrays with at least the fields `lower`, `upper`, `initial_lower` and
+`initial_upper`, (C,) each. Kernels are compiled for each kind on its own. A `path` is an array (C + 1,): a
+zero, then a decision vector, padded.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import kernel_by_class
+from swarm_gym.problem import cost, grid, grid_cost, grid_repair, waypoints
+from swarm_gym.problem import repair as shift_repair
+from swarm_gym.problem.grid import GridTable
+from swarm_gym.problem.waypoints import WaypointTable
+
+Table = WaypointTable | GridTable
+
+# evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
+evaluate = kernel_by_class({WaypointTable: cost.evaluate, GridTable: grid_cost.evaluate})
+
+# repair(table, path, repair_degree): one repair pass of degree phi in [0, 1] over `path`, in place
+repair = kernel_by_class({WaypointTable: shift_repair.repair, GridTable: grid_repair.repair})
+
+# select(tables, index) -> one problem out of stacked tables, as views
+select = kernel_by_class({WaypointTable: waypoints.select, GridTable: grid.select})
+
+
+def stack(tables: list[Table]) -> Table:
+    """Tables of one kind and dimension as one with a leading axis; shorter arrays are padded with zeros."""
+    kind = type(tables[0])
+    return kind._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
+
+
+def _pad_and_stack(values: tuple) -> NDArray:
+    arrays = [np.asarray(value) for value in values]
+    shape = np.max([array.shape for array in arrays], axis=0).astype(int)
+    out = np.zeros((len(arrays), *shape), dtype=arrays[0].dtype)
+    for row, array in enumerate(arrays):
+        index: tuple[Any, ...] = (row, *map(slice, array.shape))
+        out[index] = array
+    return out

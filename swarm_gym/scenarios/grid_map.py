@@ -1,0 +1,170 @@
+"""An occupancy grid: which cells of a map are blocked, and where they lie."""
+
+import hashlib
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.errors import ScenarioError
+from swarm_gym.scenarios.scenario import Point
+
+Cell = tuple[int, int]
+
+# Cells along a side, of a map that is read from a file.
+MAX_SIDE = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class GridMap:
+    """A map of square cells, each free or blocked; equal to any other of the same content, whatever its name.
+
+    Cells are (column, row), row 0 on top. In cell coordinates, which are real numbers, cell (c, r) covers
+    c - 0.5 <= column < c + 0.5, r - 0.5 <= row < r + 0.5.
+
+    Attributes:
+        name: what messages call it.
+        blocked: bool, shape (height, width); a read-only copy is kept.
+        resolution: side of a cell in map units.
+        origin: map coordinates of the centre of cell (0, 0).
+        y_up: whether y grows upwards, against the rows.
+
+    Raises:
+        ScenarioError: if an attribute is malformed; the message names it and its value.
+    """
+
+    name: str
+    blocked: NDArray[np.bool_] = field(repr=False)
+    resolution: float = 1.0
+    origin: Point = (0.0, 0.0)
+    y_up: bool = False
+
+    def __post_init__(self) -> None:
+        given = np.asarray(self.blocked)
+        if given.dtype != np.bool_ or given.ndim != 2 or given.size == 0:
+            raise ScenarioError(
+                f"map {self.name!r}: blocked must be bool of shape (height, width), not empty, got "
+                f"{given.dtype} of shape {given.shape}"
+            )
+        blocked = np.array(given, order="C")
+        blocked.setflags(write=False)
+        object.__setattr__(self, "blocked", blocked)
+        resolution = self._finite("resolution", self.resolution)
+        if resolution <= 0:
+            raise ScenarioError(f"map {self.name!r}: resolution must be positive, got {self.resolution!r}")
+        object.__setattr__(self, "resolution", resolution)
+        try:
+            x, y = self.origin
+        except (TypeError, ValueError) as error:
+            raise ScenarioError(f"map {self.name!r}: origin must be (x, y), got {self.origin!r}") from error
+        object.__setattr__(self, "origin", (self._finite("origin", x), self._finite("origin", y)))
+        object.__setattr__(self, "y_up", bool(self.y_up))
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return self.blocked.shape[1]
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return self.blocked.shape[0]
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """(x_min, y_min, x_max, y_max) of the areas of all cells, in map units."""
+        corners = self.to_map([(-0.5, -0.5), (self.width - 0.5, self.height - 0.5)])
+        (x_min, y_min), (x_max, y_max) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+        return x_min, y_min, x_max, y_max
+
+    @cached_property
+    def digest(self) -> str:
+        """A digest of cells and geometry, 64 hexadecimal digits; the name is not in it."""
+        digest = hashlib.sha256(repr((self.blocked.shape, *self._geometry())).encode())
+        digest.update(np.packbits(self.blocked).tobytes())
+        return digest.hexdigest()
+
+    @cached_property
+    def components(self) -> NDArray[np.int32]:
+        """Numbers of the connected components of the free cells, shape (height, width); 0 where blocked.
+
+        A step leads to one of the eight neighbours, diagonally only between two free cells. These could be
+        stepped on as well, so that components are those of steps to four neighbours.
+        """
+        from scipy import ndimage
+
+        labels, _ = ndimage.label(~self.blocked)
+        labels.setflags(write=False)
+        return labels
+
+    def to_map(self, cells: ArrayLike) -> NDArray[np.float64]:
+        """Map coordinates (x, y) of cell coordinates (column, row), both of shape (..., 2)."""
+        return np.asarray(self.origin) + np.asarray(cells, dtype=np.float64) * self._scale()
+
+    def to_cells(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Cell coordinates (column, row) of map coordinates (x, y), both of shape (..., 2)."""
+        return (np.asarray(points, dtype=np.float64) - np.asarray(self.origin)) / self._scale()
+
+    def cell_of(self, point: Point) -> Cell:
+        """The (column, row) that a point of finite map coordinates lies in, on the map or beside it."""
+        column, row = np.floor(self.to_cells(point) + 0.5).tolist()
+        return int(column), int(row)
+
+    def is_free(self, cell: Cell) -> bool:
+        """Whether a (column, row) is on the map and not blocked."""
+        column, row = cell
+        return 0 <= column < self.width and 0 <= row < self.height and not self.blocked[row, column]
+
+    def inflated(self, radius: float) -> "GridMap":
+        """The map for a robot of that radius, in map units.
+
+        Blocked is also a cell whose centre lies closer than `radius` to the area of a blocked one. What lies
+        beyond the edge of the map counts as free.
+
+        Raises:
+            ScenarioError: if the radius is not finite, or negative.
+        """
+        from scipy import ndimage
+
+        radius = self._finite("radius", radius)
+        if radius < 0:
+            raise ScenarioError(f"map {self.name!r}: radius must not be negative, got {radius!r}")
+        blocked = self.blocked
+        if radius > 0 and blocked.any():
+            # On a grid of half cells: the point of a cell's area that is closest to another cell's centre is
+            # a corner, or the middle of an edge.
+            areas = np.zeros((2 * self.height + 1, 2 * self.width + 1), dtype=np.bool_)
+            areas[1::2, 1::2] = blocked
+            areas = ndimage.binary_dilation(areas, np.ones((3, 3), dtype=np.bool_))
+            half_cells = ndimage.distance_transform_edt(~areas)[1::2, 1::2]
+            blocked = blocked | (half_cells / 2 * self.resolution < radius)
+        name = f"{self.name} inflated by {radius:g}"
+        return GridMap(name, blocked, self.resolution, self.origin, self.y_up)
+
+    def __eq__(self, other: object) -> bool:
+        return self.digest == other.digest if isinstance(other, GridMap) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    # Copies are made anew, since an array that was unpickled is no longer read-only.
+    def __reduce__(self) -> tuple[Any, ...]:
+        return GridMap, (self.name, self.blocked, self.resolution, self.origin, self.y_up)
+
+    def _geometry(self) -> tuple[float | bool, ...]:
+        return self.resolution, *self.origin, self.y_up
+
+    def _scale(self) -> NDArray[np.float64]:
+        return np.array([self.resolution, -self.resolution if self.y_up else self.resolution])
+
+    def _finite(self, part: str, value: Any) -> float:
+        try:
+            number = float(value)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ScenarioError(f"map {self.name!r}: {part} must be a number, got {value!r}") from error
+        if not math.isfinite(number):
+            raise ScenarioError(f"map {self.name!r}: {part} must be finite, got {value!r}")
+        return number

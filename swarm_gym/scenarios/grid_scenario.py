@@ -1,0 +1,80 @@
+"""A path-planning task on an occupancy grid; checked when it is made."""
+
+import math
+from dataclasses import dataclass
+
+from swarm_gym.errors import ScenarioError
+from swarm_gym.scenarios.grid_map import Cell, GridMap
+from swarm_gym.scenarios.scenario import Point
+
+
+@dataclass(frozen=True)
+class GridScenario:
+    """From a start to a target on a grid map, both in map coordinates.
+
+    Attributes:
+        name: what results are filed under.
+        map: the grid.
+        start: (x, y) where the robot is, in a free cell.
+        target: (x, y) where it has to go, in a free cell; there is a path that does not cut corners.
+
+    Raises:
+        ScenarioError: if the task is malformed; the message names the map, the point and its cell.
+    """
+
+    name: str
+    map: GridMap
+    start: Point
+    target: Point
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.map, GridMap):
+            raise ScenarioError(f"scenario {self.name!r}: map must be a GridMap, got {self.map!r}")
+        cells = {role: self._check(role) for role in ("start", "target")}
+        if self.start == self.target:
+            raise ScenarioError(f"{self._where()}: start and target are the same point {self.start}")
+        (from_column, from_row), (to_column, to_row) = cells.values()
+        components = self.map.components
+        if components[from_row, from_column] != components[to_row, to_column]:
+            raise ScenarioError(
+                f"{self._where()}: no path leads from start {self.start} in cell {cells['start']} to target "
+                f"{self.target} in cell {cells['target']}"
+            )
+
+    @property
+    def y_up(self) -> bool:
+        """Whether y grows upwards in pictures."""
+        return self.map.y_up
+
+    @property
+    def straight_line(self) -> float:
+        """Distance from start to target in map units: no path is shorter."""
+        return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])
+
+    @property
+    def workspace(self) -> tuple[float, float, float, float]:
+        """(x_min, y_min, x_max, y_max) of the map, in map units."""
+        return self.map.extent
+
+    def _check(self, role: str) -> Cell:
+        """The cell of start or target, which are stored as floats."""
+        given = getattr(self, role)
+        try:
+            x, y = (float(value) for value in given)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ScenarioError(f"{self._where()}: {role} must be (x, y), got {given!r}") from error
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise ScenarioError(f"{self._where()}: {role} must be finite, got {given!r}")
+        object.__setattr__(self, role, (x, y))
+        cell = self.map.cell_of((x, y))
+        if not (0 <= cell[0] < self.map.width and 0 <= cell[1] < self.map.height):
+            raise ScenarioError(
+                f"{self._where()}: {role} {(x, y)} in cell {cell} lies outside the map, whose extent is "
+                f"{self.map.extent}"
+            )
+        if not self.map.is_free(cell):
+            raise ScenarioError(f"{self._where()}: {role} {(x, y)} lies in cell {cell}, which is blocked")
+        return cell
+
+    def _where(self) -> str:
+        return f"scenario {self.name!r} on map {self.map.name!r}"
