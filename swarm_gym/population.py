@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
-from swarm_gym.problem.tables import Table, evaluate, select
+from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
 
 Floats = NDArray[np.float64]
@@ -38,9 +38,20 @@ class Swarms(NamedTuple):
     evaluations: Integers  # (B,) calls of the cost function in this episode
     budget: Integers  # (B,) evaluations allowed in this episode
     summary: Floats  # (B, 5) E(P), mean collision, std collision, feasible share, diversity
+    iteration: Integers  # (B,) iterations done in this episode
+    iterations: Integers  # (B,) iterations of an episode
+    memory: Floats  # (B, M, K) what an optimizer remembers of each member
+    registers: Integers  # (B, R) what it remembers of a swarm
 
     @classmethod
-    def allocate(cls, num_swarms: int, capacity: int, dimension: int) -> "Swarms":
+    def allocate(
+        cls,
+        num_swarms: int,
+        capacity: int,
+        dimension: int,
+        memory_columns: int = 0,
+        num_registers: int = 0,
+    ) -> "Swarms":
         """Empty swarms."""
         members = (num_swarms, capacity)
         return cls(
@@ -56,6 +67,10 @@ class Swarms(NamedTuple):
             evaluations=np.zeros(num_swarms, dtype=np.int64),
             budget=np.zeros(num_swarms, dtype=np.int64),
             summary=np.zeros((num_swarms, 5)),
+            iteration=np.zeros(num_swarms, dtype=np.int64),
+            iterations=np.ones(num_swarms, dtype=np.int64),
+            memory=np.zeros((*members, memory_columns)),
+            registers=np.zeros((num_swarms, num_registers), dtype=np.int64),
         )
 
 
@@ -108,6 +123,16 @@ def add_members(
         swarms.fitness[b, member] = fitness
         swarms.collision[b, member] = collision
         swarms.size[b] += 1
+
+
+@kernel
+def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: int) -> None:
+    """Evaluate the first `count` positions as they stand, as the members of swarm `b`, which is empty."""
+    for i in range(count):
+        for k in range(swarms.positions.shape[2]):
+            work.path[k + 1] = swarms.positions[b, i, k]
+        swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
+    swarms.size[b] = count
 
 
 @kernel
@@ -172,6 +197,8 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
             fitness[kept], collision[kept] = fitness[i], collision[i]
             for k in range(swarms.positions.shape[2]):
                 swarms.positions[b, kept, k] = swarms.positions[b, i, k]
+            for k in range(swarms.memory.shape[2]):
+                swarms.memory[b, kept, k] = swarms.memory[b, i, k]
             kept += 1
     swarms.size[b] = new_size
 
@@ -224,25 +251,3 @@ def _diversity(positions: Floats, size: int) -> float:
         for i in range(size):
             squares += (positions[i, k] - mean) ** 2
     return math.sqrt(squares / size)
-
-
-@kernel
-def adopt_population(
-    swarms: Swarms,
-    tables: Table,
-    chosen: NDArray[np.bool_],
-    sizes: Integers,
-    mean_weight: float,
-) -> None:
-    """Begin episodes of the chosen swarms with the first `sizes` positions as they stand."""
-    work = make_workspace(swarms.positions.shape[2])
-    for b in range(sizes.shape[0]):
-        if chosen[b]:
-            table = select(tables, swarms.problem[b])
-            clear(swarms, b)
-            swarms.size[b] = sizes[b]
-            for i in range(sizes[b]):
-                for k in range(swarms.positions.shape[2]):
-                    work.path[k + 1] = swarms.positions[b, i, k]
-                swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
-            summarise(swarms, b, mean_weight)

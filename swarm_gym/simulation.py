@@ -11,7 +11,7 @@ from swarm_gym.checks import require_integer
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.population import Swarms, adopt_population
+from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.problem.tables import stack
 from swarm_gym.random_stream import seed_stream
@@ -80,9 +80,17 @@ class Simulation:
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
         self.tables = stack([problem.table for problem in self.problems])
-        self.swarms = Swarms.allocate(num_swarms, settings.max_population_size, self.dimension)
+        capacity = settings.max_population_size
+        self.swarms = Swarms.allocate(
+            num_swarms,
+            capacity,
+            self.dimension,
+            optimizer.memory_columns(self.dimension),
+            optimizer.num_registers(capacity),
+        )
+        self.swarms.iterations[:] = settings.iterations
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
-        self.iteration = np.zeros(num_swarms, dtype=np.int64)
+        self.iteration = self.swarms.iteration
         self.running = np.zeros(num_swarms, dtype=np.bool_)
         self.columns = (*HISTORY, *optimizer.knobs)
         self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
@@ -124,12 +132,11 @@ class Simulation:
             swarms.stream[row] = seed_stream(stream_seed)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         sizes = np.full(self.num_swarms, size, dtype=np.int64)
-        if population is None:
-            self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
-        else:
+        given = population is not None
+        if given:
             swarms.positions[rows, :size, : self.dimension] = population
-            adopt_population(swarms, self.tables, chosen, sizes, self.settings.mean_weight)
         self.iteration[rows] = 0
+        self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight, given)
         self.running[rows] = True
         self.history[rows] = np.nan
         self._record(rows, np.zeros(self.num_swarms), self.knobs)
@@ -159,7 +166,7 @@ class Simulation:
 
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i of the B, a copy of swarm rows[i]: state, random stream and record."""
-        state = (self.iteration, self.running, self.history, self.initial_gap, self.price)
+        state = (self.running, self.history, self.initial_gap, self.price)
         for array in (*self.swarms, *state):
             array[...] = array[rows]
 

@@ -6,7 +6,8 @@ import naive
 import numpy as np
 import shapely
 
-from swarm_gym.population import Swarms, adopt_population, make_workspace
+from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.population import Swarms, make_workspace
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import select, stack
@@ -106,7 +107,7 @@ def make_swarms(problems, populations, seeds, capacity=32, budgets=None):
         swarms.stream[b] = seed_stream(np.random.SeedSequence(seed))
         swarms.positions[b, : len(population)] = padded(population)
     sizes = np.array([len(population) for population in populations])
-    adopt_population(swarms, tables, np.full(num, True), sizes, MEAN_WEIGHT)
+    Firefly.initialise(swarms, tables, np.full(num, True), sizes, MEAN_WEIGHT, given=True)
     return swarms, tables
 
 

@@ -22,12 +22,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.firefly import Firefly, iterate, move_towards, step_parallel, step_serial
+from swarm_gym.optimizers.driver import step_parallel, step_serial
+from swarm_gym.optimizers.firefly import Firefly, Rules, iterate, move_towards
 from swarm_gym.population import Swarms
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
 
+RULES = Rules()
 PAPER = np.array([2.0, 0.1, 5e-6])
 STRONG = np.array([30.0, 0.9, 1e-7])
 SOURCES = (*CASES, "random")
@@ -101,7 +103,7 @@ def test_a_move_of_values_known_by_hand():
 @pytest.mark.parametrize("source", SOURCES)
 def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
     swarms, table, work, twin = twins_of(source, 6, seed, 31)
-    iterate(swarms, 0, table, work, repair_degree, knobs)
+    iterate(RULES, swarms, 0, table, work, repair_degree, knobs)
     twin.iterate(repair_degree, knobs)
     assert_same_swarm(swarms, twin)
 
@@ -111,7 +113,7 @@ def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
 def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_degree):
     swarms, table, work, twin = twins_of("random", 8, 0, num_waypoints)
     for _ in range(3):
-        iterate(swarms, 0, table, work, repair_degree, PAPER)
+        iterate(RULES, swarms, 0, table, work, repair_degree, PAPER)
         twin.iterate(repair_degree, PAPER)
         assert_same_swarm(swarms, twin)
 
@@ -122,7 +124,7 @@ def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_
 def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
     swarms, table, work, twin = twins_of(source, 25, seed, 31)
     repair_degree = (seed % 3) / 2
-    iterate(swarms, 0, table, work, repair_degree, PAPER)
+    iterate(RULES, swarms, 0, table, work, repair_degree, PAPER)
     twin.iterate(repair_degree, PAPER)
     assert_same_swarm(swarms, twin)
 
@@ -132,7 +134,7 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
 def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
     swarms, table, work, _ = twins_of(source, 20, seed, 31)
     before, counter = swarms.evaluations[0], swarms.stream[0, 3].copy()
-    iterate(swarms, 0, table, work, 0.0, PAPER)
+    iterate(RULES, swarms, 0, table, work, 0.0, PAPER)
     moves = swarms.evaluations[0] - before
     assert 0 < moves <= 20 * 19
     assert words_drawn(swarms, counter) == 32 * moves
@@ -141,7 +143,7 @@ def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source,
 def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
     before = swarms.positions.copy()
-    iterate(swarms, 0, table, work, 0.0, np.zeros(3))
+    iterate(RULES, swarms, 0, table, work, 0.0, np.zeros(3))
     assert len(set(swarms.fitness[0, :20])) == 20
     assert swarms.evaluations[0] == 20 + 20 * 19 // 2
     assert (swarms.positions == before).all()
@@ -149,7 +151,7 @@ def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves(
 
 def test_with_full_attraction_all_gather_at_the_brightest():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
-    iterate(swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
+    iterate(RULES, swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
     expected = np.broadcast_to(swarms.best_position[0], (20, 32))
     np.testing.assert_allclose(swarms.positions[0, :20], expected, atol=1e-9)
 
@@ -160,7 +162,7 @@ def test_equals_do_not_move(size):
     population = np.tile(random_population(np.random.default_rng(0), problem, 1), (size, 1))
     swarms, tables, _ = make_twins(problem, population, 0)
     before = [np.copy(field) for field in swarms]
-    iterate(swarms, 0, select(tables, 0), workspace(31), 1.0, PAPER)
+    iterate(RULES, swarms, 0, select(tables, 0), workspace(31), 1.0, PAPER)
     for field, old in zip(swarms, before, strict=True):
         assert (field == old).all()
 
@@ -170,7 +172,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
     swarms, table, work, twin = twins_of("case3", 15, 1, 31)
     problem = AnalyticProblem(twin.scenario)
     for _ in range(5):
-        iterate(swarms, 0, table, work, repair_degree, STRONG)
+        iterate(RULES, swarms, 0, table, work, repair_degree, STRONG)
     for i in range(15):
         assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i, :31])
     best = swarms.best_fitness[0], swarms.best_collision[0]
@@ -180,7 +182,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
 
 def test_moves_stay_in_the_workspace_however_strong_the_noise():
     swarms, table, work, _ = twins_of("random", 15, 1, 31)
-    iterate(swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
+    iterate(RULES, swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
     assert (swarms.positions[0, :15] >= table.lower).all()
     assert (swarms.positions[0, :15] <= table.upper).all()
     inner = swarms.positions[0, :15, :31]
@@ -191,7 +193,7 @@ def test_moves_stay_in_the_workspace_however_strong_the_noise():
 @pytest.mark.parametrize("left", [0, 1, 2, 7, 20])
 def test_an_iteration_ends_exactly_where_the_budget_does(left):
     swarms, table, work, twin = twins_of("case2", 8, 0, 31, budget=8 + left)
-    iterate(swarms, 0, table, work, 0.2, PAPER)
+    iterate(RULES, swarms, 0, table, work, 0.2, PAPER)
     twin.iterate(0.2, PAPER)
     assert swarms.evaluations[0] == 8 + left
     assert_same_swarm(swarms, twin)
@@ -222,7 +224,7 @@ def arguments(num, step):
 def advance(run, swarms, tables, steps=4):
     num = len(swarms.size)
     for step in range(steps):
-        run(swarms, tables, np.full(num, True), *arguments(num, step))
+        run(RULES, swarms, tables, np.full(num, True), *arguments(num, step))
 
 
 def bits(field):
@@ -255,7 +257,7 @@ def test_only_the_chosen_swarms_take_part(run):
     swarms, tables = batch(4)
     before = [np.copy(field) for field in swarms]
     chosen = np.array([True, False, True, False])
-    run(swarms, tables, chosen, *arguments(4, 1))
+    run(RULES, swarms, tables, chosen, *arguments(4, 1))
     for field, old in zip(swarms, before, strict=True):
         assert (bits(field[~chosen]) == bits(old[~chosen])).all()
     assert (swarms.evaluations[chosen] > before[Swarms._fields.index("evaluations")][chosen]).all()
@@ -328,6 +330,7 @@ def test_a_swarm_gets_better_in_the_long_run():
     begun = swarms.best_fitness.copy()
     for _ in range(30):
         step_serial(
+            RULES,
             swarms,
             tables,
             np.full(4, True),

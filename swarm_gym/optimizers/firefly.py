@@ -7,26 +7,20 @@ m (m - 1) moves, about half of that in practice.
 """
 
 import math
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, kernel, parallel_kernel
+from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import (
     Swarms,
     Workspace,
-    add_members,
-    clear,
     evaluate_path,
-    make_workspace,
-    resize,
-    summarise,
 )
-from swarm_gym.problem.tables import Table, repair, select
+from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
@@ -63,8 +57,13 @@ def move_towards(
         store(path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
+class Rules(NamedTuple):
+    """Chooses the kernels of this optimizer; see `driver`."""
+
+
 @kernel
 def iterate(
+    rules: Rules,  # noqa: ARG001
     swarms: Swarms,
     b: int,
     table: Table,
@@ -92,80 +91,12 @@ def iterate(
             positions[i, k] = work.path[k + 1]
 
 
-@kernel
-def initialise_swarm(swarms: Swarms, b: int, tables: Table, size: int, mean_weight: float) -> None:
-    """Draw and evaluate the first population of swarm `b`."""
-    table = select(tables, swarms.problem[b])
-    work = make_workspace(swarms.positions.shape[2])
-    clear(swarms, b)
-    add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
-    summarise(swarms, b, mean_weight)
-
-
-@kernel
-def step_swarm(
-    swarms: Swarms,
-    b: int,
-    tables: Table,
-    size: int,
-    repair_degree: float,
-    knobs: Floats,
-    mean_weight: float,
-) -> None:
-    """Resize swarm `b`, advance it by one iteration and summarise it."""
-    table = select(tables, swarms.problem[b])
-    work = make_workspace(swarms.positions.shape[2])
-    resize(swarms, b, table, work, size)
-    iterate(swarms, b, table, work, repair_degree, knobs)
-    summarise(swarms, b, mean_weight)
-
-
-@kernel
-def step_serial(
-    swarms: Swarms,
-    tables: Table,
-    chosen: Flags,
-    sizes: Integers,
-    repair_degrees: Floats,
-    knobs: Floats,
-    mean_weight: float,
-) -> None:
-    """`step_swarm` for the chosen swarms, one after the other."""
-    for b in range(sizes.shape[0]):
-        if chosen[b]:
-            step_swarm(swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
-
-
-@parallel_kernel
-def step_parallel(
-    swarms: Swarms,
-    tables: Table,
-    chosen: Flags,
-    sizes: Integers,
-    repair_degrees: Floats,
-    knobs: Floats,
-    mean_weight: float,
-) -> None:
-    """`step_swarm` for the chosen swarms, spread over threads."""
-    for b in numba.prange(sizes.shape[0]):
-        if chosen[b]:
-            step_swarm(swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
-
-
-@kernel
-def initialise_swarms(
-    swarms: Swarms, tables: Table, chosen: Flags, sizes: Integers, mean_weight: float
-) -> None:
-    """`initialise_swarm` for the chosen swarms."""
-    for b in range(sizes.shape[0]):
-        if chosen[b]:
-            initialise_swarm(swarms, b, tables, sizes[b], mean_weight)
-
-
 class Firefly(Optimizer):
     """The firefly algorithm of the SPSFA paper, with the parameters printed there."""
 
     name = "firefly"
+    rules = Rules
+    iterate = staticmethod(iterate)
     knobs: ClassVar[dict[str, Knob]] = {
         "noise": Knob(
             2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)
@@ -180,27 +111,3 @@ class Firefly(Optimizer):
     def affordable_size(evaluations: Floats) -> Floats:
         """The m with m (m - 1) / 2 = evaluations: about half of the pairs move."""
         return (1.0 + np.sqrt(1.0 + 8.0 * evaluations)) / 2.0
-
-    @staticmethod
-    def initialise(  # noqa: D102
-        swarms: Swarms,
-        tables: Table,
-        chosen: Flags,
-        sizes: Integers,
-        mean_weight: float,
-    ) -> None:
-        initialise_swarms(swarms, tables, chosen, sizes, mean_weight)
-
-    @staticmethod
-    def step(  # noqa: D102
-        swarms: Swarms,
-        tables: Table,
-        chosen: Flags,
-        sizes: Integers,
-        repair_degrees: Floats,
-        knobs: Floats,
-        mean_weight: float,
-        parallel: bool,
-    ) -> None:
-        run = step_parallel if parallel else step_serial
-        run(swarms, tables, chosen, sizes, repair_degrees, knobs, mean_weight)

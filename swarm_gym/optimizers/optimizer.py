@@ -1,6 +1,7 @@
 """What an optimizer offers to the simulation that drives it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_number
+from swarm_gym.optimizers import driver
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import Table
 
@@ -35,29 +37,54 @@ class Knob:
 
 
 class Optimizer(ABC):
-    """Names and parameters around the two compiled calls of an optimizer.
+    """Names, parameters and kernels of an optimizer, and the two calls that advance swarms by them.
 
     All arrays have a leading swarm axis of length B. Both calls change `swarms` in place, and leave
     E(P), mean and standard deviation of the collision and the feasible share in `swarms.summary`.
+
+    Attributes:
+        name: what it is registered as.
+        knobs: its parameters, by name.
+        rules: its class in `driver`, whose kernels the others are.
+        iterate: the kernel of an iteration.
+        begin: the kernel that draws the first population.
+        adopt: the kernel that takes given positions as the first population.
+        change_size: the kernel that grows and shrinks a population.
     """
 
     name: ClassVar[str]
     knobs: ClassVar[dict[str, Knob]]
+    rules: ClassVar[type]
+    iterate: ClassVar[Callable[..., None]]
+    begin: ClassVar[Callable[..., None]] = staticmethod(driver.draw_population)
+    adopt: ClassVar[Callable[..., None]] = staticmethod(driver.adopt_population)
+    change_size: ClassVar[Callable[..., None]] = staticmethod(driver.resize_population)
 
-    @staticmethod
-    @abstractmethod
+    def __init_subclass__(cls) -> None:
+        driver.ITERATE[cls.rules] = cls.iterate
+        driver.BEGIN[cls.rules] = cls.begin
+        driver.ADOPT[cls.rules] = cls.adopt
+        driver.RESIZE[cls.rules] = cls.change_size
+
+    @classmethod
     def initialise(
+        cls,
         swarms: Swarms,
         tables: Table,
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         mean_weight: float,
+        given: bool = False,
     ) -> None:
-        """Draw and evaluate first populations of the given sizes for the chosen swarms."""
+        """Begin the chosen swarms with first populations of these sizes, (B,).
 
-    @staticmethod
-    @abstractmethod
+        They are drawn, or taken from the first rows of the positions where these are `given`.
+        """
+        driver.begin_serial(cls.rules(), swarms, tables, chosen, sizes, given, mean_weight)
+
+    @classmethod
     def step(
+        cls,
         swarms: Swarms,
         tables: Table,
         chosen: NDArray[np.bool_],
@@ -79,6 +106,18 @@ class Optimizer(ABC):
             mean_weight: k of eq. 7.
             parallel: spread the swarms over threads.
         """
+        run = driver.step_parallel if parallel else driver.step_serial
+        run(cls.rules(), swarms, tables, chosen, sizes, repair_degrees, knobs, mean_weight)
+
+    @staticmethod
+    def memory_columns(dimension: int) -> int:  # noqa: ARG004
+        """K, how many numbers are remembered of each member, of decision vectors of that length."""
+        return 0
+
+    @staticmethod
+    def num_registers(capacity: int) -> int:  # noqa: ARG004
+        """R, how many integers are remembered of a swarm of up to so many members."""
+        return 0
 
     @staticmethod
     @abstractmethod
