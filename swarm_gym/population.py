@@ -187,7 +187,7 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
         worst = -1
         for i in range(size):
             if not doomed[i] and (
-                worst < 0 or not _outlives(fitness[i], collision[i], fitness[worst], collision[worst])
+                worst < 0 or not outlives(fitness[i], collision[i], fitness[worst], collision[worst])
             ):
                 worst = i
         doomed[worst] = True
@@ -204,7 +204,8 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
 
 
 @kernel
-def _outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
+def outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
+    """Whether a member would be kept and another one deleted, if one had to go; not if they are equal."""
     feasible = collision <= FEASIBILITY_TOLERANCE
     other_feasible = other_collision <= FEASIBILITY_TOLERANCE
     if feasible != other_feasible:

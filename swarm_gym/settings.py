@@ -90,6 +90,7 @@ class Settings:
         knobs = {name: value for name, value in options.items() if name in optimizer.knobs}
         optimizer.knob_values(knobs)
         settings = cls(**values, knobs=knobs)
+        require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings._refuse_unused(values)
         return settings
 

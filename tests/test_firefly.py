@@ -23,13 +23,13 @@ from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.driver import step_parallel, step_serial
-from swarm_gym.optimizers.firefly import Firefly, Rules, iterate, move_towards
+from swarm_gym.optimizers.firefly import Firefly, FireflyRules, iterate, move_towards
 from swarm_gym.population import Swarms
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
 
-RULES = Rules()
+RULES = FireflyRules()
 PAPER = np.array([2.0, 0.1, 5e-6])
 STRONG = np.array([30.0, 0.9, 1e-7])
 SOURCES = (*CASES, "random")

@@ -17,6 +17,10 @@ __all__ = ["OPTIMIZERS", "get_optimizer"]
 # Name to module and class, imported when first asked for: importing Numba takes a while.
 OPTIMIZERS: dict[str, tuple[str, str]] = {
     "firefly": ("swarm_gym.optimizers.firefly", "Firefly"),
+    "generational-firefly": ("swarm_gym.optimizers.generational_firefly", "GenerationalFirefly"),
+    "particle-swarm": ("swarm_gym.optimizers.particle_swarm", "ParticleSwarm"),
+    "elite-genetic": ("swarm_gym.optimizers.elite_genetic", "EliteGenetic"),
+    "multivariate": ("swarm_gym.optimizers.multivariate", "Multivariate"),
 }
 
 

@@ -57,13 +57,13 @@ def move_towards(
         store(path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-class Rules(NamedTuple):
+class FireflyRules(NamedTuple):
     """Chooses the kernels of this optimizer; see `driver`."""
 
 
 @kernel
 def iterate(
-    rules: Rules,  # noqa: ARG001
+    rules: FireflyRules,  # noqa: ARG001
     swarms: Swarms,
     b: int,
     table: Table,
@@ -95,7 +95,7 @@ class Firefly(Optimizer):
     """The firefly algorithm of the SPSFA paper, with the parameters printed there."""
 
     name = "firefly"
-    rules = Rules
+    rules = FireflyRules
     iterate = staticmethod(iterate)
     knobs: ClassVar[dict[str, Knob]] = {
         "noise": Knob(

@@ -45,6 +45,7 @@ class Optimizer(ABC):
     Attributes:
         name: what it is registered as.
         knobs: its parameters, by name.
+        smallest_population: the least size that it can work with.
         rules: its class in `driver`, whose kernels the others are.
         iterate: the kernel of an iteration.
         begin: the kernel that draws the first population.
@@ -54,6 +55,7 @@ class Optimizer(ABC):
 
     name: ClassVar[str]
     knobs: ClassVar[dict[str, Knob]]
+    smallest_population: ClassVar[int] = 1
     rules: ClassVar[type]
     iterate: ClassVar[Callable[..., None]]
     begin: ClassVar[Callable[..., None]] = staticmethod(driver.draw_population)
@@ -61,6 +63,8 @@ class Optimizer(ABC):
     change_size: ClassVar[Callable[..., None]] = staticmethod(driver.resize_population)
 
     def __init_subclass__(cls) -> None:
+        # Numba tells NamedTuples apart by their names.
+        assert cls.rules.__name__ == f"{cls.__name__}Rules"
         driver.ITERATE[cls.rules] = cls.iterate
         driver.BEGIN[cls.rules] = cls.begin
         driver.ADOPT[cls.rules] = cls.adopt

@@ -26,7 +26,8 @@ class GridTable(NamedTuple):
     leading problem axis.
     """
 
-    resolution: Any  # map units per cell: a number, in a stacked table an array
+    dimension: Any  # of decision vectors: a number, in a stacked table an array
+    resolution: Any  # map units per cell, likewise
     penalty: Any  # lambda, fitness per infeasible sample, likewise
     num_pieces: Any  # pieces between samples, likewise
     num_columns: Any  # of the map with its border, likewise
@@ -49,6 +50,7 @@ class GridTable(NamedTuple):
 def select(tables: GridTable, index: int) -> GridTable:
     """One problem out of stacked tables, as views."""
     return GridTable(
+        tables.dimension[index],
         tables.resolution[index],
         tables.penalty[index],
         tables.num_pieces[index],
@@ -79,6 +81,7 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
     return GridTable(
+        len(encoding.lower),
         float(grid.resolution),
         float(penalty),
         len(encoding.first) - 1,

@@ -1,8 +1,8 @@
 """Problems of every kind as the kernels of optimizers read them: a table, and what can be done with it.
 
-A table of each kind is a NamedTuple of arrays with at least the fields `lower`, `upper`, `initial_lower` and
-`initial_upper`, (C,) each. Kernels are compiled for each kind on its own. A `path` is an array (C + 1,): a
-zero, then a decision vector, padded.
+A table of each kind is a NamedTuple with at least the fields `dimension` and `lower`, `upper`,
+`initial_lower` and `initial_upper`, (C,) each. Kernels are compiled for each kind on its own. A `path` is an
+array (C + 1,): a zero, then a decision vector, padded.
 """
 
 from typing import Any

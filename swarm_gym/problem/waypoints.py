@@ -50,7 +50,8 @@ class WaypointTable(NamedTuple):
     field has a leading problem axis.
     """
 
-    spacing: Any  # x' distance between waypoints: a number, in a stacked table an array
+    dimension: Any  # n: a number, in a stacked table an array
+    spacing: Any  # x' distance between waypoints, likewise
     length_weight: Any  # mu, likewise
     lower: Floats  # (C,) bounds of the offsets: the workspace
     upper: Floats  # (C,)
@@ -67,6 +68,7 @@ class WaypointTable(NamedTuple):
 def select(tables: WaypointTable, index: int) -> WaypointTable:
     """One problem out of stacked tables, as views."""
     return WaypointTable(
+        tables.dimension[index],
         tables.spacing[index],
         tables.length_weight[index],
         tables.lower[index],
@@ -112,6 +114,7 @@ def tabulate(
     squared_spacing[: num_waypoints + 1] = spacing**2
     first_tile, first_row, num_corners, rows = _lay_out(pairs, columns(num_waypoints) // NUM_LANES, spacing)
     return WaypointTable(
+        num_waypoints,
         float(spacing),
         float(length_weight),
         pad(lower),

@@ -1,0 +1,136 @@
+"""Genetic algorithm that keeps its best member.
+
+Source: A. B. Djurisic, "Elite genetic algorithms with adaptive mutations for solving continuous optimization
+problems", Optics Communications 151, 1998; with the parameters that the MOA paper prints (J. Li et al., Acta
+Electronica Sinica 44(9), 2016). Coding and operators are not printed: real numbers, a windowed roulette
+wheel, one-point crossover and uniform mutation of single genes are readings, see docs/readings.md.
+"""
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import kernel
+from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.problem.tables import Table, repair
+from swarm_gym.random_stream import fill_uniform
+
+Floats = NDArray[np.float64]
+
+# What the worst member weighs on the wheel: this share of the spread of the fitness, and next to nothing.
+LEAST_SHARE, LEAST_WEIGHT = 0.01, 1e-12
+
+
+class EliteGeneticRules(NamedTuple):
+    """Stands for the kernels of this optimizer; see `driver`."""
+
+
+@kernel
+def iterate(
+    rules: EliteGeneticRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    repair_degree: float,
+    knobs: Floats,
+) -> None:
+    """One generation of swarm `b`: the best member, copies drawn by the wheel, then children of drawn pairs.
+
+    Who came out as a member that was drawn is not evaluated again. When the budget is spent, the places left
+    keep their old members.
+    """
+    crossover, mutation = knobs[0], knobs[1]
+    size, width, path = swarms.size[b], swarms.positions.shape[2], work.path
+    parents, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
+    collision = swarms.collision[b, :size].copy()
+    wheel = _wheel(fitness)
+    best = np.argmin(fitness)
+    _place(swarms, b, 0, parents[best], fitness[best], collision[best])
+    num_children = int(np.floor(crossover * (size - 1) + 0.5))
+    for i in range(1, size):
+        fill_uniform(swarms.stream[b], work.noise)
+        first = second = _spin(wheel, work.noise[0])
+        cut = width
+        if i >= size - num_children:
+            second = _spin(wheel, work.noise[1])
+            # Between two genes, so that both parents give some.
+            cut = 1 + int(work.noise[2] * (table.dimension - 1))
+        changed = False
+        for k in range(width):
+            path[k + 1] = parents[first, k] if k < cut else parents[second, k]
+            changed |= path[k + 1] != parents[first, k]
+        changed |= _mutate(swarms, b, table, work, mutation)
+        if repair_degree > 0.0 and (changed or collision[first] > 0.0):
+            repair(table, path, repair_degree)
+            for k in range(width):
+                changed |= path[k + 1] != parents[first, k]
+        if not changed:
+            _place(swarms, b, i, parents[first], fitness[first], collision[first])
+            continue
+        if swarms.evaluations[b] >= swarms.budget[b]:
+            break
+        worth, degree = evaluate_path(swarms, b, table, work)
+        _place(swarms, b, i, path[1:], worth, degree)
+
+
+@kernel
+def _wheel(fitness: Floats) -> Floats:
+    """Cumulative weights of the members, from 0 to 1: the smaller the fitness, the larger a weight."""
+    worst = fitness.max()
+    floor = LEAST_WEIGHT + LEAST_SHARE * (worst - fitness.min())
+    sums, total = np.empty(fitness.shape[0]), 0.0
+    for i in range(fitness.shape[0]):
+        total += worst - fitness[i] + floor
+        sums[i] = total
+    return sums / total
+
+
+@kernel
+def _spin(wheel: Floats, share: float) -> int:
+    """The member at this share of the wheel, in [0, 1)."""
+    for i in range(wheel.shape[0] - 1):
+        if share < wheel[i]:
+            return i
+    return wheel.shape[0] - 1
+
+
+@kernel
+def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> bool:
+    """Draw some genes of `work.path` anew inside the bounds; returns whether one changed."""
+    width, path = swarms.positions.shape[2], work.path
+    fill_uniform(swarms.stream[b], work.noise)
+    genes = work.noise < rate
+    if not genes[: table.dimension].any():
+        return False
+    fill_uniform(swarms.stream[b], work.noise)
+    for k in range(width):
+        if genes[k]:
+            path[k + 1] = table.lower[k] + (table.upper[k] - table.lower[k]) * work.noise[k]
+    return True
+
+
+@kernel
+def _place(swarms: Swarms, b: int, i: int, position: Floats, fitness: float, collision: float) -> None:
+    for k in range(swarms.positions.shape[2]):
+        swarms.positions[b, i, k] = position[k]
+    swarms.fitness[b, i], swarms.collision[b, i] = fitness, collision
+
+
+class EliteGenetic(Optimizer):
+    """EGA of the MOA paper, with the parameters printed there."""
+
+    name = "elite-genetic"
+    knobs: ClassVar[dict[str, Knob]] = {
+        "crossover": Knob(0.2, 0.0, 1.0, "pc", "share of children in a generation", (0.01, 1.0)),
+        "mutation": Knob(0.01, 0.0, 1.0, "pm", "probability that a gene is drawn anew", (0.001, 1.0)),
+    }
+    rules = EliteGeneticRules
+    iterate = staticmethod(iterate)
+
+    @staticmethod
+    def affordable_size(evaluations: Floats) -> Floats:
+        """Each member but the best is evaluated at most once."""
+        return evaluations

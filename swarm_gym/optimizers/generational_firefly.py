@@ -1,0 +1,110 @@
+"""Firefly algorithm with synchronous moves: one evaluation per firefly and iteration.
+
+Sources: X.-S. Yang, "Firefly algorithms for multimodal optimization", SAGA 2009; in the form and with the
+parameters that the MOA paper compares with (J. Li et al., Acta Electronica Sinica 44(9), 2016). Every firefly
+moves towards each one that was brighter when the iteration began, to where that one was then. Distances are
+measured and noise is scaled in units of the range of each component, a reading (docs/readings.md): in map
+cells the printed gamma = 1 would leave no attraction at any distance.
+"""
+
+import math
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import kernel
+from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.problem.tables import Table, repair
+from swarm_gym.random_stream import fill_uniform
+
+Floats = NDArray[np.float64]
+
+
+class GenerationalFireflyRules(NamedTuple):
+    """Stands for the kernels of this optimizer; see `driver`."""
+
+
+@kernel
+def iterate(
+    rules: GenerationalFireflyRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    repair_degree: float,
+    knobs: Floats,
+) -> None:
+    """One iteration of swarm `b`; a firefly that sees none brighter stays and is not evaluated again."""
+    alpha, beta0, gamma, least = knobs[0], knobs[1], knobs[2], knobs[3]
+    size, columns, path = swarms.size[b], swarms.positions.shape[2], work.path
+    before, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
+    for i in range(size):
+        if swarms.evaluations[b] >= swarms.budget[b]:
+            break
+        for k in range(columns):
+            path[k + 1] = before[i, k]
+        moved = False
+        for j in range(size):
+            if fitness[j] < fitness[i]:
+                fill_uniform(swarms.stream[b], work.noise)
+                _approach(table, work, before[j], alpha, beta0, gamma, least)
+                moved = True
+        if not moved:
+            continue
+        for k in range(columns):
+            path[k + 1] = min(max(path[k + 1], table.lower[k]), table.upper[k])
+        if repair_degree > 0.0:
+            repair(table, path, repair_degree)
+        swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
+        for k in range(columns):
+            swarms.positions[b, i, k] = path[k + 1]
+
+
+@kernel
+def _approach(
+    table: Table,
+    work: Workspace,
+    brighter: Floats,
+    alpha: float,
+    beta0: float,
+    gamma: float,
+    least: float,
+) -> None:
+    """Move `work.path` towards a brighter position, (C,), with the noise in `work.noise`."""
+    path, square = work.path, 0.0
+    for k in range(brighter.shape[0]):
+        extent = table.upper[k] - table.lower[k]
+        if extent > 0.0:
+            difference = (brighter[k] - path[k + 1]) / extent
+            square += difference * difference
+    attraction = least + (beta0 - least) * math.exp(-gamma * square)
+    for k in range(brighter.shape[0]):
+        extent = table.upper[k] - table.lower[k]
+        path[k + 1] += attraction * (brighter[k] - path[k + 1]) + alpha * extent * (work.noise[k] - 0.5)
+
+
+class GenerationalFirefly(Optimizer):
+    """The firefly algorithm of the MOA paper, with the parameters printed there."""
+
+    name = "generational-firefly"
+    knobs: ClassVar[dict[str, Knob]] = {
+        "noise": Knob(
+            0.2, 0.0, 10.0, "alpha", "width of the uniform noise of a move, in ranges", (0.001, 1.0)
+        ),
+        "attractiveness": Knob(
+            1.0, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0", (0.01, 1.0)
+        ),
+        "absorption": Knob(1.0, 0.0, 1e9, "gamma", "decay of the attraction, per squared range"),
+        "least_attractiveness": Knob(
+            0.0, 0.0, 1.0, "beta_min", "share of the way to a neighbour far away; 0.2 in Yang's own code"
+        ),
+    }
+    rules = GenerationalFireflyRules
+    iterate = staticmethod(iterate)
+
+    @staticmethod
+    def affordable_size(evaluations: Floats) -> Floats:
+        """All but the brightest are evaluated once."""
+        return evaluations

@@ -1,0 +1,407 @@
+"""Multivariate optimization algorithm: a table of regions, each searched around its best point.
+
+Source: J. Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
+44(9), 2016. A global list holds the heads of n regions, best first; below head i hangs a list of the best
+n - i points (i from 0) found around it. An iteration draws n points anywhere, of which the best become heads,
+and n - i points around each head. The lengths of the lists and what becomes of a list whose head is displaced
+are readings, see docs/readings.md.
+
+In `Swarms`, the first n members are the heads; the lists follow, one after the other. The registers hold n,
+then the lengths of the lists.
+"""
+
+import math
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import kernel
+from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.population import Swarms, Workspace, adopt_members, evaluate_path, outlives
+from swarm_gym.problem.tables import Table, repair
+from swarm_gym.random_stream import fill_uniform
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class MultivariateRules(NamedTuple):
+    """Stands for the kernels of this optimizer; see `driver`."""
+
+
+class Structure(NamedTuple):
+    """The table of up to N regions, apart from the swarm; a column is a head and its list.
+
+    Entry 0 of a column is the head, entries 1 to `length` are its list, best first.
+    """
+
+    position: Floats  # (N, N + 1, C)
+    fitness: Floats  # (N, N + 1)
+    collision: Floats  # (N, N + 1)
+    length: Integers  # (N,) of the lists
+    used: Integers  # (1,) columns in use
+    order: Integers  # (N,) of the columns, best head first
+
+
+@kernel
+def num_regions(size: int) -> int:
+    """n: the largest whose heads and full lists are no more than `size` members, but at least one."""
+    return max(int((math.sqrt(9.0 + 8.0 * size) - 3.0) / 2.0), 1)
+
+
+@kernel
+def _make(num_columns: int, width: int) -> Structure:
+    shape = (num_columns, num_columns + 1)
+    return Structure(
+        np.zeros((num_columns, num_columns + 1, width)),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(num_columns, np.int64),
+        np.zeros(1, np.int64),
+        np.zeros(num_columns, np.int64),
+    )
+
+
+@kernel
+def _unpack(swarms: Swarms, b: int, num_columns: int) -> Structure:
+    """The table of swarm `b`, with room for that many regions."""
+    structure = _make(num_columns, swarms.positions.shape[2])
+    registers = swarms.registers[b]
+    structure.used[0] = registers[0]
+    row = registers[0]
+    for i in range(registers[0]):
+        structure.order[i] = i
+        structure.length[i] = registers[1 + i]
+        _copy_in(structure, i, 0, swarms, b, i)
+        for k in range(registers[1 + i]):
+            _copy_in(structure, i, 1 + k, swarms, b, row)
+            row += 1
+    return structure
+
+
+@kernel
+def _copy_in(structure: Structure, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
+    structure.position[column, entry] = swarms.positions[b, row]
+    structure.fitness[column, entry] = swarms.fitness[b, row]
+    structure.collision[column, entry] = swarms.collision[b, row]
+
+
+@kernel
+def _pack(structure: Structure, swarms: Swarms, b: int) -> None:
+    """Write the table back: heads in order, then the lists, cut to the lengths of their places."""
+    count, row = structure.used[0], structure.used[0]
+    registers = swarms.registers[b]
+    registers[0] = count
+    for i in range(count):
+        column = structure.order[i]
+        registers[1 + i] = min(structure.length[column], count - i)
+        _copy_out(structure, column, 0, swarms, b, i)
+        for k in range(registers[1 + i]):
+            _copy_out(structure, column, 1 + k, swarms, b, row)
+            row += 1
+    swarms.size[b] = row
+
+
+@kernel
+def _copy_out(structure: Structure, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
+    swarms.positions[b, row] = structure.position[column, entry]
+    swarms.fitness[b, row] = structure.fitness[column, entry]
+    swarms.collision[b, row] = structure.collision[column, entry]
+
+
+@kernel
+def _sort(structure: Structure) -> None:
+    """Order the columns by the fitness of their heads; equals keep their order."""
+    order = structure.order
+    for i in range(1, structure.used[0]):
+        column, k = order[i], i
+        while k > 0 and structure.fitness[column, 0] < structure.fitness[order[k - 1], 0]:
+            order[k] = order[k - 1]
+            k -= 1
+        order[k] = column
+
+
+@kernel
+def _offer_head(structure: Structure, limit: int, position: Floats, fitness: float, collision: float) -> None:
+    """Enter a point as the head of a region without a list, where it is among the best `limit`."""
+    count, order = structure.used[0], structure.order
+    if count == limit:
+        if fitness >= structure.fitness[order[count - 1], 0]:
+            return
+        column = order[count - 1]
+    else:
+        column = count
+        structure.used[0] = count = count + 1
+    structure.position[column, 0] = position
+    structure.fitness[column, 0] = fitness
+    structure.collision[column, 0] = collision
+    structure.length[column] = 0
+    k = count - 1
+    while k > 0 and fitness < structure.fitness[order[k - 1], 0]:
+        order[k] = order[k - 1]
+        k -= 1
+    order[k] = column
+
+
+@kernel
+def _offer_local(
+    structure: Structure, column: int, limit: int, position: Floats, fitness: float, collision: float
+) -> None:
+    """Enter a point into a list, where it is among the best `limit` of it; before equals that came later."""
+    length = structure.length[column]
+    if length == limit:
+        if limit == 0 or fitness >= structure.fitness[column, length]:
+            return
+    else:
+        structure.length[column] = length = length + 1
+    entry = length
+    while entry > 1 and fitness < structure.fitness[column, entry - 1]:
+        _move_entry(structure, column, entry - 1, entry)
+        entry -= 1
+    structure.position[column, entry] = position
+    structure.fitness[column, entry] = fitness
+    structure.collision[column, entry] = collision
+
+
+@kernel
+def _move_entry(structure: Structure, column: int, source: int, target: int) -> None:
+    structure.position[column, target] = structure.position[column, source]
+    structure.fitness[column, target] = structure.fitness[column, source]
+    structure.collision[column, target] = structure.collision[column, source]
+
+
+@kernel
+def _promote(structure: Structure, column: int, limit: int) -> None:
+    """Where the best of a list is better than its head, let them change places."""
+    if structure.length[column] == 0 or structure.fitness[column, 1] >= structure.fitness[column, 0]:
+        return
+    position = structure.position[column, 0].copy()
+    fitness, collision = structure.fitness[column, 0], structure.collision[column, 0]
+    for entry in range(structure.length[column]):
+        _move_entry(structure, column, entry + 1, entry)
+    structure.length[column] -= 1
+    _offer_local(structure, column, limit, position, fitness, collision)
+
+
+@kernel
+def _search_anywhere(
+    structure: Structure,
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    draws: int,
+    limit: int,
+    lower: Floats,
+    upper: Floats,
+) -> None:
+    """Draw points uniform in [lower, upper], (C,), as heads of the best `limit` regions."""
+    for _ in range(draws):
+        if swarms.evaluations[b] >= swarms.budget[b]:
+            return
+        fill_uniform(swarms.stream[b], work.noise)
+        for k in range(lower.shape[0]):
+            work.path[k + 1] = lower[k] + (upper[k] - lower[k]) * work.noise[k]
+        fitness, collision = evaluate_path(swarms, b, table, work)
+        _offer_head(structure, limit, work.path[1:], fitness, collision)
+
+
+@kernel
+def _search_around(
+    structure: Structure,
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    repair_degree: float,
+    radius: float,
+) -> None:
+    """Draw as many points around each head as its list has places, then sort the regions."""
+    count, path = structure.used[0], work.path
+    for i in range(count):
+        column = structure.order[i]
+        centre = structure.position[column, 0].copy()
+        # A region that fell back in rank keeps the best of its list.
+        structure.length[column] = min(structure.length[column], count - i)
+        for _ in range(count - i):
+            if swarms.evaluations[b] >= swarms.budget[b]:
+                break
+            fill_uniform(swarms.stream[b], work.noise)
+            for k in range(centre.shape[0]):
+                near = centre[k] + radius * (2.0 * work.noise[k] - 1.0)
+                path[k + 1] = min(max(near, table.lower[k]), table.upper[k])
+            if repair_degree > 0.0:
+                repair(table, path, repair_degree)
+            fitness, collision = evaluate_path(swarms, b, table, work)
+            _offer_local(structure, column, count - i, path[1:], fitness, collision)
+        _promote(structure, column, count - i)
+    _sort(structure)
+
+
+@kernel
+def begin(
+    rules: MultivariateRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    size: int,
+) -> None:
+    """Draw the heads in the initial bounds, and lists around them at the default radius."""
+    count = num_regions(size)
+    extra = max(size - count * (count + 3) // 2, 0)
+    structure = _make(count, swarms.positions.shape[2])
+    _search_anywhere(
+        structure, swarms, b, table, work, count + extra, count, table.initial_lower, table.initial_upper
+    )
+    _search_around(structure, swarms, b, table, work, 0.0, RADIUS)
+    _pack(structure, swarms, b)
+
+
+@kernel
+def adopt(
+    rules: MultivariateRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    size: int,
+) -> None:
+    """Make the best positions heads; the others enter the list of the nearest head that has room, if any."""
+    adopt_members(swarms, b, table, work, size)
+    count = num_regions(size)
+    structure = _make(count, swarms.positions.shape[2])
+    ranked = np.argsort(swarms.fitness[b, :size], kind="mergesort")
+    for row in ranked[:count]:
+        _offer_head(
+            structure, count, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row]
+        )
+    for row in ranked[count:]:
+        position = swarms.positions[b, row]
+        nearest, least = -1, math.inf
+        for i in range(structure.used[0]):
+            column = structure.order[i]
+            distance = ((structure.position[column, 0] - position) ** 2).sum()
+            if structure.length[column] < count - i and distance < least:
+                nearest, least = i, distance
+        if nearest >= 0:
+            _offer_local(
+                structure,
+                structure.order[nearest],
+                count - nearest,
+                position,
+                swarms.fitness[b, row],
+                swarms.collision[b, row],
+            )
+    _pack(structure, swarms, b)
+
+
+@kernel
+def change_size(
+    rules: MultivariateRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    size: int,
+) -> None:
+    """Add regions, whose heads are drawn between the present ones, or drop the worst.
+
+    What the asked size has beyond heads and full lists is drawn anywhere in the next iteration.
+    """
+    count, before = num_regions(size), swarms.registers[b, 0]
+    swarms.registers[b, -1] = max(size - count * (count + 3) // 2, 0)
+    if count == before:
+        return
+    structure = _unpack(swarms, b, max(count, before))
+    if count > before:
+        lower, upper = _extent(structure, table)
+        _search_anywhere(structure, swarms, b, table, work, count - before, count, lower, upper)
+    else:
+        for _ in range(before - count):
+            _drop_worst(structure)
+    _pack(structure, swarms, b)
+
+
+@kernel
+def _extent(structure: Structure, table: Table) -> tuple[Floats, Floats]:
+    """The box that the heads span (eq. 12 of the SPSFA paper); the bounds where they span none."""
+    width = structure.position.shape[2]
+    lower, upper = np.empty(width), np.empty(width)
+    for k in range(width):
+        low, high = math.inf, -math.inf
+        for column in range(structure.used[0]):
+            low = min(low, structure.position[column, 0, k])
+            high = max(high, structure.position[column, 0, k])
+        lower[k], upper[k] = (low, high) if low < high else (table.lower[k], table.upper[k])
+    return lower, upper
+
+
+@kernel
+def _drop_worst(structure: Structure) -> None:
+    """Drop the region whose head `population.shrink` would delete first."""
+    count, order = structure.used[0], structure.order
+    worst = 0
+    for i in range(1, count):
+        here, there = order[i], order[worst]
+        if not outlives(
+            structure.fitness[here, 0],
+            structure.collision[here, 0],
+            structure.fitness[there, 0],
+            structure.collision[there, 0],
+        ):
+            worst = i
+    for i in range(worst, count - 1):
+        order[i] = order[i + 1]
+    structure.used[0] = count - 1
+
+
+@kernel
+def iterate(
+    rules: MultivariateRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+    repair_degree: float,
+    knobs: Floats,
+) -> None:
+    """One iteration of swarm `b`: points anywhere, which are not repaired, then points around the heads."""
+    count = swarms.registers[b, 0]
+    structure = _unpack(swarms, b, count)
+    draws = count + swarms.registers[b, -1]
+    _search_anywhere(structure, swarms, b, table, work, draws, count, table.lower, table.upper)
+    _search_around(structure, swarms, b, table, work, repair_degree, knobs[0])
+    _pack(structure, swarms, b)
+
+
+# Printed, in map cells.
+RADIUS = 20.0
+
+
+class Multivariate(Optimizer):
+    """MOA with the radius printed in its paper; 65 members are 10 regions."""
+
+    name = "multivariate"
+    smallest_population = 2
+    knobs: ClassVar[dict[str, Knob]] = {
+        "radius": Knob(
+            RADIUS, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.2, 200.0)
+        ),
+    }
+    rules: ClassVar[type] = MultivariateRules
+    iterate: ClassVar[Any] = staticmethod(iterate)
+    begin: ClassVar[Any] = staticmethod(begin)
+    adopt: ClassVar[Any] = staticmethod(adopt)
+    change_size: ClassVar[Any] = staticmethod(change_size)
+
+    @staticmethod
+    def num_registers(capacity: int) -> int:
+        """The number of regions, the lengths of their lists, and points that are drawn besides."""
+        return 2 + num_regions(capacity)
+
+    @staticmethod
+    def affordable_size(evaluations: Floats) -> Floats:
+        """As many points are drawn as there are members."""
+        return evaluations
