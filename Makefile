@@ -19,7 +19,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@echo "== installing into $(VENV) (once; a few minutes)"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints.txt --editable '.[render,study,dev]'
+	    --constraint constraints.txt --editable '.[maps,render,study,dev]'
 	@touch $@
 
 study: $(INSTALLED) ## run the paper's study and write its tables and figures to results/paper
@@ -60,7 +60,7 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 	@echo "== installing the lowest versions into .venv-lowest"
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints-lowest.txt --editable '.[render,study,dev]'
+	    --constraint constraints-lowest.txt --editable '.[maps,render,study,dev]'
 	.venv-lowest/bin/python -m swarm_gym.warm_up
 	.venv-lowest/bin/python -m pytest -n auto
 

@@ -28,3 +28,10 @@ class ActionError(SwarmGymError, ValueError):
 
 class StepOrderError(SwarmGymError, RuntimeError):
     """`step` was called when there was no episode to advance."""
+
+
+class MissingExtraError(SwarmGymError, ImportError):
+    """A library is needed that only an extra of this package installs."""
+
+    def __init__(self, purpose: str, library: str, extra: str):
+        super().__init__(f"{purpose} needs {library}: run `pip install 'swarm_gym[{extra}]'`")

@@ -227,7 +227,7 @@ def test_an_unknown_split_is_refused_with_the_valid_ones():
 
 
 def test_an_unknown_scenario_is_refused_with_the_form_of_families():
-    with pytest.raises(UnknownNameError, match="case3, random-fields:<split>:<number>"):
+    with pytest.raises(UnknownNameError, match=r"case3.*random-fields:<split>:<number>"):
         make_scenario("random")
 
 

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 
 from experiments.speed.measurement import CASES, Measurement, Quantity, derived, medians, seconds_of
-from experiments.speed.numpy_firefly import NumpyFirefly
+from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
 from swarm_gym.env import SwarmEnv
 from swarm_gym.jit import kernel
 from swarm_gym.optimizers.firefly import move_towards, squared_distance
@@ -17,7 +17,6 @@ from swarm_gym.problem.cost import evaluate
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.waypoints import WaypointTable
 from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
-from swarm_gym.settings import make_problem
 
 SIZE = 60
 REPAIR_DEGREE = 0.2
@@ -65,7 +64,7 @@ def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
     """The same in NumPy."""
 
     def once() -> float:
-        swarm = NumpyFirefly(make_problem(case), SIZE, seed=0)
+        swarm = NumpyFirefly(analytic_problem(case), SIZE, seed=0)
         before, begin = swarm.evaluations, time.perf_counter()
         for _ in range(iterations):
             swarm.iterate()
@@ -146,7 +145,7 @@ def part_nanoseconds(
     case: str, part: Callable[[WaypointTable, Workspace, int], float]
 ) -> Callable[[], float]:
     """One part of a move on a path between the obstacles."""
-    problem = make_problem(case)
+    problem = analytic_problem(case)
     n = problem.dimension
     work = make_workspace(columns(n))
     rng = np.random.default_rng(0)

@@ -9,8 +9,14 @@ from numpy.typing import NDArray
 
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.pairs import Pair
+from swarm_gym.scenarios import make_scenario, require_analytic
 
 Floats = NDArray[np.float64]
+
+
+def analytic_problem(case: str) -> AnalyticProblem:
+    """The problem of an environment of a scenario with circles and polygons."""
+    return AnalyticProblem(require_analytic(make_scenario(case)))
 
 
 class NumpyFirefly:

@@ -30,10 +30,9 @@ from experiments.speed.measurement import (
     write_measurements,
 )
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
-from experiments.speed.numpy_firefly import NumpyFirefly
-from swarm_gym.problem import Problem
+from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.cost import evaluate
-from swarm_gym.settings import make_problem
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
@@ -52,7 +51,7 @@ class PeersConfig:
 class PathProblem(NiapyProblem):
     """A case of the paper for niapy."""
 
-    def __init__(self, problem: Problem, cost: Callable[[Any], float]):
+    def __init__(self, problem: AnalyticProblem, cost: Callable[[Any], float]):
         lower, upper = problem.bounds
         super().__init__(problem.dimension, lower.tolist(), upper.tolist())
         self.cost = cost
@@ -61,7 +60,7 @@ class PathProblem(NiapyProblem):
         return self.cost(x)
 
 
-def compiled_cost(problem: Problem) -> Callable[[Any], float]:
+def compiled_cost(problem: AnalyticProblem) -> Callable[[Any], float]:
     """The kernel, with as little Python around it as can be."""
     path = np.zeros(len(problem.table.lower) + 1)
     offsets, table = path[1 : problem.dimension + 1], problem.table
@@ -75,7 +74,7 @@ def compiled_cost(problem: Problem) -> Callable[[Any], float]:
 
 def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
     """FA-60 with the paper's parameters and first population, per evaluation."""
-    problem = make_problem(case)
+    problem = analytic_problem(case)
     cost = compiled_cost(problem) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
 
     def first_population(task: Any, population_size: int, rng: Any, **_: Any) -> Any:
@@ -100,7 +99,7 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
 
 def compiled_call(case: str) -> Callable[[], float]:
     """What calling the compiled cost takes by itself, most of it the passage from Python."""
-    problem = make_problem(case)
+    problem = analytic_problem(case)
     cost, x = compiled_cost(problem), np.zeros(problem.dimension)
 
     def once() -> float:

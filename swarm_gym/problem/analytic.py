@@ -13,7 +13,7 @@ from swarm_gym.problem.frame import Frame
 from swarm_gym.problem.pairs import Pair, list_pairs, shapes_in_frame
 from swarm_gym.problem.problem import Problem
 from swarm_gym.problem.waypoints import WaypointTable, points_beside, spacing_of, tabulate
-from swarm_gym.scenarios import Circle, Obstacle, Scenario
+from swarm_gym.scenarios import Circle, Obstacle, Scenario, require_analytic
 
 Floats = NDArray[np.float64]
 
@@ -33,6 +33,7 @@ class AnalyticProblem(Problem):
     length_weight: float = 0.3
 
     def __post_init__(self) -> None:
+        require_analytic(self.scenario)
         require_integer("num_waypoints", self.num_waypoints, 1)
         require_number("length_weight", self.length_weight, math.nextafter(0.0, 1.0), 1.0)
 

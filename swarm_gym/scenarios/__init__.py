@@ -2,13 +2,14 @@
 
 To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`. To add a family of maps,
 with names that go on after a colon: write a module like `random_fields` and enter its `Family` in `FAMILIES`.
+A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells.
 """
 
 from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
-from swarm_gym.scenarios import paper_cases, random_fields
-from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios import made_maps, moa_tasks, moving_ai, paper_cases, random_fields, ros_map
+from swarm_gym.scenarios.family import AnyScenario, Family
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
@@ -31,7 +32,6 @@ __all__ = [
     "sample_names",
 ]
 
-AnyScenario = Scenario | GridScenario
 
 SCENARIOS: dict[str, Callable[[], Scenario]] = {
     "case1": paper_cases.case1,
@@ -41,11 +41,16 @@ SCENARIOS: dict[str, Callable[[], Scenario]] = {
 
 FAMILIES: dict[str, Family] = {
     "random-fields": random_fields.FAMILY,
+    "rooms": made_maps.ROOMS,
+    "caves": made_maps.CAVES,
+    "moving-ai": moving_ai.FAMILY,
+    "den400d": moa_tasks.FAMILY,
+    "ros": ros_map.FAMILY,
 }
 
 
 def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
-    """The scenario of that name; a `Scenario` is returned as it is.
+    """The scenario of that name; a scenario is returned as it is.
 
     Raises:
         UnknownNameError: if there is none of that name.
@@ -60,7 +65,7 @@ def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
 
 
 def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
-    """All scenarios that a name stands for, in order; of a `Scenario` that one.
+    """All scenarios that a name stands for, in order; of a scenario that one.
 
     Raises:
         UnknownNameError: if there is none of that name.
@@ -102,7 +107,7 @@ def sample_names() -> tuple[str, ...]:
     return (*SCENARIOS, *(name for family in FAMILIES.values() for name in family.samples))
 
 
-def _make(name: str) -> Scenario:
+def _make(name: str) -> AnyScenario:
     family = _family_of(name)
     return SCENARIOS[name]() if family is None else family.make(name)
 

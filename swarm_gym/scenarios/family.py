@@ -1,9 +1,13 @@
-"""Families: scenarios that are generated from their names, `<family>:<more>`."""
+"""Families: scenarios that are generated from their names, `<family>:<more>`, or read from files."""
 
+import re
 from collections.abc import Callable
 from typing import NamedTuple
 
+from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.scenario import Scenario
+
+AnyScenario = Scenario | GridScenario
 
 
 class Family(NamedTuple):
@@ -11,7 +15,7 @@ class Family(NamedTuple):
 
     Attributes:
         usage: the form of the names, for messages.
-        samples: some names, one of each sort.
+        samples: some names, one of each sort; none where files are needed.
         expand: the names of single scenarios that a name stands for; refuses what is no name.
         make: the single scenario of a name.
     """
@@ -19,4 +23,13 @@ class Family(NamedTuple):
     usage: str
     samples: tuple[str, ...]
     expand: Callable[[str], tuple[str, ...]]
-    make: Callable[[str], Scenario]
+    make: Callable[[str], AnyScenario]
+
+
+def parse_numbers(text: str) -> range:
+    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text.
+
+    No sign and no leading zero: a scenario has one name.
+    """
+    match = re.fullmatch(r"(0|[1-9][0-9]{0,8})(?:-(0|[1-9][0-9]{0,8}))?", text)
+    return range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)

@@ -1,7 +1,6 @@
 """An occupancy grid: which cells of a map are blocked, and where they lie."""
 
 import hashlib
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,6 +15,8 @@ Cell = tuple[int, int]
 
 # Cells along a side, of a map that is read from a file.
 MAX_SIDE = 4096
+# Of the side of a cell and of coordinates, in map units: cells stay apart in double precision.
+MIN_RESOLUTION, MAX_RESOLUTION, MAX_ORIGIN = 1e-6, 1e6, 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +53,14 @@ class GridMap:
         blocked = np.array(given, order="C")
         blocked.setflags(write=False)
         object.__setattr__(self, "blocked", blocked)
-        resolution = self._finite("resolution", self.resolution)
-        if resolution <= 0:
-            raise ScenarioError(f"map {self.name!r}: resolution must be positive, got {self.resolution!r}")
+        resolution = self._number("resolution", self.resolution, MIN_RESOLUTION, MAX_RESOLUTION)
         object.__setattr__(self, "resolution", resolution)
         try:
             x, y = self.origin
         except (TypeError, ValueError) as error:
             raise ScenarioError(f"map {self.name!r}: origin must be (x, y), got {self.origin!r}") from error
-        object.__setattr__(self, "origin", (self._finite("origin", x), self._finite("origin", y)))
+        origin = tuple(self._number("origin", value, -MAX_ORIGIN, MAX_ORIGIN) for value in (x, y))
+        object.__setattr__(self, "origin", origin)
         object.__setattr__(self, "y_up", bool(self.y_up))
 
     @property
@@ -125,13 +125,11 @@ class GridMap:
         beyond the edge of the map counts as free.
 
         Raises:
-            ScenarioError: if the radius is not finite, or negative.
+            ScenarioError: if the radius is negative, or no finite number.
         """
         from scipy import ndimage
 
-        radius = self._finite("radius", radius)
-        if radius < 0:
-            raise ScenarioError(f"map {self.name!r}: radius must not be negative, got {radius!r}")
+        radius = self._number("radius", radius, 0.0, MAX_ORIGIN)
         blocked = self.blocked
         if radius > 0 and blocked.any():
             # On a grid of half cells: the point of a cell's area that is closest to another cell's centre is
@@ -160,11 +158,11 @@ class GridMap:
     def _scale(self) -> NDArray[np.float64]:
         return np.array([self.resolution, -self.resolution if self.y_up else self.resolution])
 
-    def _finite(self, part: str, value: Any) -> float:
+    def _number(self, part: str, value: Any, low: float, high: float) -> float:
         try:
             number = float(value)
         except (TypeError, ValueError, OverflowError) as error:
             raise ScenarioError(f"map {self.name!r}: {part} must be a number, got {value!r}") from error
-        if not math.isfinite(number):
-            raise ScenarioError(f"map {self.name!r}: {part} must be finite, got {value!r}")
-        return number
+        if not low <= number <= high:
+            raise ScenarioError(f"map {self.name!r}: {part} must lie in [{low:g}, {high:g}], got {value!r}")
+        return number + 0.0  # no negative zero, which would be told apart

@@ -66,14 +66,14 @@ class GridScenario:
         if not (math.isfinite(x) and math.isfinite(y)):
             raise ScenarioError(f"{self._where()}: {role} must be finite, got {given!r}")
         object.__setattr__(self, role, (x, y))
-        cell = self.map.cell_of((x, y))
-        if not (0 <= cell[0] < self.map.width and 0 <= cell[1] < self.map.height):
+        x_min, y_min, x_max, y_max = self.map.extent
+        if not (x_min <= x <= x_max and y_min <= y <= y_max):
             raise ScenarioError(
-                f"{self._where()}: {role} {(x, y)} in cell {cell} lies outside the map, whose extent is "
-                f"{self.map.extent}"
+                f"{self._where()}: {role} {(x, y)} lies outside the map, whose extent is {self.map.extent}"
             )
+        cell = self.map.cell_of((x, y))
         if not self.map.is_free(cell):
-            raise ScenarioError(f"{self._where()}: {role} {(x, y)} lies in cell {cell}, which is blocked")
+            raise ScenarioError(f"{self._where()}: {role} {(x, y)} lies in cell {cell}, which is not free")
         return cell
 
     def _where(self) -> str:

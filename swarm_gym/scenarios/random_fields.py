@@ -5,7 +5,6 @@ of such sizes, scattered around the line from (20, 300) to (980, 300) in a works
 splits are for the evaluation of what was trained on these; each differs from them in one respect.
 """
 
-import re
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -14,7 +13,7 @@ import numpy as np
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.drawn_fields import Scatter, Walls
-from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.family import Family, parse_numbers
 from swarm_gym.scenarios.scenario import Scenario
 
 NAME = "random-fields"
@@ -61,15 +60,13 @@ def expand(name: str) -> tuple[str, ...]:
         raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
     _, split, numbers = parts
     size = look_up("split of random fields", split, SPLITS).size
-    # No sign and no leading zero: a field has one name.
-    match = re.fullmatch(r"(0|[1-9][0-9]{0,8})(?:-(0|[1-9][0-9]{0,8}))?", numbers)
-    first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, -1)
-    if not first <= last < size:
+    chosen = parse_numbers(numbers)
+    if not chosen or chosen[-1] >= size:
         raise ScenarioError(
             f"scenario {name!r}: expected a number from 0 to {size - 1}, or a range of them such as 0-511, "
             f"after {split!r}, got {numbers!r}"
         )
-    return tuple(f"{NAME}:{split}:{number}" for number in range(first, last + 1))
+    return tuple(f"{NAME}:{split}:{number}" for number in chosen)
 
 
 def make(name: str) -> Scenario:

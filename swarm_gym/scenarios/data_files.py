@@ -1,0 +1,82 @@
+"""Where the files of maps are found: in the data folder, or at an absolute path."""
+
+import os
+from pathlib import Path, PurePath
+from typing import BinaryIO
+
+import platformdirs
+
+from swarm_gym.errors import ScenarioError
+
+# Sub-folders of the data folder that are searched before the others.
+FOLDERS = ("movingai", "ros")
+
+
+def data_folder() -> Path:
+    """Folder of the maps: `SWARM_GYM_DATA` where that is set, else in the user's data."""
+    return Path(os.environ.get("SWARM_GYM_DATA") or platformdirs.user_data_dir("swarm_gym"))
+
+
+def find_data_file(*names: str) -> Path:
+    """The first file there is of some names, each absolute or relative to the data folder.
+
+    A relative name is looked up in the folder itself, then in `FOLDERS`, then in its other sub-folders, one
+    level deep.
+
+    Raises:
+        ScenarioError: if there is none, or a relative name leads out of the folder.
+    """
+    for name in names:
+        _check(name)
+    folder = data_folder()
+    places = [folder, *(folder / name for name in FOLDERS), *_other_folders(folder)]
+    for name in names:
+        for place in places:
+            # An absolute name replaces the place.
+            if os.path.isfile(place / name):
+                return place / name
+    searched = "" if PurePath(names[0]).is_absolute() else f"; searched {folder} and its sub-folders"
+    raise ScenarioError(
+        f"no file {' or '.join(names)}{searched}. `python -m swarm_gym.scenarios.download` gets public maps, "
+        "and SWARM_GYM_DATA names another folder"
+    )
+
+
+def open_file(path: Path) -> BinaryIO:
+    """A file to read bytes from; no folder, and no device, which might have no end.
+
+    Raises:
+        OSError: if there is no such file, or it may not be read.
+    """
+    # Unlike methods of `Path`, these take any name.
+    if not os.path.isfile(path):
+        raise OSError("not a regular file" if os.path.exists(path) else "no such file")
+    return path.open("rb")
+
+
+def stamp_of(path: Path) -> tuple[int, int]:
+    """What changes with a file, by which it is known whether it has to be read again.
+
+    Raises:
+        ScenarioError: if there is no such file.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    return status.st_mtime_ns, status.st_size
+
+
+def _check(name: str) -> None:
+    if not name.isprintable():
+        raise ScenarioError(f"file {name!r}: a name has no control characters")
+    path = PurePath(name)
+    if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
+        raise ScenarioError(f"file {name!r}: a relative name must stay in the folder of the maps")
+
+
+def _other_folders(folder: Path) -> list[Path]:
+    try:
+        return sorted(entry for entry in folder.iterdir() if entry.is_dir() and entry.name not in FOLDERS)
+    except OSError:
+        return []

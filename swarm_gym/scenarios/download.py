@@ -1,0 +1,182 @@
+"""Download public maps into the data folder: `python -m swarm_gym.scenarios.download [NAME ...]`."""
+
+import argparse
+import hashlib
+import http.client
+import sys
+import urllib.error
+import urllib.request
+from collections.abc import Sequence
+from pathlib import PurePosixPath
+from typing import NamedTuple
+
+from swarm_gym.files import write_atomically
+from swarm_gym.scenarios.data_files import data_folder
+
+TIMEOUT = 30  # seconds without an answer
+
+
+class Source(NamedTuple):
+    """Where files come from: a folder of one commit of a repository, whose content does not change."""
+
+    url: str
+    credit: str
+
+
+class RemoteFile(NamedTuple):
+    """A file below the url of its source, and its name below the data folder; sha256 has 64 digits."""
+
+    source: Source
+    path: str
+    local: str
+    size: int
+    sha256: str
+
+
+class DownloadError(Exception):
+    """A file could not be had; the message says why."""
+
+
+MOVING_AI = Source(
+    "https://raw.githubusercontent.com/nathansttt/hog2/70842df4bb970ebba86c2c252c7fe7f7212fe909/",
+    "Moving AI benchmarks (movingai.com), Open Data Commons Attribution License; cite N. R. Sturtevant, "
+    "Benchmarks for grid-based pathfinding, IEEE TCIAIG 4(2):144-148, 2012",
+)
+TURTLEBOT3 = Source(
+    "https://raw.githubusercontent.com/ROBOTIS-GIT/turtlebot3/f5e572a5a7dd0d8d6f76b23848f8a0b9411b489f/",
+    "ROBOTIS TurtleBot3, Apache License 2.0",
+)
+
+
+def _moving_ai(path: str, size: int, sha256: str) -> RemoteFile:
+    return RemoteFile(MOVING_AI, path, f"movingai/{PurePosixPath(path).name}", size, sha256)
+
+
+def _turtlebot3(name: str, size: int, sha256: str) -> RemoteFile:
+    return RemoteFile(TURTLEBOT3, f"turtlebot3_navigation2/map/{name}", f"ros/{name}", size, sha256)
+
+
+# The files of each map.
+MAPS: dict[str, tuple[RemoteFile, ...]] = {
+    "den400d": (
+        _moving_ai(
+            "maps/dao/den400d.map", 69717, "12a22ae77bdb13329d1921a72b09f0b8e5d5e9cc10ea5cd5034f15025af29184"
+        ),
+        _moving_ai(
+            "scenarios/dao/den400d.map.scen",
+            43701,
+            "3fc22b12139391287aef732fc7d3c607f1437024d4b93b341ca33adba6b9e4fb",
+        ),
+    ),
+    "arena": (
+        _moving_ai(
+            "maps/dao/arena.map", 2485, "9887c3022fb76d8e2b49db4a54641e31df79607cf96c2a0ec362702808113d4d"
+        ),
+        _moving_ai(
+            "scenarios/dao/arena.map.scen",
+            7269,
+            "b631475cd551e2e5bb6d4585131197c13be27fcea18a19deb03c1ebf9fce2fc8",
+        ),
+    ),
+    "random-64-64-20": (
+        _moving_ai(
+            "maps/mapf/random-64-64-20.map",
+            4195,
+            "0702bcc7df0529a819845c5d70050464c0946ae234881f27b9f4202b81f40c83",
+        ),
+    ),
+    "room-64-64-8": (
+        _moving_ai(
+            "maps/mapf/room-64-64-8.map",
+            4195,
+            "56946a2411a64631f4ab7ca8dd17439e619ad066fc1d2bf2fd19516fc24f28dc",
+        ),
+    ),
+    "maze-128-128-10": (
+        _moving_ai(
+            "maps/mapf/maze-128-128-10.map",
+            16549,
+            "2281ef15df0c94efc79b7c62f0c60ce4cb22c43c2cc584226d307c7676d53986",
+        ),
+    ),
+    "turtlebot3_world": (
+        _turtlebot3(
+            "turtlebot3_world.yaml", 144, "4841b5cc958b92f192cf5cf58445ee7b5f1d94dc63b580e2bc676737050e247d"
+        ),
+        _turtlebot3(
+            "turtlebot3_world.pgm", 147508, "57eaad9291fcf02e068cbcd1874990694838a74a3304755bae1bd7b726c4522f"
+        ),
+    ),
+}
+
+
+def download(file: RemoteFile, force: bool = False) -> str:
+    """Bring a file into the data folder, whole or not at all, unless it is there; returns what was done.
+
+    Args:
+        file: what to download.
+        force: whether a file of another content is replaced.
+
+    Raises:
+        DownloadError: if it cannot be had, is not what it should be, or another file is in its place.
+    """
+    target = data_folder() / file.local
+    try:
+        if target.exists():
+            if _digest(target.read_bytes()) == file.sha256:
+                return "is there"
+            if not force:
+                raise DownloadError(f"{target} differs from the public file; --force replaces it")
+        write_atomically(target, _fetch(file))
+    except OSError as error:
+        raise DownloadError(f"{target} cannot be written: {error}") from error
+    return f"downloaded, {file.size} bytes"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Download the maps of some names, or all; returns 0, or 1 if one could not be had."""
+    parser = argparse.ArgumentParser(
+        prog="python -m swarm_gym.scenarios.download",
+        description="Download public maps into the data folder (SWARM_GYM_DATA, or the user's data folder).",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"maps; none for all: {', '.join(MAPS)}")
+    parser.add_argument("--force", action="store_true", help="replace files that differ")
+    options = parser.parse_args(arguments)
+    for name in options.names:
+        if name not in MAPS:
+            parser.error(f"unknown map {name!r}; valid: {', '.join(MAPS)}")
+    files = [file for name in options.names or MAPS for file in MAPS[name]]
+    print(f"into {data_folder()}")
+    failed = 0
+    for file in files:
+        try:
+            print(f"{file.local}: {download(file, options.force)}", flush=True)
+        except DownloadError as error:
+            failed += 1
+            print(f"{file.local}: {error}", file=sys.stderr)
+    for source in dict.fromkeys(file.source for file in files):
+        print(source.credit)
+    if failed:
+        print(f"{failed} of {len(files)} files could not be had", file=sys.stderr)
+    return int(failed > 0)
+
+
+def _fetch(file: RemoteFile) -> bytes:
+    url = file.source.url + file.path
+    try:
+        with urllib.request.urlopen(url, timeout=TIMEOUT) as response:
+            content = response.read(file.size + 1)
+    except (OSError, http.client.HTTPException) as error:
+        reason = error.reason if isinstance(error, urllib.error.URLError) else error
+        raise DownloadError(f"{url} cannot be reached: {reason}") from error
+    if len(content) != file.size or _digest(content) != file.sha256:
+        raise DownloadError(f"{url} is not the file that was expected: its SHA-256 differs")
+    return content
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
