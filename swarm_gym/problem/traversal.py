@@ -122,9 +122,10 @@ def is_gap(blocked: NDArray[np.bool_], i: int, j: int) -> bool:
 @inlined_kernel
 def _first_line(position: float, change: float, number: int) -> int:
     """The grid line 0 to `number` that comes next after a coordinate, or one that does not exist."""
+    # Kept as floats, which far lines need, until they are limited.
     if change > 0.0:
-        return int(min(max(math.floor(position + 0.5) + 1.0, 0.0), number + 1.0))
-    return int(min(max(math.ceil(position + 0.5) - 1.0, -1.0), number + 0.0))
+        return int(min(max(np.floor(position + 0.5) + 1.0, 0.0), number + 1.0))
+    return int(min(max(np.ceil(position + 0.5) - 1.0, -1.0), float(number)))
 
 
 @inlined_kernel
@@ -161,8 +162,8 @@ def _passes_gap(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1:
         u0, v0, u1, v1, number = y0, x0, y1, x1, height
     else:
         u0, v0, u1, v1, number = x0, y0, x1, y1, width
-    first = max(math.ceil(min(u0, u1) + 0.5 + TOLERANCE), 1.0)
-    last = min(math.floor(max(u0, u1) + 0.5 - TOLERANCE), number - 1.0)
+    first = max(np.ceil(min(u0, u1) + 0.5 + TOLERANCE), 1.0)
+    last = min(np.floor(max(u0, u1) + 0.5 - TOLERANCE), number - 1.0)
     if first > last:
         return False
     for line in range(int(first), int(last) + 1):

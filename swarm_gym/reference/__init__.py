@@ -6,13 +6,30 @@ from typing import TYPE_CHECKING, Any
 from swarm_gym.reference.optima import known_optimum
 
 if TYPE_CHECKING:
+    from swarm_gym.reference.a_star import GridPath, shortest_grid_path
+    from swarm_gym.reference.any_angle import AnyAnglePlanner
     from swarm_gym.reference.visibility import shortest_path
     from swarm_gym.reference.waypoint_optimum import ensure_optima, optimum
 
-__all__ = ["ensure_optima", "known_optimum", "optimum", "shortest_path"]
+__all__ = [
+    "AnyAnglePlanner",
+    "GridPath",
+    "ensure_optima",
+    "known_optimum",
+    "optimum",
+    "shortest_grid_path",
+    "shortest_path",
+]
 
 # Environments need `known_optimum` only; the modules that compute are imported when first used.
-_MODULES = {"ensure_optima": "waypoint_optimum", "optimum": "waypoint_optimum", "shortest_path": "visibility"}
+_MODULES = {
+    "AnyAnglePlanner": "any_angle",
+    "GridPath": "a_star",
+    "ensure_optima": "waypoint_optimum",
+    "optimum": "waypoint_optimum",
+    "shortest_grid_path": "a_star",
+    "shortest_path": "visibility",
+}
 
 
 def __getattr__(name: str) -> Any:
