@@ -16,15 +16,15 @@ from hypothesis import strategies as st
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.traversal import is_gap, path_is_free, segment_is_free
-from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path
+from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path, smooth
 from swarm_gym.reference.priority_queue import enter, make_queue, take_first
 
 DIAGONAL = math.sqrt(2.0)
 SEEDS = st.integers(0, 2**32 - 1)
 # How far the walls of the free space are moved in for shapely; lengths change by a few times as much.
 EROSION = 1e-6
-# An octile path between cells of an empty grid is at most this much longer than the straight line.
-OCTILE_RATIO = 1.0824
+# How much longer than the straight line an octile path is at most where nothing is in the way.
+OCTILE_RATIO = math.sqrt(4.0 - 2.0 * math.sqrt(2.0))
 
 
 def grid(*rows):
@@ -162,6 +162,12 @@ class TestGridPath:
         path = shortest_grid_path(np.zeros((30, 40), bool), (2, 3), (35, 20))
         assert path.expansions == len(path.cells) == 34
         assert path.length == 16 + 17 * DIAGONAL
+
+    @settings(deadline=None)
+    @given(st.integers(0, 99), st.integers(0, 99))
+    def test_is_longer_than_the_line_by_a_known_ratio_at_most_where_nothing_is_in_the_way(self, column, row):
+        octile = shortest_grid_path(np.zeros((100, 100), bool), (0, 0), (column, row)).length
+        assert octile <= OCTILE_RATIO * math.hypot(column, row) * (1 + 1e-12)
 
     def test_is_the_same_every_time(self):
         task = random_task(3, 60, least=60)
@@ -315,6 +321,26 @@ class TestAnyAnglePath:
         assert planner.shortest_path((0, 0), (2, 0))[0] == 2.0
 
 
+class TestSmoothPath:
+    @settings(max_examples=100, deadline=None)
+    @given(SEEDS)
+    def test_is_free_and_no_shorter_than_the_optimum_and_no_longer_than_the_grid_path(self, seed):
+        blocked, start, goal = random_task(seed, 30, least=5)
+        assume(math.isfinite(length_or_infinity(shortest_grid_path, blocked, start, goal)))
+        path = shortest_grid_path(blocked, start, goal)
+        points = smooth(blocked, path.cells).astype(float)
+        np.testing.assert_array_equal(points[[0, -1]], [start, goal])
+        assert path_is_free(blocked, points)
+        length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+        optimum, _ = AnyAnglePlanner(blocked).shortest_path(start, goal)
+        assert optimum * (1 - 1e-12) <= length <= path.length * (1 + 1e-12)
+
+    def test_turns_where_the_next_cell_is_out_of_sight_only(self):
+        blocked = grid(".....", ".###.", ".....")
+        path = shortest_grid_path(blocked, (0, 2), (3, 0))
+        assert smooth(blocked, path.cells).tolist() == [[0, 2], [0, 0], [3, 0]]
+
+
 class TestBenchmark:
     """Optima of the Moving AI benchmark (Sturtevant 2012), where its files are there."""
 
@@ -342,16 +368,22 @@ class TestBenchmark:
             assert shortest_grid_path(blocked, task["start"], task["goal"]).length == pytest.approx(
                 task["octile"], abs=1e-3
             )
-            assert task["octile"] <= OCTILE_RATIO * length
 
-    @pytest.mark.parametrize("name", ["arena", "den400d"])
-    def test_any_angle_paths_lie_between_the_line_and_the_grid_path(self, name):
+    def check_any_angle(self, name, every):
         blocked = benchmark_map(f"{name}.map")
         planner = AnyAnglePlanner(blocked)
-        for start, goal, octile in benchmark_tasks(f"{name}.map.scen"):
+        for start, goal, octile in benchmark_tasks(f"{name}.map.scen")[::every]:
             length, points = planner.shortest_path(start, goal)
             assert path_is_free(blocked, points)
             assert math.dist(start, goal) - 1e-9 <= length <= octile + 1e-3
+
+    @pytest.mark.parametrize(("name", "every"), [("arena", 1), ("den400d", 10)])
+    def test_any_angle_paths_lie_between_the_line_and_the_grid_path(self, name, every):
+        self.check_any_angle(name, every)
+
+    @pytest.mark.slow
+    def test_all_any_angle_paths_lie_between_the_line_and_the_grid_path(self):
+        self.check_any_angle("den400d", 1)
 
 
 @settings(max_examples=50, deadline=None)

@@ -8,6 +8,7 @@ from swarm_gym.reference.optima import known_optimum
 if TYPE_CHECKING:
     from swarm_gym.reference.a_star import GridPath, shortest_grid_path
     from swarm_gym.reference.any_angle import AnyAnglePlanner
+    from swarm_gym.reference.smoothing import smooth
     from swarm_gym.reference.visibility import shortest_path
     from swarm_gym.reference.waypoint_optimum import ensure_optima, optimum
 
@@ -19,6 +20,7 @@ __all__ = [
     "optimum",
     "shortest_grid_path",
     "shortest_path",
+    "smooth",
 ]
 
 # Environments need `known_optimum` only; the modules that compute are imported when first used.
@@ -29,6 +31,7 @@ _MODULES = {
     "optimum": "waypoint_optimum",
     "shortest_grid_path": "a_star",
     "shortest_path": "visibility",
+    "smooth": "smoothing",
 }
 
 
