@@ -280,6 +280,15 @@ class TestAnyAnglePath:
         assert points.tolist() == [[2, 0], [1.5, 0.5], [1.5, 1.5], [2.5, 2.5], [3.5, 2.5], [4, 1]]
         assert path_is_free(blocked, points)
 
+    @pytest.mark.parametrize("turn", [np.asarray, np.transpose, np.fliplr, lambda grid: np.fliplr(grid).T])
+    def test_squeezes_between_walls_whose_corners_are_on_one_line(self, turn):
+        """Only the ray along both walls passes; the path bends where they begin and end."""
+        blocked = turn(grid("....", "##..", "....", "..##", "...."))
+        start, goal = np.argwhere(turn(grid("#...", "....", "....", "....", "...#")))[:, ::-1]
+        length, points = AnyAnglePlanner(blocked).shortest_path(start, goal)
+        assert length == pytest.approx(3.0 + 2.0 * math.hypot(1.5, 0.5), rel=1e-12)
+        assert len(points) == 4
+
     def test_may_begin_in_a_gap_to_either_side(self):
         planner = AnyAnglePlanner(grid(".#", "#."))
         assert planner.shortest_path((0.5, 0.5), (0, 0))[0] == math.sqrt(0.5)

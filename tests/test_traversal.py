@@ -169,13 +169,20 @@ def test_an_edge_between_two_blocked_cells_is_blocked():
     assert blocked_length(blocked, np.array([[1.5, 0.0], [1.5, 2.0]])) == 1.0
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.9 * TOLERANCE, -0.9 * TOLERANCE])
-def test_rounding_errors_of_a_path_along_a_wall_are_forgiven(turn):
-    blocked = grid("....", ".##.", "....")
-    assert segment_is_free(blocked, -0.5, 0.5, 3.5, 0.5 + turn)
-    assert segment_is_free(blocked, 0.0, -0.5, 0.5 + turn, 0.5)
-    assert not segment_is_free(DIAGONAL, 1.0 + turn, 1.0, 2.0, 2.0)
-    assert not segment_is_free(blocked, -0.5, 0.5, 3.5, 0.5 + 1e-6)
+@pytest.mark.parametrize("error", [0.0, 0.9 * TOLERANCE, -0.9 * TOLERANCE])
+@pytest.mark.parametrize("wall", [0.5, 1.5])
+def test_rounding_errors_of_a_path_along_a_wall_are_forgiven(wall, error):
+    blocked = grid("...", ".#.", "...")
+    assert segment_is_free(blocked, -0.5, wall + error, 2.5, wall + error)
+    assert segment_is_free(blocked, -0.5, wall, 2.5, wall + error)
+    assert segment_is_free(blocked, wall + error, -0.5, wall + error, 2.5)
+    assert segment_is_free(blocked, wall, -0.5, wall + error, 2.5)
+    assert not segment_is_free(blocked, 1.0, 0.0, 1.0, 0.5 + 1e-6)
+
+
+@pytest.mark.parametrize("error", [0.9 * TOLERANCE, -0.9 * TOLERANCE])
+def test_a_gap_is_not_passed_by_a_rounding_error(error):
+    assert not segment_is_free(DIAGONAL, 1.0 + error, 1.0, 2.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -187,6 +194,7 @@ def test_rounding_errors_of_a_path_along_a_wall_are_forgiven(turn):
         ([(1.0, 1.0), (1.5, 1.5), (2.0, 2.0)], False),  # passes it in two segments
         ([(1.5, 0.5), (1.5, 1.5), (2.5, 1.5)], False),
         ([(1.5, 0.5), (1.5, 1.5), (1.5, 1.5), (2.5, 1.5)], False),  # rests in between
+        ([(0.5, 0.5), (1.25, 1.25), (1.375, 1.375)], True),  # turns before it
         ([(0.0, 0.0), (3.0, 0.0)], False),
         ([(3.0, 0.0)], False),
         ([(0.0, 0.0)], True),

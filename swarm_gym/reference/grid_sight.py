@@ -161,8 +161,8 @@ def _see_rows(
         passed = 0
         for k in range(number):
             low, high = sight.intervals[now, k, 0], sight.intervals[now, k, 1]
-            column = math.floor(x + min(low * near, low * far) - MARGIN)
-            last = math.floor(x + max(high * near, high * far) + MARGIN)
+            column = math.floor(x + low * near - MARGIN)
+            last = math.floor(x + high * near + MARGIN)
             column, last = max(column, 0), min(last, grid.blocked.shape[1] - 1)
             while column <= last:
                 end = grid.run_ends[row, column]
