@@ -44,7 +44,7 @@ class Settings:
     scenario: str | AnyScenario | tuple[str | AnyScenario, ...] = "case1"
     encoding: str = "waypoints"
     num_waypoints: int = 31
-    num_control_points: int = 3
+    num_control_points: int = 4
     length_weight: float = 0.3
     penalty: float = 500.0
     iterations: int = 100

@@ -33,7 +33,7 @@ class GridProblem(Problem):
 
     scenario: GridScenario
     encoding: str = "bezier"
-    num_points: int = 3
+    num_points: int = 4
     penalty: float = 500.0
 
     def __post_init__(self) -> None:
