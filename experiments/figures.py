@@ -13,7 +13,9 @@ from experiments.drawings import (
     CASE_DRAWINGS,
     COLLISION_CONTROLLERS,
     Case,
+    draw_best_path_maps,
     draw_collision,
+    draw_convergence,
     draw_snapshots,
 )
 from experiments.figure_style import FORMATS, render, settings, styles
@@ -115,6 +117,13 @@ def _cases(stored: Stored) -> Drawings:
     }
 
 
+def _maps(stored: Stored) -> Drawings:
+    return {
+        "best-path-maps": partial(draw_best_path_maps, stored.cases),
+        **{f"convergence-{case.scenario.name}": partial(draw_convergence, case) for case in stored.cases},
+    }
+
+
 def _profiles(stored: Stored) -> Drawings:
     return {"profiles": partial(draw_profiles, stored.outcomes)}
 
@@ -147,6 +156,7 @@ FIGURES: dict[str, Callable[[Stored], Drawings]] = {
     "snapshots": _snapshots,
     "collision": _collision,
     "cases": _cases,
+    "maps": _maps,
     "profiles": _profiles,
     "front": _front,
     "decisions": _decisions,
@@ -164,7 +174,7 @@ def load_cases(suite: Suite, results: Results) -> list[Case]:
             if (found := results.runs(controller, name, suite.num_seeds, suite.seeds[name].start))
         }
         if runs:
-            problem = make_problem(name)
+            problem = make_problem(name, **suite.options)
             cases.append(Case(problem.scenario, known_optimum(problem), runs, styles(suite.controllers)))
     return cases
 

@@ -1,5 +1,13 @@
 """Names of controllers as tables and figures print them."""
 
+# Of the MOA paper.
+OPTIMIZER_LABELS = {
+    "elite-genetic": "EGA",
+    "generational-firefly": "FA (generational)",
+    "multivariate": "MOA",
+    "particle-swarm": "PSO-w",
+}
+
 # Families whose members are called after what they were fitted to.
 FITTED = {
     "distilled": "rule",
@@ -16,6 +24,9 @@ def label(controller: str) -> str:
     policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told
     stays, after an @.
     """
+    optimizer, plus, rest = controller.partition("+")
+    if plus and optimizer in OPTIMIZER_LABELS:
+        return f"{OPTIMIZER_LABELS[optimizer]}, {rest.removeprefix('fixed:')} members"
     family, _, argument = controller.partition(":")
     recipe, several, price = argument.partition("/*")
     if several:

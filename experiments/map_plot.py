@@ -69,8 +69,9 @@ def population_legend() -> list[Line2D]:
 
 def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -> None:
     """Draw the best path of a run; `order` is the number of the controller."""
+    every = MARKER_EVERY * max(1, (len(run.best_path) - 2) // 31)
     axes.plot(
-        *run.best_path.T, label=label, markevery=(2 + order % MARKER_EVERY, MARKER_EVERY),
+        *run.best_path.T, label=label, markevery=(every * (2 + order % MARKER_EVERY) // MARKER_EVERY, every),
         linewidth=1.3, zorder=4, **style.options(),
     )  # fmt: skip
 

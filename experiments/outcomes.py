@@ -1,9 +1,9 @@
 """The numbers of a suite's runs as arrays, and how far the runs end from the optimum."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,10 @@ class Sample:
         return draw(self.num_training_seeds, self.set_sizes, self.gap.shape[2], stream)
 
 
+def _nothing_stored(controller: str, scenario: str) -> list[Any]:  # noqa: ARG001
+    return []
+
+
 @dataclass(frozen=True)
 class Outcomes:
     """All runs of a suite, without paths and traces.
@@ -66,6 +70,7 @@ class Outcomes:
         collision: degree of collision of that path; 0 is feasible.
         evaluations: calls of the cost function.
         seconds: processor time of the run.
+        load: finds the runs of a controller on a scenario where they are stored.
     """
 
     controllers: tuple[str, ...]
@@ -74,6 +79,11 @@ class Outcomes:
     collision: Floats
     evaluations: Floats
     seconds: Floats
+    load: Callable[[str, str], list[Any]] = _nothing_stored
+
+    def runs(self, controller: str, scenario: str) -> list[Any]:
+        """The runs of one controller on one scenario, by seed, with paths and traces (`results.Run`)."""
+        return self.load(controller, scenario)
 
     def of(self, controller: str, scenario: str) -> RunNumbers:
         """Runs of one controller on one scenario, in the order of the seeds."""

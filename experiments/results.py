@@ -201,7 +201,11 @@ class Results:
             there = num_seeds - np.isnan(values[0, c, s]).sum()
             if there < num_seeds:
                 raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
-        return Outcomes(tuple(controllers), tuple(seeds), *values)
+
+        def load(controller: str, scenario: str) -> list[Run]:
+            return self.runs(controller, scenario, num_seeds, seeds[scenario][0])
+
+        return Outcomes(tuple(controllers), tuple(seeds), *values, load=load)
 
     def provenances(
         self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]

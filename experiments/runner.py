@@ -16,6 +16,7 @@ from agents.feedforward import FeedforwardController
 from agents.open_loop import OpenLoop
 from agents.provenance import provenance
 from agents.tuned import load_tuned
+from experiments.contestants import contestant
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
 from experiments.suites import Suite
@@ -50,7 +51,8 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
         print(f"{results.path}: all runs are there", flush=True)
         return
     made_with = provenance("gymnasium", "numba", "numpy")
-    _warm_up(suite.optimizer)
+    for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
+        _warm_up(optimizer)
     tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
     workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
@@ -79,12 +81,14 @@ def refuse_missing(suite: Suite, results: Results) -> None:
 def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
-    _warm_up(suite.optimizer)
-    controller = _controller(name)
+    optimizer, controller_name = contestant(name, suite.optimizer)
+    _warm_up(optimizer)
+    controller = _controller(controller_name)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     env = gymnasium.make(
-        environment_id(suite.optimizer),
+        environment_id(optimizer),
         scenario=scenario,
+        **suite.options,
         **controller.env_options(),
     )
     simulation = env.unwrapped.simulation  # type: ignore[attr-defined]
@@ -120,8 +124,8 @@ def configuration(suite: Suite) -> dict[str, Any]:
     """What the runs of a suite depend on, for the database to hold them against."""
     found = environment_configuration(suite)
     for name in suite.controllers:
-        controller = _controller(name)
-        found[f"controller {name}"] = _identity(name, controller)
+        controller_name = contestant(name, suite.optimizer).controller
+        found[f"controller {name}"] = _identity(controller_name, _controller(controller_name))
     return found
 
 
@@ -147,7 +151,11 @@ def _identity(name: str, controller: Controller) -> Any:
 
 def environment_configuration(suite: Suite) -> dict[str, Any]:
     """The part of `configuration` that takes no controllers, whose policies may be elsewhere."""
-    settings = dataclasses.asdict(Settings.from_options(get_optimizer(suite.optimizer), {}))
+    settings = dataclasses.asdict(
+        Settings.from_options(
+            get_optimizer(suite.optimizer), {"scenario": suite.scenarios[0], **suite.options}
+        )
+    )
     # These vary within a suite and are part of the controllers and the runs.
     for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
         del settings[name]
@@ -156,7 +164,7 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
         del settings[name]
     found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
     for name in suite.scenarios:
-        problem = make_problem(name)
+        problem = make_problem(name, **suite.options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found
 

@@ -6,11 +6,14 @@ reported on together (see `experiments.groups`).
 """
 
 import dataclasses
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from experiments import parameter_study
 from experiments.groups import group_controllers
+from experiments.moa_numbers import METHODS
 from swarm_gym.checks import look_up
 from swarm_gym.scenarios import expand_name
 
@@ -77,13 +80,14 @@ class Suite:
 
     Attributes:
         name: what results are filed under.
-        controllers: names for `agents.make_controller`.
+        controllers: names for `agents.make_controller`, or of contestants (`experiments.contestants`).
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: seeds per scenario, none of which training or validation ever uses.
         baseline: the controller, or key of the group, that the others are compared with.
         duels: further pairs that are compared, controllers or keys of groups: a challenger and its rival.
         snapshots: (controller, scenario, seed, iterations) of runs whose populations are kept.
-        optimizer: name of the optimizer.
+        optimizer: name of the optimizer, of controllers whose names do not begin with one.
+        options: of all environments.
         first_seed: the first seed of the first scenario.
         seed_step: how far the seeds of a scenario start after those of the one before it; 0: the same.
         families: controllers whose fronts are measured.
@@ -99,6 +103,7 @@ class Suite:
     baseline: str
     snapshots: tuple[tuple[str, str, int, tuple[int, ...]], ...] = ()
     optimizer: str = "firefly"
+    options: Mapping[str, Any] = field(default_factory=dict)
     first_seed: int = 0
     seed_step: int = 0
     duels: tuple[tuple[str, str], ...] = ()
@@ -306,7 +311,19 @@ ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 100, baseline="open-loop
 GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1, duels=FIELD_DUELS)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
 
-ALL = (PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS)
+# The first population is one of the paper's 450 iterations.
+MOA_PAPER = Suite(
+    name="moa-paper",
+    controllers=tuple(f"{method}+fixed:65" for method in METHODS),
+    scenarios=expand_name("den400d:P1-P6"),
+    num_seeds=30,
+    baseline="multivariate+fixed:65",
+    options={"encoding": "bezier", "iterations": 449},
+    tables=("moa",),
+    figures=("maps",),
+)
+
+ALL = (PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS, MOA_PAPER)
 SUITES = {suite.name: suite for suite in ALL}
 
 

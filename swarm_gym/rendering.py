@@ -36,6 +36,8 @@ OVERSAMPLING = 2
 DESIGN, SMALLEST_SCALE = (960, 520), 0.8
 MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
 SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
+# Of a path; a curve that is sampled more densely looks the same.
+MOST_SEGMENTS = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +45,9 @@ class Scene:
     """What one picture shows of one swarm; lengths in map units, paths in map coordinates."""
 
     scenario: AnyScenario
-    paths: Floats  # (members, n + 2, 2)
+    paths: Floats  # (members, k, 2)
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
-    best_path: Floats  # (n + 2, 2) best so far
+    best_path: Floats  # (k, 2) best so far
     best_fitness: float  # infinite before the first evaluation
     best_feasible: bool
     iteration: int
@@ -61,9 +63,9 @@ class Scene:
         iteration = int(simulation.iteration[row])
         return cls(
             scenario=problem.scenario,
-            paths=problem.points(simulation.positions(row)),
+            paths=_thinned(problem.points(simulation.positions(row))),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
-            best_path=problem.points(simulation.best_position(row)),
+            best_path=_thinned(problem.points(simulation.best_position(row))),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
             iteration=iteration,
@@ -74,6 +76,12 @@ class Scene:
                 zip(simulation.columns, simulation.history[row, : iteration + 1].T.copy(), strict=True)
             ),
         )
+
+
+def _thinned(paths: Floats) -> Floats:
+    """Paths (..., k, 2) with fewer points, the first and the last of them kept, where there are very many."""
+    stride = max(1, (paths.shape[-2] - 1) // MOST_SEGMENTS)
+    return np.concatenate([paths[..., :-1:stride, :], paths[..., -1:, :]], axis=-2)
 
 
 class Renderer:

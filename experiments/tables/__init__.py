@@ -13,6 +13,7 @@ from experiments.tables import paper
 from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
+from experiments.tables.moa import moa_tables
 from experiments.tables.parameters import parameter_tables
 from experiments.tables.table import Table
 from swarm_gym.checks import look_up
@@ -30,6 +31,7 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "front": front_tables,
     "near-optimum": near_optimum_tables,
     "parameters": parameter_tables,
+    "moa": moa_tables,
 }
 
 

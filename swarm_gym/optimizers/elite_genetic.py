@@ -1,7 +1,7 @@
 """Genetic algorithm that keeps its best member.
 
 Source: A. B. Djurisic, "Elite genetic algorithms with adaptive mutations for solving continuous optimization
-problems", Optics Communications 151, 1998; with the parameters that the MOA paper prints (J. Li et al., Acta
+problems", Optics Communications 151, 1998; with the parameters that the MOA paper prints (Li et al., Acta
 Electronica Sinica 44(9), 2016). Coding and operators are not printed: real numbers, a windowed roulette
 wheel, one-point crossover and uniform mutation of single genes are readings, see docs/readings.md.
 """

@@ -1,7 +1,7 @@
 """Firefly algorithm with synchronous moves: one evaluation per firefly and iteration.
 
 Sources: X.-S. Yang, "Firefly algorithms for multimodal optimization", SAGA 2009; in the form and with the
-parameters that the MOA paper compares with (J. Li et al., Acta Electronica Sinica 44(9), 2016). Every firefly
+parameters that the MOA paper compares with (Li et al., Acta Electronica Sinica 44(9), 2016). Every firefly
 moves towards each one that was brighter when the iteration began, to where that one was then. Distances are
 measured and noise is scaled in units of the range of each component, a reading (docs/readings.md): in map
 cells the printed gamma = 1 would leave no attraction at any distance.

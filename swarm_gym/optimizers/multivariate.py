@@ -1,6 +1,6 @@
 """Multivariate optimization algorithm: a table of regions, each searched around its best point.
 
-Source: J. Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
+Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
 44(9), 2016. A global list holds the heads of n regions, best first; below head i hangs a list of the best
 n - i points (i from 0) found around it. An iteration draws n points anywhere, of which the best become heads,
 and n - i points around each head. The lengths of the lists and what becomes of a list whose head is displaced

@@ -1,7 +1,7 @@
 """Particle swarm optimization with a linearly decreasing inertia weight.
 
 Source: Y. Shi, R. Eberhart, "A modified particle swarm optimizer", IEEE ICEC 1998; with the parameters that
-the MOA paper prints (J. Li et al., Acta Electronica Sinica 44(9), 2016). The limit of the velocity, its first
+the MOA paper prints (Li et al., Acta Electronica Sinica 44(9), 2016). The limit of the velocity, its first
 values and what happens at the bounds are not printed: readings, see docs/readings.md.
 """
 

@@ -4,7 +4,7 @@ Every coordinate of a control point depends on at most one component of the deci
 is a weighted mean of neighbouring control points. So both encodings are a few arrays, and the kernels know
 no difference between them.
 
-Sources: Bezier curves, MOA paper, eq. 4 (J. Li et al., "A path planner based on multivariate optimization
+Sources: Bezier curves, MOA paper, eq. 4 (Li et al., "A path planner based on multivariate optimization
 algorithm", Acta Electronica Sinica 44(9), 2016); waypoints, SPSFA paper, eq. 1. What the papers leave open is
 in docs/readings.md.
 """
@@ -26,8 +26,6 @@ Integers = NDArray[np.int64]
 BEZIER_SAMPLES = 1000
 # Samples of a path of waypoints: of each segment, from its left end on, at least so many in all.
 WAYPOINT_SAMPLES = 1000
-# Points of the polyline that stands for a Bezier curve in pictures.
-BEZIER_OUTLINE = 101
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class Encoding:
         upper: (D,)
         first: (M,) first of the control points that a sample depends on.
         weights: (M, width) weights of that control point and those after it.
-        outline: (K, P) weights of control points in the points of a polyline that shows the path.
+        outline: (K, P) weights of the control points in the points of a polyline that is the path.
     """
 
     base: Floats
@@ -59,7 +57,7 @@ class Encoding:
         return self.base + self.gain * np.asarray(vectors, dtype=np.float64)[..., self.source]
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """Polylines (..., K, 2) that show the paths of decision vectors (..., D)."""
+        """The paths of decision vectors (..., D) as polylines, (..., K, 2)."""
         return self.outline @ self.control_points(vectors)
 
     def samples(self, vectors: ArrayLike) -> Floats:
@@ -78,6 +76,7 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     source = np.zeros((free + 2, 2), dtype=np.int64)
     gain[1:-1] = 1.0
     source[1:-1] = np.stack([np.arange(free), free + np.arange(free)], axis=1)
+    weights = _bernstein(free + 1, BEZIER_SAMPLES)
     corners = scenario.map.to_map(np.array([[0, 0], np.subtract(scenario.map.blocked.shape[::-1], 1)]))
     low, high = corners.min(axis=0), corners.max(axis=0)
     return Encoding(
@@ -87,8 +86,8 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
         np.repeat(low, free),
         np.repeat(high, free),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
-        _bernstein(free + 1, BEZIER_SAMPLES),
-        _bernstein(free + 1, BEZIER_OUTLINE),
+        weights,
+        weights,
     )
 
 

@@ -8,8 +8,8 @@ from swarm_gym.reference.optima import known_optimum
 if TYPE_CHECKING:
     from swarm_gym.reference.a_star import GridPath, shortest_grid_path
     from swarm_gym.reference.any_angle import AnyAnglePlanner
+    from swarm_gym.reference.shortest import shortest_path
     from swarm_gym.reference.smoothing import smooth
-    from swarm_gym.reference.visibility import shortest_path
     from swarm_gym.reference.waypoint_optimum import ensure_optima, optimum
 
 __all__ = [
@@ -30,7 +30,7 @@ _MODULES = {
     "ensure_optima": "waypoint_optimum",
     "optimum": "waypoint_optimum",
     "shortest_grid_path": "a_star",
-    "shortest_path": "visibility",
+    "shortest_path": "shortest",
     "smooth": "smoothing",
 }
 

@@ -25,11 +25,11 @@ from swarm_gym.checks import require_integer
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.jit import kernel
-from swarm_gym.problem import AnalyticProblem
+from swarm_gym.problem import AnalyticProblem, Problem
 from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
 from swarm_gym.reference.optima import digest, known_optimum, store_optimum
-from swarm_gym.reference.visibility import shortest_path
+from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic
 
 Floats = NDArray[np.float64]
@@ -121,9 +121,11 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
 
 
 def ensure_optima(
-    problems: Sequence[AnalyticProblem], num_threads: int = 1, progress: Progress | None = None
+    problems: Sequence[Problem], num_threads: int = 1, progress: Progress | None = None
 ) -> list[float]:
     """Least fitness of each problem, in map units; what is not known yet is computed and stored.
+
+    On a grid map that is the length of the shortest path at any angle, which a curve may not reach.
 
     Args:
         problems: any number; about a fifth of a second for each that is not known.
@@ -143,10 +145,13 @@ def ensure_optima(
     return optima
 
 
-def _ensure_optimum(problem: AnalyticProblem) -> float:
+def _ensure_optimum(problem: Problem) -> float:
     fitness = known_optimum(problem)
     if math.isnan(fitness):
-        fitness = optimum(problem)[0]
+        if isinstance(problem, AnalyticProblem):
+            fitness = optimum(problem)[0]
+        else:
+            fitness = shortest_path(problem.scenario)[0]
         store_optimum(problem, fitness)
     return fitness
 

@@ -1,6 +1,6 @@
 """Six tasks on a map of the MOA paper: the scenarios `den400d:P1` to `den400d:P6`.
 
-Source: B. Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica
+Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica
 Sinica 44(9), 2016. The paper plans on map den400d of the Moving AI benchmarks, but has the ends of its
 tasks P1 to P6 in a figure only. These stand in for them: problems of the benchmark whose shortest paths are
 2 to 4 percent shorter than those in the paper's tables. Coordinates are cells (x, y), see `moving_ai`.

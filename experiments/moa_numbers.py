@@ -1,0 +1,56 @@
+"""Numbers printed in the MOA paper, for comparison with ours.
+
+Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
+44(9), 2016, tables 1 and 2: 30 runs of 450 iterations of 65 members on map den400d. The paper's tasks are in
+a figure only; ours stand in for them (`swarm_gym.scenarios.moa_tasks`), so lengths are alike, not equal.
+"""
+
+from typing import NamedTuple
+
+
+class Printed(NamedTuple):
+    """One method on one task."""
+
+    length: float  # mean of the feasible runs
+    feasible: float  # share of runs
+    differs: bool | None  # from the shortest mean length, by a t-test at 5 %; None for that one itself
+    success: float  # share of runs shorter than the threshold
+    evaluations: float | None  # mean until then, a run without success counting all; None if never
+
+
+METHODS = ("elite-genetic", "particle-swarm", "generational-firefly", "multivariate")
+# A run is a success when its best path is shorter.
+THRESHOLDS = {"P1": 170.0, "P2": 156.0, "P3": 241.0, "P4": 215.0, "P5": 299.0, "P6": 269.0}
+
+_ROWS = {
+    "P1": (
+        (167.8, 1.0, True, 0.83, 9.56e3), (164.8, 0.8, True, 0.73, 8.51e3),
+        (182.0, 1.0, True, 0.0, None), (155.3, 1.0, None, 1.0, 1.68e3),
+    ),
+    "P2": (
+        (142.9, 0.6, False, 0.6, 1.48e4), (141.3, 0.2, None, 0.2, 2.37e4),
+        (170.7, 1.0, True, 0.07, 2.86e4), (141.5, 1.0, False, 1.0, 3.40e3),
+    ),
+    "P3": (
+        (247.1, 0.7, True, 0.3, 2.15e4), (227.9, 0.83, True, 0.77, 1.09e4),
+        (247.9, 1.0, True, 0.2, 2.72e4), (220.5, 1.0, None, 1.0, 2.96e3),
+    ),
+    "P4": (
+        (202.4, 1.0, True, 0.9, 3.65e3), (199.5, 1.0, False, 0.9, 3.52e3),
+        (209.0, 1.0, True, 0.97, 1.18e4), (195.7, 1.0, None, 1.0, 1.13e3),
+    ),
+    "P5": (
+        (277.2, 0.13, True, 0.13, 2.55e4), (274.9, 0.13, True, 0.13, 2.56e4),
+        (292.5, 1.0, True, 0.67, 1.94e4), (272.4, 1.0, None, 1.0, 1.87e3),
+    ),
+    "P6": (
+        (254.0, 0.4, True, 0.4, 1.87e4), (248.8, 0.43, True, 0.43, 1.69e4),
+        (261.8, 1.0, True, 0.93, 1.06e4), (245.6, 1.0, None, 1.0, 1.76e3),
+    ),
+}  # fmt: skip
+
+PRINTED: dict[tuple[str, str], Printed] = {
+    (task, method): Printed(*row)
+    for task, rows in _ROWS.items()
+    for method, row in zip(METHODS, rows, strict=True)
+}
