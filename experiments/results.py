@@ -205,7 +205,8 @@ class Results:
         def load(controller: str, scenario: str) -> list[Run]:
             return self.runs(controller, scenario, num_seeds, seeds[scenario][0])
 
-        return Outcomes(tuple(controllers), tuple(seeds), *values, load=load)
+        fitness, collision, evaluations, seconds = values
+        return Outcomes(tuple(controllers), tuple(seeds), fitness, collision, evaluations, seconds, load)
 
     def provenances(
         self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]

@@ -113,9 +113,9 @@ def _success_rows(
 
 def evaluations_to(run: Run, threshold: float) -> float:
     """Members times iterations, the first population included, until the best path is shorter."""
-    best, sizes = run.course("best_fitness"), np.full(len(run.trace), run.course("population_size")[0])
-    below = np.flatnonzero(best < threshold)
-    return float(sizes[: below[0] + 1].sum() if below.size else sizes.sum())
+    below = np.flatnonzero(run.course("best_fitness") < threshold)
+    iterations = below[0] + 1 if below.size else len(run.trace)
+    return float(run.course("evaluations")[0] * iterations)
 
 
 def _feasible_lengths(runs: Sequence[Run]) -> np.ndarray:

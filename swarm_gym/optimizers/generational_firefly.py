@@ -3,8 +3,8 @@
 Sources: X.-S. Yang, "Firefly algorithms for multimodal optimization", SAGA 2009; in the form and with the
 parameters that the MOA paper compares with (Li et al., Acta Electronica Sinica 44(9), 2016). Every firefly
 moves towards each one that was brighter when the iteration began, to where that one was then. Distances are
-measured and noise is scaled in units of the range of each component, a reading (docs/readings.md): in map
-cells the printed gamma = 1 would leave no attraction at any distance.
+in map units and noise in units of the range of each component, a reading (docs/readings.md): with the printed
+gamma = 1 per squared cell next to nothing attracts, and so the paper's results come out.
 """
 
 import math
@@ -75,10 +75,8 @@ def _approach(
     """Move `work.path` towards a brighter position, (C,), with the noise in `work.noise`."""
     path, square = work.path, 0.0
     for k in range(brighter.shape[0]):
-        extent = table.upper[k] - table.lower[k]
-        if extent > 0.0:
-            difference = (brighter[k] - path[k + 1]) / extent
-            square += difference * difference
+        difference = brighter[k] - path[k + 1]
+        square += difference * difference
     attraction = least + (beta0 - least) * math.exp(-gamma * square)
     for k in range(brighter.shape[0]):
         extent = table.upper[k] - table.lower[k]
@@ -96,7 +94,7 @@ class GenerationalFirefly(Optimizer):
         "attractiveness": Knob(
             1.0, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0", (0.01, 1.0)
         ),
-        "absorption": Knob(1.0, 0.0, 1e9, "gamma", "decay of the attraction, per squared range"),
+        "absorption": Knob(1.0, 0.0, 1e9, "gamma", "decay of the attraction, per squared map unit"),
         "least_attractiveness": Knob(
             0.0, 0.0, 1.0, "beta_min", "share of the way to a neighbour far away; 0.2 in Yang's own code"
         ),
