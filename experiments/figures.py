@@ -192,6 +192,7 @@ def load_snapshots(suite: Suite, results: Results) -> dict[RunKey, list[Snapshot
 
 
 def _stem(name: str) -> str:
+    name = name.replace(":", "-")  # which is no part of a file name everywhere
     return f"figure-{NUMBERS[name]:02}-{name}" if name in NUMBERS else f"figure-{name}"
 
 
