@@ -33,6 +33,10 @@ class TrainConfig:
     """The optimizer that is controlled."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios that episodes draw from."""
+    encoding: str = "waypoints"
+    """How decision vectors are read; "bezier" on grid maps."""
+    iterations: int = 100
+    """Length of an episode."""
     num_swarms: int = 64
     """Swarms advanced side by side."""
     initial_population_size: int = 80
@@ -105,6 +109,8 @@ class TrainConfig:
     def env_options(self) -> dict[str, Any]:
         """Options of the environments, for training and validation."""
         return {
+            "encoding": self.encoding,
+            "iterations": self.iterations,
             "min_population_size": self.min_population_size,
             "max_population_size": self.max_population_size,
             "reward": ENV_REWARD if self.reward == PAIRED else self.reward,

@@ -1,7 +1,7 @@
 """Put a suite's results into its document: `python -m experiments.publish_suite SUITE_FOLDER DOCUMENT`.
 
-Fills the marked blocks of the document from the tables of the suite's page, by their names, and copies its SVG
-figures to docs/results/<suite>, which then has no others: no number there is typed by hand.
+Fills the marked blocks of the document from the tables of the suite's page, by their names, and copies its
+SVG figures to docs/results/<suite>, which then has no others: no number there is typed by hand.
 """
 
 import sys

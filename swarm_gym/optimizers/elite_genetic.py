@@ -39,41 +39,35 @@ def iterate(
 ) -> None:
     """One generation of swarm `b`: the best member, copies drawn by the wheel, then children of drawn pairs.
 
-    Who came out as a member that was drawn is not evaluated again. When the budget is spent, the places left
-    keep their old members.
+    All are evaluated, as the paper's budget says. When the budget is spent, the places left keep their old
+    members.
     """
     crossover, mutation = knobs[0], knobs[1]
     size, width, path = swarms.size[b], swarms.positions.shape[2], work.path
     parents, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
-    collision = swarms.collision[b, :size].copy()
-    wheel = _wheel(fitness)
-    best = np.argmin(fitness)
-    _place(swarms, b, 0, parents[best], fitness[best], collision[best])
+    wheel, best = _wheel(fitness), int(np.argmin(fitness))
     num_children = int(np.floor(crossover * (size - 1) + 0.5))
-    for i in range(1, size):
-        fill_uniform(swarms.stream[b], work.noise)
-        first = second = _spin(wheel, work.noise[0])
-        cut = width
-        if i >= size - num_children:
-            second = _spin(wheel, work.noise[1])
-            # Between two genes, so that both parents give some.
-            cut = 1 + int(work.noise[2] * (table.dimension - 1))
-        changed = False
-        for k in range(width):
-            path[k + 1] = parents[first, k] if k < cut else parents[second, k]
-            changed |= path[k + 1] != parents[first, k]
-        changed |= _mutate(swarms, b, table, work, mutation)
-        if repair_degree > 0.0 and (changed or collision[first] > 0.0):
-            repair(table, path, repair_degree)
-            for k in range(width):
-                changed |= path[k + 1] != parents[first, k]
-        if not changed:
-            _place(swarms, b, i, parents[first], fitness[first], collision[first])
-            continue
+    for i in range(size):
         if swarms.evaluations[b] >= swarms.budget[b]:
             break
-        worth, degree = evaluate_path(swarms, b, table, work)
-        _place(swarms, b, i, path[1:], worth, degree)
+        first = second = best
+        cut = width
+        if i > 0:
+            fill_uniform(swarms.stream[b], work.noise)
+            first = second = _spin(wheel, work.noise[0])
+            if i >= size - num_children:
+                second = _spin(wheel, work.noise[1])
+                # Between two genes, so that both parents give some.
+                cut = 1 + int(work.noise[2] * (table.dimension - 1))
+        for k in range(width):
+            path[k + 1] = parents[first, k] if k < cut else parents[second, k]
+        if i > 0:
+            _mutate(swarms, b, table, work, mutation)
+            if repair_degree > 0.0:
+                repair(table, path, repair_degree)
+        swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
+        for k in range(width):
+            swarms.positions[b, i, k] = path[k + 1]
 
 
 @kernel
@@ -98,25 +92,15 @@ def _spin(wheel: Floats, share: float) -> int:
 
 
 @kernel
-def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> bool:
-    """Draw some genes of `work.path` anew inside the bounds; returns whether one changed."""
-    width, path = swarms.positions.shape[2], work.path
+def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> None:
+    """Draw some genes of `work.path` anew inside the bounds."""
     fill_uniform(swarms.stream[b], work.noise)
     genes = work.noise < rate
-    if not genes[: table.dimension].any():
-        return False
-    fill_uniform(swarms.stream[b], work.noise)
-    for k in range(width):
-        if genes[k]:
-            path[k + 1] = table.lower[k] + (table.upper[k] - table.lower[k]) * work.noise[k]
-    return True
-
-
-@kernel
-def _place(swarms: Swarms, b: int, i: int, position: Floats, fitness: float, collision: float) -> None:
-    for k in range(swarms.positions.shape[2]):
-        swarms.positions[b, i, k] = position[k]
-    swarms.fitness[b, i], swarms.collision[b, i] = fitness, collision
+    if genes.any():
+        fill_uniform(swarms.stream[b], work.noise)
+        for k in range(genes.shape[0]):
+            if genes[k]:
+                work.path[k + 1] = table.lower[k] + (table.upper[k] - table.lower[k]) * work.noise[k]
 
 
 class EliteGenetic(Optimizer):
@@ -132,5 +116,5 @@ class EliteGenetic(Optimizer):
 
     @staticmethod
     def affordable_size(evaluations: Floats) -> Floats:
-        """Each member but the best is evaluated at most once."""
+        """Each member is evaluated once."""
         return evaluations

@@ -36,26 +36,23 @@ def iterate(
     repair_degree: float,
     knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b`; a firefly that sees none brighter stays and is not evaluated again."""
+    """One iteration of swarm `b`; a firefly that sees none brighter stays where it is."""
     alpha, beta0, gamma, least = knobs[0], knobs[1], knobs[2], knobs[3]
     size, columns, path = swarms.size[b], swarms.positions.shape[2], work.path
     before, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
+    brightest = fitness.min()
     for i in range(size):
         if swarms.evaluations[b] >= swarms.budget[b]:
             break
         for k in range(columns):
             path[k + 1] = before[i, k]
-        moved = False
         for j in range(size):
             if fitness[j] < fitness[i]:
                 fill_uniform(swarms.stream[b], work.noise)
                 _approach(table, work, before[j], alpha, beta0, gamma, least)
-                moved = True
-        if not moved:
-            continue
         for k in range(columns):
             path[k + 1] = min(max(path[k + 1], table.lower[k]), table.upper[k])
-        if repair_degree > 0.0:
+        if repair_degree > 0.0 and fitness[i] > brightest:
             repair(table, path, repair_degree)
         swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
         for k in range(columns):
@@ -104,5 +101,5 @@ class GenerationalFirefly(Optimizer):
 
     @staticmethod
     def affordable_size(evaluations: Floats) -> Floats:
-        """All but the brightest are evaluated once."""
+        """Each firefly is evaluated once."""
         return evaluations
