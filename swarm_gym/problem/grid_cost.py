@@ -27,9 +27,9 @@ def samples_of(
         weight, step = load(table.weights, block * width + k), load(table.steps, block * width + k)
         x, y = x + weight * column, y + weight * row
         dx, dy = dx + step * column, dy + step * row
-    # The nearest cell centre, in the map with its border.
-    column_of = floor(minimum(maximum(x, -1.0), table.num_columns - 2.0) + 1.5)
-    row_of = floor(minimum(maximum(y, -1.0), table.num_rows - 2.0) + 1.5)
+    # In the map with its border. Rounded as by `GridMap.cell_of`: 1.5 in one sum could lead to another cell.
+    column_of = floor(minimum(maximum(x, -1.0), table.num_columns - 2.0) + 0.5) + 1.0
+    row_of = floor(minimum(maximum(y, -1.0), table.num_rows - 2.0) + 0.5) + 1.0
     return x, y, dx, dy, look_up(table.blocked, row_of * table.num_columns + column_of)
 
 

@@ -38,8 +38,8 @@ def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
         store(infeasible, 0, flags)
         for lane in range(NUM_LANES):
             if infeasible[lane] > 0.0:
-                column = int(np.floor(min(max(x[lane], -1.0), table.num_columns - 2.0) + 1.5))
-                row = int(np.floor(min(max(y[lane], -1.0), table.num_rows - 2.0) + 1.5))
+                column = int(np.floor(min(max(x[lane], -1.0), table.num_columns - 2.0) + 0.5)) + 1
+                row = int(np.floor(min(max(y[lane], -1.0), table.num_rows - 2.0) + 0.5)) + 1
                 cell = row * table.num_columns + column
                 away_x += table.nearest[cell, 0] - x[lane]
                 away_y += table.nearest[cell, 1] - y[lane]
