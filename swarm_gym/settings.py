@@ -10,7 +10,7 @@ from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
-from swarm_gym.problem.grid_problem import ENCODINGS
+from swarm_gym.problem.grid_problem import ENCODINGS, MAX_POINTS
 from swarm_gym.scenarios import AnyScenario, Scenario, make_scenarios
 
 
@@ -61,6 +61,7 @@ class Settings:
     knobs: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        look_up("encoding", self.encoding, ENCODINGS)
         require_integer("iterations", self.iterations, 1)
         require_integer("min_population_size", self.min_population_size, 1)
         require_integer("max_population_size", self.max_population_size, self.min_population_size)
@@ -122,14 +123,15 @@ class Settings:
         return list(map(self._problem, scenarios))
 
     def _problem(self, scenario: AnyScenario) -> Problem:
-        look_up("encoding", self.encoding, ENCODINGS)
         if isinstance(scenario, Scenario):
             if self.encoding != "waypoints":
                 raise SettingError(
                     f"encoding {self.encoding!r} needs a grid map; scenario {scenario.name!r} is analytic"
                 )
             return AnalyticProblem(scenario, self.num_waypoints, self.length_weight)
-        num_points = self.num_waypoints if self.encoding == "waypoints" else self.num_control_points
+        option = "num_waypoints" if self.encoding == "waypoints" else "num_control_points"
+        num_points = getattr(self, option)
+        require_integer(option, num_points, 1, MAX_POINTS)
         return GridProblem(scenario, self.encoding, num_points, self.penalty)
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
@@ -170,5 +172,11 @@ class Settings:
 
 
 def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
-    """The problem of an environment of that scenario and these options of `Settings`."""
-    return Settings(scenario=scenario, **options).problems()[0]
+    """The problem of an environment of that scenario and these options of `Settings`.
+
+    Raises:
+        SettingError: for a value that an option cannot have, or an option that would change nothing.
+    """
+    settings = Settings(scenario=scenario, **options)
+    settings._refuse_unused(options)
+    return settings.problems()[0]

@@ -16,6 +16,9 @@ from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
 
+# Of a curve or path; binomial coefficients of more do not fit into double precision.
+MAX_POINTS = 1000
+
 # How decision vectors are read, by name.
 ENCODINGS = {"bezier": encoding.bezier, "waypoints": encoding.waypoints}
 
@@ -38,7 +41,7 @@ class GridProblem(Problem):
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
-        require_integer("num_points", self.num_points, 1)
+        require_integer("num_points", self.num_points, 1, MAX_POINTS)
         require_number("penalty", self.penalty, 0.0, 1e9)
 
     @property
