@@ -127,5 +127,5 @@ def _bernstein(degree: int, count: int) -> Floats:
     """Bernstein polynomials of that degree at `count` values of t from 0 to 1, (count, degree + 1)."""
     t = np.linspace(0.0, 1.0, count)[:, None]
     k = np.arange(degree + 1)
-    choose = np.array([math.comb(degree, i) for i in k])
+    choose = np.array([math.comb(degree, i) for i in k], dtype=np.float64)
     return choose * t**k * (1.0 - t) ** (degree - k)
