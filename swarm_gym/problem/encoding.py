@@ -77,14 +77,13 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     gain[1:-1] = 1.0
     source[1:-1] = np.stack([np.arange(free), free + np.arange(free)], axis=1)
     weights = _bernstein(free + 1, BEZIER_SAMPLES)
-    corners = scenario.map.to_map(np.array([[0, 0], np.subtract(scenario.map.blocked.shape[::-1], 1)]))
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    x_min, y_min, x_max, y_max = _centres(scenario)
     return Encoding(
         base,
         gain,
         source,
-        np.repeat(low, free),
-        np.repeat(high, free),
+        np.repeat([x_min, y_min], free),
+        np.repeat([x_max, y_max], free),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
         weights,
         weights,
@@ -92,7 +91,11 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
 
 
 def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
-    """Evenly spaced waypoints: a decision vector is their offsets to the left of the start-target line."""
+    """Evenly spaced waypoints: a decision vector is their offsets to the left of the start-target line.
+
+    They, too, keep to the centres of the outermost cells: on the edge of the map, rounding would decide
+    whether a sample is on it.
+    """
     frame = Frame.of(scenario)
     x = spacing_of(scenario, num_waypoints) * np.arange(num_waypoints + 2.0)
     base, gain = _fixed_ends(scenario, num_waypoints)
@@ -100,7 +103,7 @@ def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
     gain[1:-1] = frame.across
     source = np.zeros((num_waypoints + 2, 2), dtype=np.int64)
     source[1:-1] = np.arange(num_waypoints)[:, None]
-    lower, upper = offset_bounds(scenario, x[1:-1])
+    lower, upper = offset_bounds(scenario, x[1:-1], _centres(scenario))
     # Whole blocks of lanes for each segment; the target is the last sample.
     per_segment = 8 * math.ceil(WAYPOINT_SAMPLES / (8 * (num_waypoints + 1)))
     share = np.tile(np.arange(per_segment) / per_segment, num_waypoints + 1)
@@ -114,6 +117,13 @@ def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
         np.append(np.stack([1.0 - share, share], axis=1), [[0.0, 1.0]], axis=0),
         np.eye(num_waypoints + 2),
     )
+
+
+def _centres(scenario: GridScenario) -> tuple[float, float, float, float]:
+    """(x_min, y_min, x_max, y_max) of the centres of the map's cells."""
+    corners = scenario.map.to_map([(0, 0), (scenario.map.width - 1, scenario.map.height - 1)])
+    (x_min, y_min), (x_max, y_max) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return x_min, y_min, x_max, y_max
 
 
 def _fixed_ends(scenario: GridScenario, free: int) -> tuple[Floats, Floats]:

@@ -107,7 +107,7 @@ def tabulate(
     """The table of a scenario, with its pairs, for a number of waypoints and a weight mu of the length."""
     spacing = spacing_of(scenario, num_waypoints)
     shapes = shapes_in_frame(scenario)
-    lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1))
+    lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1), scenario.workspace)
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
     # Beyond the path a length is not 0 but 1.5e-154: lost in the sum, and can be divided by.
     squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
@@ -129,10 +129,12 @@ def tabulate(
     )
 
 
-def offset_bounds(scenario: AnyScenario, x: Floats) -> tuple[Floats, Floats]:
-    """The interval of y' inside the workspace, on the line of each waypoint."""
+def offset_bounds(
+    scenario: AnyScenario, x: Floats, workspace: tuple[float, float, float, float]
+) -> tuple[Floats, Floats]:
+    """The interval of y' inside (x_min, y_min, x_max, y_max), on the line of each waypoint; 0 is in it."""
     frame = Frame.of(scenario)
-    x_min, y_min, x_max, y_max = scenario.workspace
+    x_min, y_min, x_max, y_max = workspace
     lower, upper = np.full(len(x), -np.inf), np.full(len(x), np.inf)
     foot = frame.to_map(x, np.zeros_like(x))
     # Along a line the map coordinates change with y' at these rates.
