@@ -3,16 +3,18 @@
 import math
 
 import naive
+import naive_optimizers
 import numpy as np
 import shapely
 
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.population import Swarms, make_workspace
-from swarm_gym.problem import AnalyticProblem
+from swarm_gym.problem import AnalyticProblem, GridProblem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
-from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
+from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario
 
 CASES = ("case1", "case2", "case3")
 MEAN_WEIGHT = 0.1
@@ -47,6 +49,28 @@ def random_scenario(rng, num_obstacles=12):
         (0.0, 0.0, 1000.0, 1000.0),
         (-90.0, 90.0),
     )
+
+
+def random_grid_scenario(seed, shape=(19, 26), rock=0.15, **geometry):
+    """Blocked rectangles on a small map; start and target are anywhere in free cells that are connected."""
+    rng = np.random.default_rng(seed)
+    height, width = shape
+    blocked = np.zeros(shape, dtype=np.bool_)
+    while blocked.mean() < rock:
+        row, column = rng.integers(height), rng.integers(width)
+        blocked[row : row + rng.integers(1, 6), column : column + rng.integers(1, 6)] = True
+    grid = GridMap("small", blocked, **geometry)
+    largest = np.bincount(grid.components.ravel())[1:].argmax() + 1
+    rows, columns_of = np.nonzero(grid.components == largest)
+    first, last = columns_of.argmin(), columns_of.argmax()
+    ends = [
+        grid.to_map(np.array([columns_of[k], rows[k]]) + rng.uniform(-0.4, 0.4, 2)) for k in (first, last)
+    ]
+    return GridScenario(f"small:{seed}", grid, *(tuple(end.tolist()) for end in ends))
+
+
+def small_grid_problem(encoding="bezier", num_points=3, seed=0, **geometry):
+    return GridProblem(random_grid_scenario(seed, **geometry), encoding, num_points)
 
 
 def turned(scenario, angle, shift=(0.0, 0.0)):
@@ -118,6 +142,73 @@ def make_twins(problem, population, seed, capacity=32, budget=UNLIMITED):
     twin = naive.Swarm(problem.scenario, problem.length_weight, stream, budget)
     twin.adopt(population)
     return swarms, tables, twin
+
+
+def begin(optimizer, problems, size, capacity=32, budget=UNLIMITED, iterations=10, populations=None, seed=0):
+    """Swarms of an optimizer, one per problem, seeded by number from `seed` on; and their stacked tables.
+
+    First populations are drawn, or given, (members, dimension) for each problem.
+    """
+    num, cls = len(problems), get_optimizer(optimizer)
+    dimension = problems[0].dimension
+    memory, registers = cls.memory_columns(dimension), cls.num_registers(capacity)
+    swarms = Swarms.allocate(num, capacity, dimension, memory, registers)
+    tables = stack([problem.table for problem in problems])
+    swarms.problem[:], swarms.budget[:], swarms.iterations[:] = np.arange(num), budget, iterations
+    for b in range(num):
+        swarms.stream[b] = seed_stream(np.random.SeedSequence(seed + b))
+        if populations is not None:
+            swarms.positions[b, :size] = padded(populations[b])
+    everyone, sizes = np.full(num, True), np.full(num, size)
+    cls.initialise(swarms, tables, everyone, sizes, MEAN_WEIGHT, given=populations is not None)
+    return swarms, tables
+
+
+def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, parallel=False, chosen=None):
+    """One step of all swarms, or of those chosen, with the default parameters where none are given."""
+    cls, num = get_optimizer(optimizer), len(swarms.size)
+    values = cls.knob_values(knobs or {})
+    cls.step(
+        swarms,
+        tables,
+        np.full(num, True) if chosen is None else chosen,
+        np.broadcast_to(size, num).astype(np.int64),
+        np.broadcast_to(repair_degree, num).astype(np.float64),
+        np.tile(values, (num, 1)),
+        MEAN_WEIGHT,
+        parallel,
+    )
+    swarms.iteration[:] += 1
+    return values
+
+
+def oracle_twin(optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0):
+    """The first swarm of `begin` in plain Python."""
+    stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
+    oracle = naive_optimizers.oracle_of(problem)
+    twin = naive_optimizers.NAIVE[optimizer](oracle, stream, iterations, budget)
+    if population is None:
+        twin.begin(size)
+    else:
+        twin.adopt(population)
+    return twin
+
+
+def assert_same_as_oracle(swarms, twin):
+    """Members in order, best so far, count of evaluations and random stream are those of the oracle."""
+    members, n = twin.stored(), twin.problem.dimension
+    close = {"rtol": 1e-10, "atol": 1e-9}
+    assert swarms.evaluations[0] == twin.evaluations
+    assert swarms.stream[0].tolist() == twin.stream.words()
+    assert swarms.size[0] == len(members)
+    stored = slice(0, len(members))
+    np.testing.assert_allclose(swarms.positions[0, stored, :n], [m.position for m in members], **close)
+    assert (swarms.positions[0, stored, n:] == 0).all()
+    np.testing.assert_allclose(swarms.fitness[0, stored], [m.fitness for m in members], **close)
+    np.testing.assert_allclose(swarms.collision[0, stored], [m.collision for m in members], **close)
+    np.testing.assert_allclose(swarms.best_fitness[0], twin.best[0], **close)
+    np.testing.assert_allclose(swarms.best_collision[0], twin.best[1], **close)
+    np.testing.assert_allclose(swarms.best_position[0, :n], twin.best[2], **close)
 
 
 def assert_same_swarm(swarms, twin, b=0):
