@@ -13,24 +13,30 @@ from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.registration import environment_id
 
 OPTIONS: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 8}
+# The same kernels do for every grid map and encoding.
+GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
 
 
 def warm_up() -> None:
-    """Compile, or load from the cache, what single and vector environments of all optimizers run."""
+    """Compile, or load from the cache, what environments of all optimizers run.
+
+    Single and vector environments on analytic maps, single ones on grid maps.
+    """
     for optimizer in OPTIMIZERS:
         warm_up_single(optimizer)
         many = gymnasium.make_vec(environment_id(optimizer), num_envs=2, **OPTIONS)
         _run(many, np.array([[6.0, 1.0], [3.0, 0.0]]))
+        warm_up_single(optimizer, **GRID)
 
 
-def warm_up_single(optimizer: str) -> None:
-    """The same for single environments of one optimizer."""
-    _run(gymnasium.make(environment_id(optimizer), **OPTIONS), np.array([6.0, 1.0]))
+def warm_up_single(optimizer: str, **options: Any) -> None:
+    """The same for single environments of one optimizer with these options, by default on an analytic map."""
+    _run(gymnasium.make(environment_id(optimizer), **OPTIONS, **options), np.array([6.0, 1.0]))
 
 
-def _run(env: gymnasium.Env | gymnasium.vector.VectorEnv, actions: np.ndarray) -> None:
+def _run(env: Any, actions: np.ndarray) -> None:
     env.reset(seed=0)
-    env.reset(options={"initial_population": np.zeros((4, 31))})
+    env.reset(options={"initial_population": np.zeros((4, env.unwrapped.simulation.dimension))})
     env.step(actions)
     env.close()
 

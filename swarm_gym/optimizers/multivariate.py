@@ -272,7 +272,7 @@ def adopt(
     adopt_members(swarms, b, table, work, size)
     count = num_regions(size)
     structure = _make(count, swarms.positions.shape[2])
-    ranked = np.argsort(swarms.fitness[b, :size], kind="mergesort")
+    ranked = _ranked(swarms.fitness[b, :size])
     for row in ranked[:count]:
         _offer_head(
             structure, count, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row]
@@ -295,6 +295,19 @@ def adopt(
                 swarms.collision[b, row],
             )
     _pack(structure, swarms, b)
+
+
+@kernel
+def _ranked(fitness: Floats) -> Integers:
+    """Members by fitness, equals in order; NumPy's sort would take longer to compile than the rest to run."""
+    ranked = np.zeros(fitness.shape[0], np.int64)
+    for i in range(fitness.shape[0]):
+        k = i
+        while k > 0 and fitness[i] < fitness[ranked[k - 1]]:
+            ranked[k] = ranked[k - 1]
+            k -= 1
+        ranked[k] = i
+    return ranked
 
 
 @kernel
