@@ -14,7 +14,9 @@ from swarm_gym.lanes import (
     as_float,
     bits,
     broadcast,
+    floor,
     load,
+    look_up,
     maximum,
     minimum,
     padded,
@@ -57,6 +59,16 @@ def selections(a, b, c):
     return out
 
 
+def roundings(a, b, c):
+    x, y, z = load(a, 0), load(b, 0), load(c, 0)
+    out = np.empty((4, 8))
+    store(out, 0, floor(x))
+    store(out, 1, floor(y * 10.0 + 0.5))
+    store(out, 2, floor(floor(z)))
+    store(out, 3, floor(x + y) - floor(x))
+    return out
+
+
 def numbers(a, b, c):
     """The same functions on single numbers, and masks as bits."""
     out = np.empty((4, 8))
@@ -77,7 +89,7 @@ def places(a, b, c):
     return np.concatenate((long.reshape(3, 8), rows))
 
 
-FUNCTIONS = (arithmetic, selections, numbers, places)
+FUNCTIONS = (arithmetic, selections, roundings, numbers, places)
 AWKWARD = np.array([0.0, -0.0, 1e-310, 1e308, -1e308, np.inf, -np.inf, np.nan])
 
 
@@ -125,6 +137,28 @@ def test_compiled_words_wrap_as_those_of_numpy(seed):
     assert kernel(floats_of_words)(a).tolist() == floats_of_words(a).tolist()
 
 
+def entries(values, a):
+    out = np.empty((1, 8))
+    store(out, 0, look_up(values, load(a, 0)) * 2.0)
+    return out
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_entries_are_looked_up_lane_by_lane(seed):
+    rng = np.random.default_rng(seed)
+    values, indices = rng.integers(0, 256, 99, dtype=np.uint8), rng.integers(0, 99, 8).astype(np.float64)
+    indices[:2] = 98.0, 0.0
+    expected = [[2.0 * values[int(index)] for index in indices]]
+    assert kernel(entries)(values, indices).tolist() == entries(values, indices).tolist() == expected
+
+
+def test_the_floor_of_numbers_known_by_hand():
+    given = np.array([0.5, -0.5, 1.0, -1.0, -0.0, 1e300, np.nextafter(1.0, 0.0), -1e-300])
+    expected = [0.0, -1.0, 1.0, -1.0, -0.0, 1e300, 0.0, -1.0]
+    assert kernel(roundings)(given, given, given)[0].tolist() == expected
+    assert floor(given).tolist() == expected
+
+
 def mixed(a, b, c):
     x, out = load(a, 0), np.empty((4, 8))
     store(out, 0, maximum(x, 0.5))
@@ -141,6 +175,7 @@ def test_numbers_stand_beside_lanes(seed):
 
 
 FLOATS, WORDS = np.arange(8.0), np.arange(8, dtype=np.uint64)
+BYTES = np.arange(16, dtype=np.uint8)
 READ_ONLY = np.arange(8.0)
 READ_ONLY.flags.writeable = False
 
@@ -159,6 +194,11 @@ READ_ONLY.flags.writeable = False
         pytest.param(lambda a: as_float(load(a, 0) * 0.5), (WORDS,), id="words and a float"),
         pytest.param(lambda a: as_float(load(a, 0) / np.uint64(2)), (WORDS,), id="division of words"),
         pytest.param(lambda a: bits((load(a, 0) > 1.0) + (load(a, 0) > 2.0)), (FLOATS,), id="sum of masks"),
+        pytest.param(lambda a: as_float(floor(load(a, 0))), (WORDS,), id="floor of words"),
+        pytest.param(lambda a: total(look_up(a, load(a, 0))), (FLOATS,), id="look-up in floats"),
+        pytest.param(lambda a, b: total(look_up(a, load(b, 0))), (BYTES, WORDS), id="look-up at words"),
+        pytest.param(lambda a, b: total(look_up(a, load(b, 0))), (BYTES[::2], FLOATS), id="strided look-up"),
+        pytest.param(lambda a, b: total(look_up(a, b)), (BYTES, FLOATS), id="look-up at an array"),
     ],
 )
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
@@ -190,7 +230,7 @@ def test_padding_is_to_whole_blocks(length, expected):
 OUTSIDE = """
 import numba
 import numpy as np
-from swarm_gym.lanes import load, store, total
+from swarm_gym.lanes import load, look_up, store, total
 
 @numba.njit
 def reach(array, index, write):
@@ -206,6 +246,18 @@ for shape, last in (((12,), 4), ((3, 8), 2), ((3, 4), -1)):
             reach(np.ones(shape), last + 1, write)
         except IndexError as error:
             print(error)
+
+@numba.njit
+def find(values, places):
+    return total(look_up(values, load(places, 0)))
+
+values = np.arange(8, dtype=np.uint8)
+assert find(values, np.arange(8.0)) == 28.0
+for place in (8.0, -9.0):
+    try:
+        find(values, np.append(np.arange(7.0), place))
+    except IndexError as error:
+        print(error)
 """
 
 
@@ -218,4 +270,4 @@ def test_with_bounds_checks_on_no_lane_is_beyond_an_array():
         text=True,
         check=True,
     )
-    assert found.stdout.splitlines() == ["index is out of bounds"] * 6, found.stderr
+    assert found.stdout.splitlines() == ["index is out of bounds"] * 8, found.stderr
