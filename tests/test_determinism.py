@@ -14,6 +14,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from swarm_gym.env import SwarmEnv
+from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.vector_env import SwarmVectorEnv
 
 OPTIONS = {
@@ -32,8 +33,8 @@ def actions(seed):
     return np.stack([generator.integers(2, 31, 8), generator.random(8).round(1)], axis=1)
 
 
-def alone(seed):
-    env = SwarmEnv(**OPTIONS)
+def alone(seed, optimizer="firefly"):
+    env = SwarmEnv(optimizer, **OPTIONS)
     env.reset(seed=seed)
     return [env.step(action) for action in actions(seed)]
 
@@ -65,13 +66,27 @@ def test_in_any_vector_width_with_any_number_of_threads(singles, width, threads,
         assert_same(singles[SEED + row], steps, row)
 
 
+@pytest.mark.parametrize("optimizer", OPTIMIZERS)
+def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
+    env = SwarmVectorEnv(5, optimizer=optimizer, autoreset_mode=AutoresetMode.DISABLED, **OPTIONS)
+    env.reset(seed=SEED)
+    decisions = np.stack([actions(SEED + row) for row in range(5)], axis=1)
+    steps = [env.step(decision) for decision in decisions]
+    for row in range(5):
+        assert_same(alone(SEED + row, optimizer), steps, row)
+
+
+@pytest.mark.parametrize(
+    "maps", [{}, {"scenario": ["rooms:0-1"], "encoding": "bezier"}], ids=["analytic", "grid"]
+)
+@pytest.mark.parametrize("optimizer", OPTIMIZERS)
 @pytest.mark.parametrize(
     "duplicate",
     [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
     ids=["deep", "pickle"],
 )
-def test_after_copying_in_mid_episode(duplicate):
-    env = SwarmEnv(**OPTIONS)
+def test_after_copying_in_mid_episode(duplicate, optimizer, maps):
+    env = SwarmEnv(optimizer, **{**OPTIONS, **maps})
     env.reset(seed=SEED)
     decisions = actions(SEED)
     for action in decisions[:4]:
