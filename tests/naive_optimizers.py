@@ -115,18 +115,19 @@ class GenerationalFirefly(Swarm):
         extents = [b - a for a, b in zip(self.problem.lower, self.problem.upper, strict=True)]
         for i, member in enumerate(before):
             brighter = [other for other in before if other.fitness < member.fitness]
-            if not brighter or self.is_spent():
-                continue
+            if self.is_spent():
+                return
             x = list(member.position)
             for other in brighter:
                 ways = [b - a for a, b in zip(x, other.position, strict=True)]
-                squared = math.fsum((way / extent) ** 2 for way, extent in zip(ways, extents, strict=True))
+                squared = math.fsum(way**2 for way in ways)
                 pull = least + (beta0 - least) * math.exp(-gamma * squared)
                 noise = [
                     alpha * extent * (u - 0.5) for extent, u in zip(extents, self.uniform(), strict=True)
                 ]
                 x = [a + pull * way + by for a, way, by in zip(x, ways, noise, strict=True)]
-            self.members[i] = self.member(self.treated(self.clipped(x), repair_degree))
+            x = self.clipped(x)
+            self.members[i] = self.member(self.treated(x, repair_degree) if brighter else x)
 
 
 class ParticleSwarm(Swarm):
@@ -181,29 +182,25 @@ class EliteGenetic(Swarm):
         fitness = [member.fitness for member in old]
         worst, spread = max(fitness), max(fitness) - min(fitness)
         weights = [worst - value + 1e-12 + 0.01 * spread for value in fitness]
-        self.members[0] = old[fitness.index(min(fitness))]
+        if self.is_spent():
+            return
+        self.members[0] = self.member(old[fitness.index(min(fitness))].position)
         num_copies = size - 1 - math.floor(crossover * (size - 1) + 0.5)
         for i in range(1, size):
+            if self.is_spent():
+                return
             # The first three numbers choose the parents and where their genes meet.
             chosen = self.stream.uniform(max(n, 3))
-            first = old[self.spin(weights, chosen[0])]
-            genes = list(first.position)
+            genes = list(old[self.spin(weights, chosen[0])].position)
             if i > num_copies:
                 second = old[self.spin(weights, chosen[1])]
                 cut = 1 + math.floor(chosen[2] * (n - 1))
                 genes[cut:] = second.position[cut:]
-            changed = genes != first.position
             mutated = [u < mutation for u in self.uniform()]
             if any(mutated):
                 new = scaled(self.problem.lower, self.problem.upper, self.uniform())
                 genes = [b if flag else a for a, b, flag in zip(genes, new, mutated, strict=True)]
-                changed = True
-            if changed or first.collision > naive.FEASIBLE:
-                treated = self.treated(genes, repair_degree)
-                changed, genes = changed or treated != genes, treated
-            if changed and self.is_spent():
-                return
-            self.members[i] = self.member(genes) if changed else first
+            self.members[i] = self.member(self.treated(genes, repair_degree))
 
     @staticmethod
     def spin(weights, share):

@@ -95,11 +95,11 @@ def _spin(wheel: Floats, share: float) -> int:
 def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> None:
     """Draw some genes of `work.path` anew inside the bounds."""
     fill_uniform(swarms.stream[b], work.noise)
-    genes = work.noise < rate
-    if genes.any():
+    mutated = work.noise[: table.dimension] < rate
+    if mutated.any():
         fill_uniform(swarms.stream[b], work.noise)
-        for k in range(genes.shape[0]):
-            if genes[k]:
+        for k in range(table.dimension):
+            if mutated[k]:
                 work.path[k + 1] = table.lower[k] + (table.upper[k] - table.lower[k]) * work.noise[k]
 
 
