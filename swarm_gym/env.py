@@ -40,13 +40,13 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     Other layouts, scaled for networks, are in `swarm_gym.observation`; `paper+rich` is one after the other.
 
     Reward (`progress`): log(gap before / gap after) - price * evaluations / reference_evaluations, with
-    gap = best fitness so far - mu * straight line.
+    gap = best fitness so far - its lower bound: mu * straight line, on grid maps the straight line.
 
     The episode is terminated after `iterations` steps, or when `max_evaluations` are spent. `reset` evaluates
     the first population: its E(P) is the first observation. Its seed fixes scenario and trajectory; its
     options are `scenario`, `initial_population_size` and `initial_population`.
 
-    `info`: best_fitness, best_collision, best_path (n + 2, 2), evaluations, population_size, feasible_share,
+    `info`: best_fitness, best_collision, best_path (k, 2), evaluations, population_size, feasible_share,
     repair_degree, scenario; and at the end optimality_gap, where the optimum is known.
 
     Args:
