@@ -80,13 +80,13 @@ benchmark: $(INSTALLED) ## measure speed, write results/benchmark (about four mi
 	@echo "== benchmark (keep the machine quiet)"
 	$(BIN)/python -m experiments.benchmark
 
-benchmark-peers: .venv-peers/.installed ## the same beside niapy, in an environment of its own
-	@echo "== benchmark beside niapy (keep the machine quiet)"
+benchmark-peers: .venv-peers/.installed ## the same beside other libraries, in an environment of its own
+	@echo "== benchmark beside other libraries (keep the machine quiet)"
 	.venv-peers/bin/python -m swarm_gym.warm_up
 	.venv-peers/bin/python -m experiments.speed.peers
 
 .venv-peers/.installed: pyproject.toml constraints.txt
-	@echo "== installing niapy into .venv-peers"
+	@echo "== installing other libraries into .venv-peers"
 	$(PYTHON) -m venv .venv-peers
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check \
 	    --constraint constraints.txt --editable '.[peers]'

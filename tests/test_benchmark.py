@@ -12,6 +12,7 @@ from experiments.speed import environments, growth, moves, start, threads, train
 from experiments.speed.measurement import (
     ALL_THREADS,
     CASES,
+    IN_NUMPY,
     NUMPY_COST,
     Measurement,
     Quantity,
@@ -22,9 +23,12 @@ from experiments.speed.measurement import (
 )
 from experiments.speed.numpy_firefly import NumpyFirefly
 from experiments.speed.page import write_page
+from experiments.speed.peers import bezier
+from experiments.speed.peers.bezier import Peer
+from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.problem import AnalyticProblem
-from swarm_gym.scenarios import make_scenario
+from swarm_gym.problem import AnalyticProblem, GridProblem
+from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
 
 
@@ -53,6 +57,74 @@ def test_the_numpy_version_converges_like_the_kernels():
         env.step(np.tile([size, 0.0], (seeds, 1)))
     ours = env.simulation.swarms.fitness[:, :size].mean(axis=1)
     assert ks_2samp(ours, theirs).pvalue > 0.01
+
+
+@pytest.fixture(scope="module")
+def curves():
+    return bezier.grid_problem()
+
+
+@pytest.mark.parametrize("make_cost", [numpy_cost, compiled_cost])
+def test_other_libraries_get_the_fitness_of_the_kernel(curves, make_cost):
+    cost = make_cost(curves)
+    rng = np.random.default_rng(1)
+    anywhere = rng.uniform(*curves.bounds, (200, curves.dimension))
+    # Control points on the straight line and a little beside it, so that few samples are infeasible.
+    line = np.linspace(curves.scenario.start, curves.scenario.target, bezier.NUM_CONTROL_POINTS + 2)[1:-1]
+    near = line.T.ravel() + rng.normal(0.0, 10.0, (200, curves.dimension))
+    corners = np.stack(curves.bounds)
+    vectors = np.concatenate([anywhere, np.clip(near, *curves.bounds), corners])
+    fitness = [curves.evaluate(vector)[0] for vector in vectors]
+    assert min(fitness) < 50 * curves.penalty < max(fitness)
+    assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
+    assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
+
+
+def test_the_numpy_fitness_knows_the_size_of_cells_and_where_they_lie():
+    blocked = np.random.default_rng(0).random((12, 20)) < 0.3
+    blocked[[2, 8], [1, 17]] = False
+    blocked[:, 1] = blocked[8] = False
+    grid = GridMap("small", blocked, resolution=0.5, origin=(-3.0, 7.0), y_up=True)
+    start, target = grid.to_map([(1, 2), (17, 8)])
+    problem = GridProblem(GridScenario("small", grid, tuple(start), tuple(target)), num_points=3, penalty=2.5)
+    vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
+    fitness = [problem.evaluate(vector)[0] for vector in vectors]
+    assert numpy_cost(problem).of_many(vectors) == pytest.approx(fitness, rel=1e-12)
+
+
+@pytest.mark.parametrize("optimizer", bezier.OURS)
+def test_our_optimizers_of_curves_are_measured_more_than_once(optimizer):
+    once = bezier.ours_per_evaluation(optimizer)
+    assert once() > 0
+    assert once() > 0
+
+
+def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
+    runs = []
+
+    def run(problem, cost, size, iterations):
+        runs.append((cost.name, size, iterations))
+        cost.of_many(np.zeros((size, problem.dimension)))
+        return size * (iterations + 1)
+
+    peers = (Peer("A", "particle-swarm", run), Peer("B", "elite-genetic", run))
+    quantities = list(bezier.quantities(peers))
+    for quantity in quantities:
+        if ": A," in quantity.name:
+            assert quantity.once() > 0
+    assert runs == [(name, 65, 100) for name in ("cost in NumPy", "our compiled cost")]
+    measured = [Measurement(q.name, q.unit, n + 1.0, n + 1.0, n + 1.0) for n, q in enumerate(quantities)]
+    found = medians(measured)
+    ratios = medians(bezier.summary(peers, measured))
+    assert ratios == {
+        f"{name} / swarm_gym": found[name] / found[ours]
+        for ours, name in (
+            ("particle-swarm: swarm_gym", "particle-swarm: A, cost in NumPy"),
+            ("particle-swarm: swarm_gym", "particle-swarm: A, our compiled cost"),
+            ("elite-genetic: swarm_gym", "elite-genetic: B, cost in NumPy"),
+            ("elite-genetic: swarm_gym", "elite-genetic: B, our compiled cost"),
+        )
+    }
 
 
 def test_a_figure_is_the_median_after_a_run_that_is_thrown_away():
@@ -153,13 +225,19 @@ def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, wi
             for case in CASES
             for peer in ("NumPy", NUMPY_COST)
         ]
-        write_measurements(tmp_path / "peers.json", {"peers": ratios})
+        curves = [
+            Measurement(f"particle-swarm: A, {cost} / swarm_gym", "times", 9.0, 9.0, 9.0)
+            for cost in (IN_NUMPY, "our compiled cost")
+        ]
+        write_measurements(tmp_path / "peers.json", {"peers": ratios, "bezier-peers": curves})
     page = write_page(tmp_path).read_text()
     for measurements in groups.values():
         for m in measurements:
             assert f"| {m.name} |" in page
     head = page.split("**")[2]  # below the caption of the first table
     assert (f"| case2: {NUMPY_COST} / swarm_gym | 7 |" in head) == with_peers
+    assert ("| particle-swarm: A, cost in NumPy / swarm_gym | 9 |" in head) == with_peers
+    assert "our compiled cost" not in head
     found = {m.name: m.median for m in groups["environments"] + groups["moves"]}
     for name in (environments.name(64, 60, ALL_THREADS), "case2: NumPy / swarm_gym"):
         assert f"| {name} | {found[name]:.3g} |" in head

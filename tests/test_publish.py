@@ -6,10 +6,10 @@ from experiments.benchmark import GROUPS
 from experiments.documents import replace_block
 from experiments.publish import publish
 from experiments.speed.measurement import Measurement, write_measurements
-from experiments.speed.page import write_page
+from experiments.speed.page import OF_PEERS, write_page
 
 TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
-BLOCKS = ("headline", *GROUPS, "peers")
+BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
 
@@ -44,7 +44,8 @@ def documents(tmp_path, monkeypatch):
         for k in (1, 2, 3)
         for cost in ("cost in NumPy", "our compiled cost")
     ]
-    write_measurements(tmp_path / "speed/peers.json", {"peers": ratios})
+    curves = [Measurement("elite-genetic: A, cost in NumPy / swarm_gym", "times", 1.5, 1.0, 2.0)]
+    write_measurements(tmp_path / "speed/peers.json", {"peers": ratios, "bezier-peers": curves})
     write_page(tmp_path / "speed")
     return tmp_path
 
@@ -58,6 +59,7 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     performance = (documents / "docs/performance.md").read_text()
     assert "| single environment, 30 members | 1.5 | 1 to 2 |" in performance
     assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
+    assert performance.count("| elite-genetic: A, cost in NumPy / swarm_gym | 1.5 |") == 2
     published = {p.name for p in (documents / "docs/results").iterdir()}
     assert published == {"README.md", "a.svg", "growth.svg"}
 

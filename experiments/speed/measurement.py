@@ -18,7 +18,8 @@ from swarm_gym.files import write_atomically
 
 ALL_THREADS = numba.config.NUMBA_NUM_THREADS
 CASES = ("case1", "case2", "case3")
-NUMPY_COST = "niapy, cost in NumPy"
+IN_NUMPY = "cost in NumPy"
+NUMPY_COST = f"niapy, {IN_NUMPY}"
 
 
 @dataclass(frozen=True)

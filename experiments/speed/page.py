@@ -6,7 +6,14 @@ from typing import Any
 from experiments.figure_style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
 from experiments.speed import growth
 from experiments.speed.environments import name as vector_name
-from experiments.speed.measurement import CASES, NUMPY_COST, Measurement, medians, read_measurements
+from experiments.speed.measurement import (
+    CASES,
+    IN_NUMPY,
+    NUMPY_COST,
+    Measurement,
+    medians,
+    read_measurements,
+)
 from experiments.speed.start import PEAK_OF_MANY
 from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table
@@ -21,7 +28,10 @@ CAPTIONS = {
     "start": "Import, first step, memory",
     "training": "PPO training",
     "peers": "The same FA-60 run beside others, per evaluation",
+    "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
 }
+# The groups of peers.json, which may not have been measured.
+OF_PEERS = ("peers", "bezier-peers")
 
 
 def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
@@ -45,7 +55,7 @@ def write_page(folder: Path) -> Path:
     """Write README.md with all tables, and growth.svg and .png, from what is stored in the folder."""
     machine, groups = read_folder(folder)
     parts = [f"# Benchmark\n\n{describe(machine)}\n"]
-    if set(CAPTIONS) - {"peers"} <= set(groups):
+    if set(CAPTIONS) - set(OF_PEERS) <= set(groups):
         parts.append(headline(machine, groups).markdown())
     parts += [table(name, measurements).markdown() for name, measurements in groups.items()]
     if "growth" in groups:
@@ -85,11 +95,13 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
     """The few quantities that tell most, each with the group that it is of."""
     moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
     peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
+    curves = [m.name for m in groups.get("bezier-peers", []) if m.name.endswith(f"{IN_NUMPY} / swarm_gym")]
     threads = machine["threads"]
     chosen = [
         ("moves", "move with evaluation, mean of the cases"),
         *moves,
         *peers,
+        *(("bezier-peers", name) for name in curves),
         *(("moves", f"{case}: FA-60 run of 100 iterations") for case in CASES),
         ("environments", "single environment, 60 members"),
         *(("environments", vector_name(width, 60, threads)) for width in (64, 4096)),

@@ -1,22 +1,17 @@
-"""The same FA-60 run beside niapy's `FireflyAlgorithm` and NumPy: `python -m experiments.speed.peers`.
+"""The same FA-60 run beside niapy's `FireflyAlgorithm` and NumPy.
 
-`make benchmark-peers` runs it in its own environment. The algorithm of niapy is the same but for `>=` instead
-of `>`, so that every firefly also moves towards itself; what counts is the time per evaluation, overheads
-included. It runs with a cost function in NumPy, as a user would write it, and with our compiled one. (mealpy
-asks for a NumPy below 1.27, which is older than what swarm_gym runs with.)
+The algorithm of niapy is the same but for `>=` instead of `>`, so that every firefly also moves towards
+itself; what counts is the time per evaluation, overheads included. It runs with a cost function in NumPy, as
+a user would write it, and with our compiled one.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 from niapy.algorithms.basic import FireflyAlgorithm
 from niapy.problems import Problem as NiapyProblem
 from niapy.task import Task
-from tqdm import tqdm
 
 from experiments.speed.measurement import (
     CASES,
@@ -24,10 +19,8 @@ from experiments.speed.measurement import (
     Measurement,
     Quantity,
     derived,
-    measure,
     medians,
     seconds_of,
-    write_measurements,
 )
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
@@ -36,16 +29,6 @@ from swarm_gym.problem.cost import evaluate
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
-
-
-@dataclass(frozen=True)
-class PeersConfig:
-    """Options of the comparison."""
-
-    output: Path = Path("results/benchmark")
-    """peers.json goes there."""
-    repeats: int = 5
-    """Runs per figure."""
 
 
 class PathProblem(NiapyProblem):
@@ -128,19 +111,3 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
         for case in CASES
         for peer in ("NumPy", NUMPY_COST, COMPILED_COST)
     ]
-
-
-def main() -> None:
-    """Measure, print and store."""
-    config = tyro.cli(PeersConfig, description=__doc__)
-    measured = [measure(q, config.repeats) for q in tqdm(list(quantities()), unit="quantity", desc="peers")]
-    measured += summary(measured)
-    file = config.output / "peers.json"
-    write_measurements(file, {"peers": measured})
-    for m in measured:
-        print(f"{m.name:45} {m.median:10.4g} {m.unit}")
-    print(f"written: {file}")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,53 @@
+"""Measure, print and store: `python -m experiments.speed.peers --help`."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+from tqdm import tqdm
+
+from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
+from experiments.speed.peers import bezier, with_niapy, with_pygmo, with_pymoo, with_pyswarms
+from experiments.speed.peers.bezier import Peer
+
+PEERS = (
+    Peer("pyswarms GlobalBestPSO", "particle-swarm", with_pyswarms.particle_swarm),
+    Peer("pygmo pso_gen", "particle-swarm", with_pygmo.particle_swarm),
+    Peer("pymoo PSO", "particle-swarm", with_pymoo.particle_swarm),
+    Peer("pygmo sga", "elite-genetic", with_pygmo.genetic),
+    Peer("pymoo GA", "elite-genetic", with_pymoo.genetic),
+)
+
+
+@dataclass(frozen=True)
+class PeersConfig:
+    """Options of the comparison."""
+
+    output: Path = Path("results/benchmark")
+    """peers.json goes there."""
+    repeats: int = 5
+    """Runs per figure."""
+
+
+def main() -> None:
+    """Measure, print and store."""
+    config = tyro.cli(PeersConfig, description=__doc__)
+    file = config.output / "peers.json"
+    fireflies = _measured(list(with_niapy.quantities()), config.repeats, with_niapy.summary)
+    curves = _measured(list(bezier.quantities(PEERS)), config.repeats, lambda m: bezier.summary(PEERS, m))
+    write_measurements(file, {"peers": fireflies, "bezier-peers": curves})
+    for m in fireflies + curves:
+        print(f"{m.name:65} {m.median:10.4g} {m.unit}")
+    print(f"written: {file}")
+
+
+def _measured(
+    quantities: list[Quantity], repeats: int, summary: Callable[[list[Measurement]], list[Measurement]]
+) -> list[Measurement]:
+    measured = [measure(q, repeats) for q in tqdm(quantities, unit="quantity", desc="peers")]
+    return measured + summary(measured)
+
+
+if __name__ == "__main__":
+    main()
