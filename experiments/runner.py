@@ -52,7 +52,7 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
         return
     made_with = provenance("gymnasium", "numba", "numpy")
     for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
-        _warm_up(optimizer)
+        _warm_up(optimizer, _kind(suite))
     tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
     workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
@@ -82,7 +82,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
     optimizer, controller_name = contestant(name, suite.optimizer)
-    _warm_up(optimizer)
+    _warm_up(optimizer, _kind(suite))
     controller = _controller(controller_name)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     env = gymnasium.make(
@@ -175,9 +175,14 @@ def _controller(name: str) -> Controller:
 
 
 @cache
-def _warm_up(optimizer: str) -> None:
+def _warm_up(optimizer: str, options: tuple[tuple[str, Any], ...]) -> None:
     """Compile or load the kernels of this process, so that no run is charged for it."""
-    warm_up_single(optimizer)
+    warm_up_single(optimizer, **dict(options))
+
+
+def _kind(suite: Suite) -> tuple[tuple[str, Any], ...]:
+    """The options of a suite's environments, on one of its scenarios."""
+    return tuple({"scenario": suite.scenarios[0], **suite.options}.items())
 
 
 def _snapshot(simulation: Any) -> Snapshot:

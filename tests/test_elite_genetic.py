@@ -73,7 +73,7 @@ def test_children_have_the_first_genes_of_one_parent_and_the_last_of_another():
         switches = sum(a != b for a, b in itertools.pairwise(origin))
         assert switches <= 1
         crossed += switches
-    assert 0 < crossed
+    assert crossed > 0
 
 
 def test_the_share_of_children_is_rounded_to_whole_members():

@@ -259,7 +259,7 @@ def test_equal_maps_under_other_names_are_the_same_problem():
     assert GridProblem(twin).identity == GridProblem(scenario).identity
     for other in (
         GridProblem(scenario, "waypoints"),
-        GridProblem(scenario, num_points=4),
+        GridProblem(scenario, num_points=3),
         GridProblem(scenario, penalty=10.0),
         GridProblem(random_grid_scenario(1, y_up=True)),
     ):

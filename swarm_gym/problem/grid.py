@@ -43,7 +43,7 @@ class GridTable(NamedTuple):
     weights: Floats  # (S width, 8) of that and the next control points, sample by sample
     steps: Floats  # (S width, 8) the same of the way to the next sample
     blocked: NDArray[np.uint8]  # (cells,) 1 where blocked, row by row with the border
-    nearest: Integers  # (cells, 2) the nearest free cell
+    nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
 
 
 @kernel
@@ -77,7 +77,7 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
 
     blocked = np.pad(grid.blocked, 1, constant_values=True)
     _, nearest = distance_transform_edt(blocked, return_indices=True)
-    row, column = nearest.astype(np.int64) - 1
+    row, column = nearest.astype(np.int32) - 1
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
     return GridTable(

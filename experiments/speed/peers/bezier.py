@@ -3,12 +3,11 @@
 All have the same map, dimension, population size and number of iterations, and each its own parameters and
 operators; what counts is the time per evaluation, overheads and first population included. Each library runs
 with a cost in NumPy, as a user would write it, and with our compiled one: what is left then is the library
-itself. `elite-genetic` has the rates of pygmo's `sga`: with its own, four of five members are copies that are
-not evaluated, and what an iteration takes besides would be spread over few evaluations.
+itself.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,12 +20,7 @@ from swarm_gym.scenarios import GridScenario, make_scenario
 
 SCENARIO, NUM_CONTROL_POINTS = "rooms:0", 4
 SIZE, ITERATIONS = 65, 100
-# Our optimizers, and what differs from their defaults.
-OURS: dict[str, dict[str, Any]] = {
-    "particle-swarm": {},
-    "elite-genetic": {"crossover": 0.9, "mutation": 0.02},
-    "multivariate": {},
-}
+OURS = ("particle-swarm", "elite-genetic", "multivariate")
 CALLS = 2000
 
 # run(problem, cost, size, iterations) -> evaluations
@@ -84,7 +78,6 @@ def ours_per_evaluation(optimizer: str) -> Callable[[], float]:
         num_control_points=NUM_CONTROL_POINTS,
         initial_population_size=SIZE,
         iterations=ITERATIONS,
-        **OURS[optimizer],
     )
     action = np.array([SIZE, 0.0])
 
