@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem import Problem
+from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario, make_scenarios
 from swarm_gym.scenarios.data_files import data_folder, find_data_file
 
@@ -256,8 +256,8 @@ def test_a_scenario_without_a_map_is_refused():
     refused(lambda: GridScenario("task", cells(FLOOR), (0, 0), (1, 1)), "'task'", "GridMap")
 
 
-def test_waypoints_are_not_planned_on_a_grid():
-    refused(lambda: Problem(GridScenario("task", grid(), (0, 0), (4, 1))), "'task'", "grid")
+def test_a_grid_is_no_map_of_circles_and_polygons():
+    refused(lambda: AnalyticProblem(GridScenario("task", grid(), (0, 0), (4, 1))), "'task'", "grid")
 
 
 # Files.

@@ -6,6 +6,7 @@ from agents import make_controller
 from agents.open_loop import shipped_open_loops
 from agents.policy_file import shipped_policies
 from agents.seeds import TEST
+from experiments.contestants import contestant
 from experiments.figures import FIGURES
 from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
@@ -78,7 +79,7 @@ def test_what_a_suite_names_is_there(suite):
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
 def test_what_a_suite_runs_ships(suite):
     for controller in suite.controllers:
-        assert make_controller(controller)
+        assert make_controller(contestant(controller, suite.optimizer).controller)
     for scenario in suite.scenarios:
         assert expand_name(scenario) == (scenario,)
 
