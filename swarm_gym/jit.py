@@ -33,7 +33,7 @@ def announce_compilation() -> None:
     """Say, once per process, that kernels are about to be compiled, if none of these sources are cached."""
     if not numba.config.DISABLE_JIT and not any(cache_folder().rglob("*.nbi")):
         logging.getLogger("swarm_gym").warning(
-            "compiling the kernels for these sources, once; this takes about a quarter of a minute"
+            "compiling the kernels for these sources, once; this takes about half a minute for each optimizer"
         )
 
 
