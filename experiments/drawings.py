@@ -147,7 +147,7 @@ def draw_population_size(case: Case) -> Figure:
 
 def draw_best_paths(case: Case) -> Figure:
     """Path of each controller's best run, and the shortest path."""
-    x_min, y_min, x_max, y_max = case.scenario.workspace
+    x_min, y_min, x_max, y_max = case.scenario.view
     height = 8.4 * (y_max - y_min) / (x_max - x_min)
     figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
     axes = figure.subplots()

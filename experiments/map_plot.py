@@ -28,7 +28,7 @@ MARKER_EVERY = 7
 
 def draw_map(axes: Axes, scenario: AnyScenario) -> None:
     """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates."""
-    x_min, y_min, x_max, y_max = scenario.workspace
+    x_min, y_min, x_max, y_max = scenario.view
     axes.grid(False)
     axes.spines[:].set_visible(True)
     if isinstance(scenario, Scenario):

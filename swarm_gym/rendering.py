@@ -38,6 +38,8 @@ MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
 SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
 # Of a path; a curve that is sampled more densely looks the same.
 MOST_SEGMENTS = 100
+# Of a scenario, in letters; there is no room for more.
+LONGEST_NAME = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +195,7 @@ class MapView:
     def __init__(self, scenario: AnyScenario, pen: Pen):
         self.scenario = scenario
         self.background = pen.surface
-        low, high = np.reshape(scenario.workspace, (2, 2))
+        low, high = np.reshape(scenario.view, (2, 2))
         corner = np.array([pen.px(MARGIN), pen.px(HEADER)])
         room = [pen.width - pen.px(CHART_COLUMN), pen.height - pen.px(FOOTER)] - corner
         self._scale = (room / (high - low)).min()
@@ -207,7 +209,7 @@ class MapView:
             for obstacle in scenario.obstacles:
                 self._draw_obstacle(pen, obstacle)
         else:
-            self._draw_cells(pen, scenario.map.blocked)
+            self._draw_cells(pen, scenario.map.blocked[scenario.window])
         pen.surface.set_clip(None)
         pen.draw.rect(pen.surface, FAINT_INK, border.inflate(pen.px(2), pen.px(2)), pen.px(1))
         below, before = border.bottom + pen.px(5), border.left - pen.px(6)
@@ -219,7 +221,7 @@ class MapView:
 
     def pixels(self, points: Floats) -> Floats:
         """Convert map coordinates (..., 2) to the picture's, whose y grows downward."""
-        x_min, y_min, _, y_max = self.scenario.workspace
+        x_min, y_min, _, y_max = self.scenario.view
         if self.scenario.y_up:
             return self._origin + (points - (x_min, y_min)) * [self._scale, -self._scale]
         return self._origin + (points - (x_min, y_max)) * self._scale
@@ -269,8 +271,11 @@ def _draw_headline(pen: Pen, scene: Scene) -> None:
         f"iteration {scene.iteration} of {scene.iterations}     "
         f"best fitness {scene.best_fitness:.5g}     evaluations {scene.evaluations:,}"
     )
-    name = pen.text(scene.scenario.name, (pen.px(MARGIN), pen.px(28)), "midleft", LARGE)
-    pen.text(facts, (name.right + pen.px(24), pen.px(28)), "midleft", MEDIUM)
+    name = scene.scenario.name
+    if len(name) > LONGEST_NAME:
+        name = f"{name[: LONGEST_NAME - 1]}…"
+    box = pen.text(name, (pen.px(MARGIN), pen.px(28)), "midleft", LARGE)
+    pen.text(facts, (box.right + pen.px(24), pen.px(28)), "midleft", MEDIUM)
 
 
 def _draw_legend(pen: Pen, scene: Scene, x: int, y: int) -> None:

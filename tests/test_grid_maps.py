@@ -256,6 +256,19 @@ def test_a_scenario_without_a_map_is_refused():
     refused(lambda: GridScenario("task", cells(FLOOR), (0, 0), (1, 1)), "'task'", "GridMap")
 
 
+@pytest.mark.parametrize("y_up", [False, True])
+def test_pictures_show_what_can_be_reached_and_a_little_around_it(y_up):
+    blocked = np.full((40, 50), True)
+    blocked[20:23, 10:16] = False
+    blocked[2, 2] = False  # cannot be reached
+    made = GridMap("island", blocked, 0.5, (1.0, -2.0), y_up)
+    start, target = made.to_map([(10, 20), (15, 22)]).tolist()
+    scenario = GridScenario("task", made, start, target)
+    assert scenario.window == (slice(17, 26), slice(7, 19))
+    ends = made.to_map([(6.5, 16.5), (18.5, 25.5)])
+    assert scenario.view == (*ends.min(axis=0), *ends.max(axis=0))
+
+
 def test_a_grid_is_no_map_of_circles_and_polygons():
     refused(lambda: AnalyticProblem(GridScenario("task", grid(), (0, 0), (4, 1))), "'task'", "grid")
 

@@ -2,10 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.scenario import Point
+
+# Cells that pictures show around what can be reached.
+SURROUNDINGS = 3
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,27 @@ class GridScenario:
     def workspace(self) -> tuple[float, float, float, float]:
         """(x_min, y_min, x_max, y_max) of the map, in map units."""
         return self.map.extent
+
+    @cached_property
+    def window(self) -> tuple[slice, slice]:
+        """Rows and columns of the map that pictures show: all that can be reached, and a little around it."""
+        column, row = self.map.cell_of(self.start)
+        reached = self.map.components == self.map.components[row, column]
+        ranges = []
+        for axis, length in ((1, self.map.height), (0, self.map.width)):
+            found = np.flatnonzero(reached.any(axis=axis))
+            ranges.append(slice(max(found[0] - SURROUNDINGS, 0), min(found[-1] + SURROUNDINGS + 1, length)))
+        return ranges[0], ranges[1]
+
+    @property
+    def view(self) -> tuple[float, float, float, float]:
+        """(x_min, y_min, x_max, y_max) of the window, in map units."""
+        rows, columns = self.window
+        ends = self.map.to_map(
+            [(columns.start - 0.5, rows.start - 0.5), (columns.stop - 0.5, rows.stop - 0.5)]
+        )
+        (x_min, y_min), (x_max, y_max) = ends.min(axis=0).tolist(), ends.max(axis=0).tolist()
+        return x_min, y_min, x_max, y_max
 
     def _check(self, role: str) -> Cell:
         """The cell of start or target, which are stored as floats."""

@@ -141,6 +141,11 @@ class Scenario:
         return True
 
     @property
+    def view(self) -> tuple[float, float, float, float]:
+        """(x_min, y_min, x_max, y_max) that pictures show: the workspace."""
+        return self.workspace
+
+    @property
     def straight_line(self) -> float:
         """Distance from start to target: no path is shorter."""
         return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])

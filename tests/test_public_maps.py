@@ -1,0 +1,71 @@
+"""Public maps, where they are in the data folder: they load, are planned on, and are drawn."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+import swarm_gym  # noqa: F401
+from swarm_gym.errors import ScenarioError
+from swarm_gym.reference import shortest_grid_path, shortest_path
+from swarm_gym.scenarios import make_scenario
+from swarm_gym.scenarios.data_files import find_data_file
+from swarm_gym.scenarios.moving_ai import read_map, read_scenarios
+
+# Map and problem file.
+BENCHMARKS = (
+    ("arena.map", "arena.map.scen"),
+    ("den400d.map", "den400d.map.scen"),
+    ("maze-128-128-10.map", "maze-128-128-10-random-1.scen"),
+    ("random-64-64-20.map", "random-64-64-20-random-1.scen"),
+    ("room-64-64-8.map", "room-64-64-8-random-1.scen"),
+)
+TASKS = (
+    "moving-ai:arena#100",
+    "moving-ai:room-64-64-8?start=1,1&goal=60,60",
+    "moving-ai:random-64-64-20?start=1,1&goal=60,60",
+    "moving-ai:maze-128-128-10?start=1,1&goal=100,100",
+    "ros:turtlebot3_world?start=-2,-0.5&goal=2,0.5",
+    "ros:turtlebot3_world?start=-2,-0.5&goal=2,0.5&inflate=0.1",
+    "ros:playground?start=0,0&goal=3,0",
+)
+
+
+def find(name):
+    try:
+        return find_data_file(name)
+    except ScenarioError:
+        pytest.skip(f"{name} is not in the data folder")
+
+
+@pytest.mark.parametrize(("map_file", "problem_file"), BENCHMARKS)
+def test_published_lengths_are_those_of_paths_on_the_grid(map_file, problem_file):
+    grid, problems = read_map(find(map_file)), read_scenarios(find(problem_file))
+    for problem in problems[:: len(problems) // 40]:
+        length = 0.0
+        if problem.start != problem.goal:
+            length = shortest_grid_path(grid.blocked, problem.start, problem.goal).length
+        assert length == pytest.approx(problem.length, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_public_map_is_planned_on_and_drawn(name):
+    kind, _, rest = name.partition(":")
+    find(rest.replace("#", "?").partition("?")[0] + (".map" if kind == "moving-ai" else ".yaml"))
+    scenario = make_scenario(name)
+    length, points = shortest_path(scenario)
+    assert scenario.straight_line <= length + 1e-9
+    np.testing.assert_allclose(points[[0, -1]], [scenario.start, scenario.target], atol=1e-9)
+    env = gymnasium.make(
+        "swarm_gym/ParticleSwarm-v0",
+        scenario=name,
+        encoding="bezier",
+        initial_population_size=20,
+        render_mode="rgb_array",
+    )
+    env.reset(seed=0)
+    for _ in range(3):
+        _, _, _, _, info = env.step(np.array([20.0, 0.5]))
+    assert info["best_fitness"] >= length - 1e-6
+    frame = env.render()
+    assert len(np.unique(frame.reshape(-1, 3), axis=0)) > 10
+    env.close()
