@@ -136,7 +136,9 @@ class Simulation:
         if given:
             swarms.positions[rows, :size, : self.dimension] = population
         self.iteration[rows] = 0
-        self.optimizer.initialise(swarms, self.tables, chosen, sizes, self.settings.mean_weight, given)
+        self.optimizer.initialise(
+            swarms, self.tables, chosen, sizes, self.settings.mean_weight, given, self.knobs
+        )
         self.running[rows] = True
         self.history[rows] = np.nan
         self._record(rows, np.zeros(self.num_swarms), self.knobs)

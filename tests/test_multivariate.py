@@ -112,3 +112,15 @@ def test_lists_lie_in_the_cube_around_where_a_head_was():
 def test_one_member_is_too_few():
     with pytest.raises(SettingError, match="min_population_size"):
         gymnasium.make("swarm_gym/Multivariate-v0", min_population_size=1)
+
+
+def test_the_first_lists_are_drawn_at_the_radius_that_was_chosen():
+    env = gymnasium.make(
+        "swarm_gym/Multivariate-v0", scenario="case1", num_waypoints=5, initial_population_size=20, radius=0.5
+    )
+    env.reset(seed=0)
+    positions = env.unwrapped.simulation.positions(0)
+    heads, others = positions[:5], positions[5:]
+    nearest = np.abs(others[:, None] - heads).max(axis=-1).min(axis=-1)
+    assert len(others) > 5
+    assert (nearest <= 2 * 0.5).all()  # a head may have changed places with one of its list

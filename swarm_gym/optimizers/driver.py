@@ -38,6 +38,7 @@ def draw_population(
     table: Table,
     work: Workspace,
     size: int,
+    knobs: Floats,  # noqa: ARG001
 ) -> None:
     """Begin swarm `b`, which is empty, with members uniform in the initial bounds."""
     add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
@@ -109,6 +110,7 @@ def begin_serial(
     tables: Table,
     chosen: Flags,
     sizes: Integers,
+    knobs: Floats,
     given: bool,
     mean_weight: float,
 ) -> None:
@@ -121,7 +123,7 @@ def begin_serial(
             if given:
                 adopt(rules, swarms, b, table, work, sizes[b])
             else:
-                begin(rules, swarms, b, table, work, sizes[b])
+                begin(rules, swarms, b, table, work, sizes[b], knobs[b])
             summarise(swarms, b, mean_weight)
 
 

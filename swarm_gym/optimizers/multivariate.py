@@ -247,15 +247,16 @@ def begin(
     table: Table,
     work: Workspace,
     size: int,
+    knobs: Floats,
 ) -> None:
-    """Draw the heads in the initial bounds, and lists around them at the default radius."""
+    """Draw the heads in the initial bounds, and lists around them."""
     count = num_regions(size)
     extra = max(size - count * (count + 3) // 2, 0)
     structure = _make(count, swarms.positions.shape[2])
     _search_anywhere(
         structure, swarms, b, table, work, count + extra, count, table.initial_lower, table.initial_upper
     )
-    _search_around(structure, swarms, b, table, work, 0.0, RADIUS)
+    _search_around(structure, swarms, b, table, work, 0.0, knobs[0])
     _pack(structure, swarms, b)
 
 
@@ -389,18 +390,17 @@ def iterate(
     _pack(structure, swarms, b)
 
 
-# Printed, in map cells.
-RADIUS = 20.0
-
-
 class Multivariate(Optimizer):
-    """MOA with the radius printed in its paper; 65 members are 10 regions."""
+    """MOA with the radius printed in its paper; 65 members are 10 regions.
+
+    The radius suits maps of some hundred map units; 0.075 of the longer side is the same for others.
+    """
 
     name = "multivariate"
     smallest_population = 2
     knobs: ClassVar[dict[str, Knob]] = {
         "radius": Knob(
-            RADIUS, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.2, 200.0)
+            20.0, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.02, 200.0)
         ),
     }
     rules: ClassVar[type] = MultivariateRules

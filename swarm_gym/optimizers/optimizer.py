@@ -79,12 +79,16 @@ class Optimizer(ABC):
         sizes: NDArray[np.int64],
         mean_weight: float,
         given: bool = False,
+        knobs: NDArray[np.float64] | None = None,
     ) -> None:
         """Begin the chosen swarms with first populations of these sizes, (B,).
 
-        They are drawn, or taken from the first rows of the positions where these are `given`.
+        They are drawn, or taken from the first rows of the positions where these are `given`. Parameters
+        are the defaults where there are no `knobs`, (B, number of knobs).
         """
-        driver.begin_serial(cls.rules(), swarms, tables, chosen, sizes, given, mean_weight)
+        if knobs is None:
+            knobs = np.tile(cls.knob_values({}), (len(sizes), 1))
+        driver.begin_serial(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
 
     @classmethod
     def step(

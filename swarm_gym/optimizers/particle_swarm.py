@@ -20,9 +20,6 @@ from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
-# Share of the range that the first velocities reach.
-FIRST_VELOCITY = 0.2
-
 
 class ParticleSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`.
@@ -50,15 +47,16 @@ def begin(
     table: Table,
     work: Workspace,
     size: int,
+    knobs: Floats,
 ) -> None:
-    """Draw positions in the initial bounds, then velocities up to a fifth of the range."""
-    driver.draw_population(rules, swarms, b, table, work, size)
+    """Draw positions in the initial bounds, then velocities up to their limit."""
+    driver.draw_population(rules, swarms, b, table, work, size, knobs)
     settle(swarms, b, 0)
     for i in range(swarms.size[b]):
         fill_uniform(swarms.stream[b], work.noise)
         for k in range(swarms.positions.shape[2]):
             extent = table.upper[k] - table.lower[k]
-            swarms.memory[b, i, k] = FIRST_VELOCITY * extent * (2.0 * work.noise[k] - 1.0)
+            swarms.memory[b, i, k] = knobs[4] * extent * (2.0 * work.noise[k] - 1.0)
 
 
 @kernel
