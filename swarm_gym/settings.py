@@ -136,16 +136,16 @@ class Settings:
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
         """Refuse options that say something about another kind of map or encoding."""
-        on_grid = not isinstance(self.scenarios()[0], Scenario)
-        unused = {
-            "length_weight": ("analytic maps", on_grid),
-            "penalty": ("grid maps", not on_grid),
-            "num_control_points": ("encoding 'bezier'", self.encoding == "waypoints"),
-            "num_waypoints": ("encoding 'waypoints'", self.encoding != "waypoints"),
-        }
-        for name in given:
-            if name in unused and unused[name][1]:
-                raise SettingError(f"option {name!r} is for {unused[name][0]} only; it would change nothing")
+        uses = {"length_weight": "analytic maps", "penalty": "grid maps"}
+        uses |= {"num_control_points": "encoding 'bezier'", "num_waypoints": "encoding 'waypoints'"}
+        named = [name for name in given if name in uses]
+        if not named:
+            return
+        is_analytic = isinstance(self.scenarios()[0], Scenario)
+        kind = "analytic maps" if is_analytic else "grid maps"
+        for name in named:
+            if uses[name] not in (kind, f"encoding {self.encoding!r}"):
+                raise SettingError(f"option {name!r} is for {uses[name]} only; it would change nothing")
 
     def draw_price(self, generator: np.random.Generator) -> float:
         """The price of an episode."""

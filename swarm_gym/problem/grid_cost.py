@@ -1,6 +1,6 @@
 """Fitness of a path on a grid map: its length, and a penalty for every infeasible sample.
 
-Source: MOA paper, eq. 5: `f = L + lambda * N_im`, lambda = 500; N_im counts the samples in blocked cells or
+Source: MOA paper, `f = L + lambda * N_im`, lambda = 500; N_im counts the samples in blocked cells or
 outside the map. The degree of collision is the infeasible length, N_im L / (number of samples - 1), in map
 units, so that thresholds on E(P) keep a meaning.
 """
