@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from swarm_gym.problem.traversal import (
@@ -120,6 +120,7 @@ def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(bl
 @settings(max_examples=300, deadline=None)
 @given(grids(), points_anywhere(), points_anywhere())
 def test_what_enters_blocked_cells_clearly_is_not_free_and_what_stays_off_them_is(blocked, p, q):
+    assume(math.dist(p, q) > 1e-9)  # in some versions of GEOS nothing covers a shorter line
     free, line = free_space(blocked), shapely.LineString([p, q])
     if free.buffer(-1e-6, join_style="mitre").covers(line):
         assert segment_is_free(blocked, *p, *q)

@@ -58,7 +58,8 @@ class Encoding:
 
     def points(self, vectors: ArrayLike) -> Floats:
         """The paths of decision vectors (..., D) as polylines, (..., K, 2)."""
-        return self.outline @ self.control_points(vectors)
+        # Not a product of matrices, whose last bits depend on how many there are and on the library.
+        return (self.outline[..., None] * self.control_points(vectors)[..., None, :, :]).sum(axis=-2)
 
     def samples(self, vectors: ArrayLike) -> Floats:
         """All samples, (..., M, 2), of decision vectors (..., D)."""
