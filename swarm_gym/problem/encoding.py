@@ -40,7 +40,6 @@ class Encoding:
         upper: (D,)
         first: (M,) first of the control points that a sample depends on.
         weights: (M, width) weights of that control point and those after it.
-        outline: (K, P) weights of the control points in the points of a polyline that is the path.
     """
 
     base: Floats
@@ -50,21 +49,29 @@ class Encoding:
     upper: Floats
     first: Integers
     weights: Floats
-    outline: Floats
 
     def control_points(self, vectors: ArrayLike) -> Floats:
         """Control points (..., P, 2) of decision vectors (..., D)."""
         return self.base + self.gain * np.asarray(vectors, dtype=np.float64)[..., self.source]
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """The paths of decision vectors (..., D) as polylines, (..., K, 2)."""
-        # Not a product of matrices, whose last bits depend on how many there are and on the library.
-        return (self.outline[..., None] * self.control_points(vectors)[..., None, :, :]).sum(axis=-2)
+        """The paths of decision vectors (..., D) as polylines, (..., K, 2): through the control points."""
+        return self.control_points(vectors)
 
     def samples(self, vectors: ArrayLike) -> Floats:
         """All samples, (..., M, 2), of decision vectors (..., D)."""
         window = self.first[:, None] + np.arange(self.weights.shape[1])
         return (self.weights[..., None] * self.control_points(vectors)[..., window, :]).sum(axis=-2)
+
+
+class Curve(Encoding):
+    """An encoding in which every sample depends on all control points."""
+
+    def points(self, vectors: ArrayLike) -> Floats:
+        """The paths of decision vectors (..., D) as polylines, (..., M, 2): through the samples."""
+        coordinates = self.control_points(vectors).swapaxes(-1, -2)
+        # Not a product of matrices, whose last bits depend on how many there are and on the library.
+        return (coordinates[..., None] * self.weights.T).sum(axis=-2).swapaxes(-1, -2)
 
 
 def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
@@ -77,17 +84,15 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     source = np.zeros((free + 2, 2), dtype=np.int64)
     gain[1:-1] = 1.0
     source[1:-1] = np.stack([np.arange(free), free + np.arange(free)], axis=1)
-    weights = _bernstein(free + 1, BEZIER_SAMPLES)
     x_min, y_min, x_max, y_max = _centres(scenario)
-    return Encoding(
+    return Curve(
         base,
         gain,
         source,
         np.repeat([x_min, y_min], free),
         np.repeat([x_max, y_max], free),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
-        weights,
-        weights,
+        np.asfortranarray(_bernstein(free + 1, BEZIER_SAMPLES)),  # as `Curve.points` goes through them
     )
 
 
@@ -116,7 +121,6 @@ def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
         upper,
         np.append(np.repeat(np.arange(num_waypoints + 1), per_segment), num_waypoints),
         np.append(np.stack([1.0 - share, share], axis=1), [[0.0, 1.0]], axis=0),
-        np.eye(num_waypoints + 2),
     )
 
 
