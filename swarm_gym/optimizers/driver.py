@@ -1,11 +1,11 @@
 """The compiled calls of an optimizer: many swarms begun, or resized and advanced by one iteration.
 
 What is the same for all optimizers is written here once, and compiled for each of them: its `Rules`, a
-NamedTuple without content, stands for its kernels, which `Optimizer` enters below.
+NamedTuple without content, stands for its `Kernels`, which `Optimizer` enters below.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -27,7 +27,6 @@ from swarm_gym.problem.tables import Table, select
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-Kernels = dict[type, Callable[..., Any]]
 
 
 @kernel
@@ -70,18 +69,37 @@ def adopt_population(
     adopt_members(swarms, b, table, work, size)
 
 
-BEGIN: Kernels = {}
-ADOPT: Kernels = {}
-RESIZE: Kernels = {}
-ITERATE: Kernels = {}
+class Kernels(NamedTuple):
+    """What an optimizer does to one swarm.
 
-# Of one swarm, each like the kernel above that is the same for most optimizers:
-begin = kernel_by_class(BEGIN)
-adopt = kernel_by_class(ADOPT)
-change_size = kernel_by_class(RESIZE)
-# iterate(rules, swarms, b, table, work, repair_degree, knobs): the moves, repairs and evaluations of an
-# iteration; it ends early where the evaluation budget is spent.
-iterate = kernel_by_class(ITERATE)
+    Attributes:
+        iterate: (rules, swarms, b, table, work, repair_degree, knobs) the moves, repairs and evaluations of
+            an iteration; it ends early where the evaluation budget is spent.
+        begin: draws a first population, see `draw_population`.
+        adopt: takes given positions as the first population, see `adopt_population`.
+        change_size: grows or shrinks a population, see `resize_population`.
+    """
+
+    iterate: Callable[..., None]
+    begin: Callable[..., None] = draw_population
+    adopt: Callable[..., None] = adopt_population
+    change_size: Callable[..., None] = resize_population
+
+
+_BY_RULES: dict[str, dict[type, Callable[..., None]]] = {name: {} for name in Kernels._fields}
+
+iterate, begin, adopt, change_size = (kernel_by_class(_BY_RULES[name]) for name in Kernels._fields)
+
+
+def enter(rules: type, kernels: Kernels) -> None:
+    """Let `rules` stand for these kernels.
+
+    Its name must be its own, since Numba tells NamedTuples apart by their names.
+    """
+    taken = {other.__name__ for other in _BY_RULES["iterate"]}
+    assert rules.__name__ not in taken, f"optimizers need rules of their own, got {rules} again"
+    for name, own in kernels._asdict().items():
+        _BY_RULES[name][rules] = own
 
 
 @kernel

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import kernel
+from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, evaluate_path
 from swarm_gym.problem.tables import Table, repair
@@ -112,9 +113,4 @@ class EliteGenetic(Optimizer):
         "mutation": Knob(0.01, 0.0, 1.0, "pm", "probability that a gene is drawn anew", (0.001, 1.0)),
     }
     rules = EliteGeneticRules
-    iterate = staticmethod(iterate)
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """Each member is evaluated once."""
-        return evaluations
+    kernels = driver.Kernels(iterate)

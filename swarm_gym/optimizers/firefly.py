@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
+from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import (
     Swarms,
@@ -96,7 +97,7 @@ class Firefly(Optimizer):
 
     name = "firefly"
     rules = FireflyRules
-    iterate = staticmethod(iterate)
+    kernels = driver.Kernels(iterate)
     knobs: ClassVar[dict[str, Knob]] = {
         "noise": Knob(
             2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)

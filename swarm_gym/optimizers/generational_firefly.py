@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import kernel
+from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, evaluate_path
 from swarm_gym.problem.tables import Table, repair
@@ -97,9 +98,4 @@ class GenerationalFirefly(Optimizer):
         ),
     }
     rules = GenerationalFireflyRules
-    iterate = staticmethod(iterate)
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """Each firefly is evaluated once."""
-        return evaluations
+    kernels = driver.Kernels(iterate)

@@ -11,12 +11,13 @@ then the lengths of the lists.
 """
 
 import math
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import kernel
+from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, adopt_members, evaluate_path, outlives
 from swarm_gym.problem.tables import Table, repair
@@ -403,18 +404,10 @@ class Multivariate(Optimizer):
             20.0, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.02, 200.0)
         ),
     }
-    rules: ClassVar[type] = MultivariateRules
-    iterate: ClassVar[Any] = staticmethod(iterate)
-    begin: ClassVar[Any] = staticmethod(begin)
-    adopt: ClassVar[Any] = staticmethod(adopt)
-    change_size: ClassVar[Any] = staticmethod(change_size)
+    rules = MultivariateRules
+    kernels = driver.Kernels(iterate, begin, adopt, change_size)
 
     @staticmethod
     def num_registers(capacity: int) -> int:
         """The number of regions, the lengths of their lists, and points that are drawn besides."""
         return 2 + num_regions(capacity)
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """As many points are drawn as there are members."""
-        return evaluations

@@ -1,7 +1,5 @@
 """What an optimizer offers to the simulation that drives it."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -36,7 +34,7 @@ class Knob:
     decided: tuple[float, float] | None = None
 
 
-class Optimizer(ABC):
+class Optimizer:
     """Names, parameters and kernels of an optimizer, and the two calls that advance swarms by them.
 
     All arrays have a leading swarm axis of length B. Both calls change `swarms` in place, and leave
@@ -46,29 +44,18 @@ class Optimizer(ABC):
         name: what it is registered as.
         knobs: its parameters, by name.
         smallest_population: the least size that it can work with.
-        rules: its class in `driver`, whose kernels the others are.
-        iterate: the kernel of an iteration.
-        begin: the kernel that draws the first population.
-        adopt: the kernel that takes given positions as the first population.
-        change_size: the kernel that grows and shrinks a population.
+        rules: what stands for its kernels in `driver`.
+        kernels: what it does to a swarm.
     """
 
     name: ClassVar[str]
     knobs: ClassVar[dict[str, Knob]]
     smallest_population: ClassVar[int] = 1
     rules: ClassVar[type]
-    iterate: ClassVar[Callable[..., None]]
-    begin: ClassVar[Callable[..., None]] = staticmethod(driver.draw_population)
-    adopt: ClassVar[Callable[..., None]] = staticmethod(driver.adopt_population)
-    change_size: ClassVar[Callable[..., None]] = staticmethod(driver.resize_population)
+    kernels: ClassVar[driver.Kernels]
 
     def __init_subclass__(cls) -> None:
-        # Numba tells NamedTuples apart by their names.
-        assert cls.rules.__name__ == f"{cls.__name__}Rules"
-        driver.ITERATE[cls.rules] = cls.iterate
-        driver.BEGIN[cls.rules] = cls.begin
-        driver.ADOPT[cls.rules] = cls.adopt
-        driver.RESIZE[cls.rules] = cls.change_size
+        driver.enter(cls.rules, cls.kernels)
 
     @classmethod
     def initialise(
@@ -128,9 +115,9 @@ class Optimizer(ABC):
         return 0
 
     @staticmethod
-    @abstractmethod
     def affordable_size(evaluations: NDArray[np.float64]) -> NDArray[np.float64]:
         """Real-valued population sizes, (B,), whose iterations take about that many evaluations, (B,)."""
+        return evaluations
 
     @classmethod
     def decided_knobs(cls) -> dict[int, Knob]:

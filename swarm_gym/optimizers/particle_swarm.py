@@ -5,7 +5,7 @@ the MOA paper prints (Li et al., Acta Electronica Sinica 44(9), 2016). The limit
 values and what happens at the bounds are not printed: readings, see docs/readings.md.
 """
 
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,18 +148,10 @@ class ParticleSwarm(Optimizer):
             0.2, 0.0, 1.0, "vmax", "largest change of a component, in ranges", (0.001, 1.0)
         ),
     }
-    rules: ClassVar[type] = ParticleSwarmRules
-    iterate: ClassVar[Any] = staticmethod(iterate)
-    begin: ClassVar[Any] = staticmethod(begin)
-    adopt: ClassVar[Any] = staticmethod(adopt)
-    change_size: ClassVar[Any] = staticmethod(change_size)
+    rules = ParticleSwarmRules
+    kernels = driver.Kernels(iterate, begin, adopt, change_size)
 
     @staticmethod
     def memory_columns(dimension: int) -> int:
         """Velocity, best position, and its fitness."""
         return 2 * columns(dimension) + 1
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """Each particle is evaluated once."""
-        return evaluations
