@@ -155,22 +155,27 @@ def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int)
 
 @kernel
 def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
-    """Add members uniform in the box that the population spans (eq. 12).
+    """Add members uniform in the box that the population spans (eq. 12)."""
+    lower, upper = span(swarms.positions[b], swarms.size[b], table)
+    add_members(swarms, b, table, work, new_size - swarms.size[b], lower, upper)
 
-    Where the population has no extent in a component, the bounds of the workspace stand in.
+
+@kernel
+def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
+    """Lower and upper corner, (C,) each, of the box that the first `count` positions, (M, C), span.
+
+    Where they have no extent in a component, the bounds of the workspace stand in.
     """
-    size, width = swarms.size[b], swarms.positions.shape[2]
-    lower, upper = np.empty(width), np.empty(width)
-    for k in range(width):
-        lower[k], upper[k] = math.inf, -math.inf
-    for i in range(size):
+    width = positions.shape[1]
+    lower, upper = np.full(width, math.inf), np.full(width, -math.inf)
+    for i in range(count):
         for k in range(width):
-            lower[k] = min(lower[k], swarms.positions[b, i, k])
-            upper[k] = max(upper[k], swarms.positions[b, i, k])
+            lower[k] = min(lower[k], positions[i, k])
+            upper[k] = max(upper[k], positions[i, k])
     for k in range(width):
         if lower[k] >= upper[k]:
             lower[k], upper[k] = table.lower[k], table.upper[k]
-    add_members(swarms, b, table, work, new_size - size, lower, upper)
+    return lower, upper
 
 
 @kernel

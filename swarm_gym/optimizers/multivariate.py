@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, adopt_members, evaluate_path, outlives
+from swarm_gym.population import Swarms, Workspace, adopt_members, evaluate_path, outlives, span
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
@@ -49,6 +49,13 @@ class Structure(NamedTuple):
 def num_regions(size: int) -> int:
     """n: the largest whose heads and full lists are no more than `size` members, but at least one."""
     return max(int((math.sqrt(9.0 + 8.0 * size) - 3.0) / 2.0), 1)
+
+
+@kernel
+def num_besides(size: int) -> int:
+    """What `size` has beyond heads and full lists: members that are drawn anywhere besides."""
+    count = num_regions(size)
+    return max(size - count * (count + 3) // 2, 0)
 
 
 @kernel
@@ -83,9 +90,16 @@ def _unpack(swarms: Swarms, b: int, num_columns: int) -> Structure:
 
 @kernel
 def _copy_in(structure: Structure, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
-    structure.position[column, entry] = swarms.positions[b, row]
-    structure.fitness[column, entry] = swarms.fitness[b, row]
-    structure.collision[column, entry] = swarms.collision[b, row]
+    _put(structure, column, entry, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row])
+
+
+@kernel
+def _put(
+    structure: Structure, column: int, entry: int, position: Floats, fitness: float, collision: float
+) -> None:
+    structure.position[column, entry] = position
+    structure.fitness[column, entry] = fitness
+    structure.collision[column, entry] = collision
 
 
 @kernel
@@ -114,13 +128,19 @@ def _copy_out(structure: Structure, column: int, entry: int, swarms: Swarms, b: 
 @kernel
 def _sort(structure: Structure) -> None:
     """Order the columns by the fitness of their heads; equals keep their order."""
+    for place in range(1, structure.used[0]):
+        _rank(structure, place)
+
+
+@kernel
+def _rank(structure: Structure, place: int) -> None:
+    """Move the column at that place of the order to the front of those with worse heads."""
     order = structure.order
-    for i in range(1, structure.used[0]):
-        column, k = order[i], i
-        while k > 0 and structure.fitness[column, 0] < structure.fitness[order[k - 1], 0]:
-            order[k] = order[k - 1]
-            k -= 1
-        order[k] = column
+    column = order[place]
+    while place > 0 and structure.fitness[column, 0] < structure.fitness[order[place - 1], 0]:
+        order[place] = order[place - 1]
+        place -= 1
+    order[place] = column
 
 
 @kernel
@@ -130,19 +150,13 @@ def _offer_head(structure: Structure, limit: int, position: Floats, fitness: flo
     if count == limit:
         if fitness >= structure.fitness[order[count - 1], 0]:
             return
-        column = order[count - 1]
     else:
-        column = count
+        order[count] = count
         structure.used[0] = count = count + 1
-    structure.position[column, 0] = position
-    structure.fitness[column, 0] = fitness
-    structure.collision[column, 0] = collision
+    column = order[count - 1]
+    _put(structure, column, 0, position, fitness, collision)
     structure.length[column] = 0
-    k = count - 1
-    while k > 0 and fitness < structure.fitness[order[k - 1], 0]:
-        order[k] = order[k - 1]
-        k -= 1
-    order[k] = column
+    _rank(structure, count - 1)
 
 
 @kernel
@@ -160,16 +174,19 @@ def _offer_local(
     while entry > 1 and fitness < structure.fitness[column, entry - 1]:
         _move_entry(structure, column, entry - 1, entry)
         entry -= 1
-    structure.position[column, entry] = position
-    structure.fitness[column, entry] = fitness
-    structure.collision[column, entry] = collision
+    _put(structure, column, entry, position, fitness, collision)
 
 
 @kernel
 def _move_entry(structure: Structure, column: int, source: int, target: int) -> None:
-    structure.position[column, target] = structure.position[column, source]
-    structure.fitness[column, target] = structure.fitness[column, source]
-    structure.collision[column, target] = structure.collision[column, source]
+    _put(
+        structure,
+        column,
+        target,
+        structure.position[column, source],
+        structure.fitness[column, source],
+        structure.collision[column, source],
+    )
 
 
 @kernel
@@ -252,10 +269,10 @@ def begin(
 ) -> None:
     """Draw the heads in the initial bounds, and lists around them."""
     count = num_regions(size)
-    extra = max(size - count * (count + 3) // 2, 0)
     structure = _make(count, swarms.positions.shape[2])
+    draws = count + num_besides(size)
     _search_anywhere(
-        structure, swarms, b, table, work, count + extra, count, table.initial_lower, table.initial_upper
+        structure, swarms, b, table, work, draws, count, table.initial_lower, table.initial_upper
     )
     _search_around(structure, swarms, b, table, work, 0.0, knobs[0])
     _pack(structure, swarms, b)
@@ -326,31 +343,17 @@ def change_size(
     What the asked size has beyond heads and full lists is drawn anywhere in the next iteration.
     """
     count, before = num_regions(size), swarms.registers[b, 0]
-    swarms.registers[b, -1] = max(size - count * (count + 3) // 2, 0)
+    swarms.registers[b, -1] = num_besides(size)
     if count == before:
         return
     structure = _unpack(swarms, b, max(count, before))
     if count > before:
-        lower, upper = _extent(structure, table)
+        lower, upper = span(swarms.positions[b], before, table)  # eq. 12 of the SPSFA paper
         _search_anywhere(structure, swarms, b, table, work, count - before, count, lower, upper)
     else:
         for _ in range(before - count):
             _drop_worst(structure)
     _pack(structure, swarms, b)
-
-
-@kernel
-def _extent(structure: Structure, table: Table) -> tuple[Floats, Floats]:
-    """The box that the heads span (eq. 12 of the SPSFA paper); the bounds where they span none."""
-    width = structure.position.shape[2]
-    lower, upper = np.empty(width), np.empty(width)
-    for k in range(width):
-        low, high = math.inf, -math.inf
-        for column in range(structure.used[0]):
-            low = min(low, structure.position[column, 0, k])
-            high = max(high, structure.position[column, 0, k])
-        lower[k], upper[k] = (low, high) if low < high else (table.lower[k], table.upper[k])
-    return lower, upper
 
 
 @kernel
