@@ -100,6 +100,14 @@ def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tupl
     return fitness, collision
 
 
+@inlined_kernel
+def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Workspace) -> None:
+    """Evaluate `work.path` as `evaluate_path` does, and make it that member."""
+    swarms.fitness[b, member], swarms.collision[b, member] = evaluate_path(swarms, b, table, work)
+    for k in range(swarms.positions.shape[2]):
+        swarms.positions[b, member, k] = work.path[k + 1]
+
+
 @kernel
 def add_members(
     swarms: Swarms,
@@ -113,15 +121,10 @@ def add_members(
     """Append up to `count` members uniform in [lower, upper], shape (C,), while the budget lasts."""
     width = lower.shape[0]
     for _ in range(min(count, swarms.budget[b] - swarms.evaluations[b])):
-        member = swarms.size[b]
         fill_uniform(swarms.stream[b], work.noise)
-        position = swarms.positions[b, member]
         for k in range(width):
-            position[k] = lower[k] + (upper[k] - lower[k]) * work.noise[k]  # eq. 12
-            work.path[k + 1] = position[k]
-        fitness, collision = evaluate_path(swarms, b, table, work)
-        swarms.fitness[b, member] = fitness
-        swarms.collision[b, member] = collision
+            work.path[k + 1] = lower[k] + (upper[k] - lower[k]) * work.noise[k]  # eq. 12
+        evaluate_member(swarms, b, swarms.size[b], table, work)
         swarms.size[b] += 1
 
 
@@ -131,7 +134,7 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
     for i in range(count):
         for k in range(swarms.positions.shape[2]):
             work.path[k + 1] = swarms.positions[b, i, k]
-        swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
+        evaluate_member(swarms, b, i, table, work)
     swarms.size[b] = count
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.population import Swarms, Workspace, evaluate_member
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
@@ -55,9 +55,7 @@ def iterate(
             path[k + 1] = min(max(path[k + 1], table.lower[k]), table.upper[k])
         if repair_degree > 0.0 and fitness[i] > brightest:
             repair(table, path, repair_degree)
-        swarms.fitness[b, i], swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
-        for k in range(columns):
-            swarms.positions[b, i, k] = path[k + 1]
+        evaluate_member(swarms, b, i, table, work)
 
 
 @kernel

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.population import Swarms, Workspace, evaluate_member
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
@@ -124,15 +124,11 @@ def iterate(
             path[k + 1] = reached
         if repair_degree > 0.0:
             repair(table, path, repair_degree)
-        fitness, swarms.collision[b, i] = evaluate_path(swarms, b, table, work)
-        swarms.fitness[b, i] = fitness
-        is_better = fitness < memory[2 * width]
-        for k in range(width):
-            position[k] = path[k + 1]
-            if is_better:
+        evaluate_member(swarms, b, i, table, work)
+        if swarms.fitness[b, i] < memory[2 * width]:
+            for k in range(width):
                 memory[width + k] = path[k + 1]
-        if is_better:
-            memory[2 * width] = fitness
+            memory[2 * width] = swarms.fitness[b, i]
 
 
 class ParticleSwarm(Optimizer):
