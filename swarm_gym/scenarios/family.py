@@ -9,6 +9,9 @@ from swarm_gym.scenarios.scenario import Scenario
 
 AnyScenario = Scenario | GridScenario
 
+# The pattern of a number in a name: no sign and no leading zero, so that a scenario has one name.
+NUMBER = "(?:0|[1-9][0-9]{0,8})"
+
 
 class Family(NamedTuple):
     """How the names of a family are read.
@@ -27,9 +30,6 @@ class Family(NamedTuple):
 
 
 def parse_numbers(text: str) -> range:
-    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text.
-
-    No sign and no leading zero: a scenario has one name.
-    """
-    match = re.fullmatch(r"(0|[1-9][0-9]{0,8})(?:-(0|[1-9][0-9]{0,8}))?", text)
+    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text."""
+    match = re.fullmatch(rf"({NUMBER})(?:-({NUMBER}))?", text)
     return range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)

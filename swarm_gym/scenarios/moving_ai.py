@@ -18,7 +18,7 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.data_files import find_data_file, open_file, stamp_of
-from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 
@@ -33,7 +33,6 @@ MAX_PROBLEM_FILE = 2**26  # bytes
 _HEADER_LINES = 4
 _LONGEST_LINE = 1024
 _BLANK_END = 64  # bytes of white space that may follow the last row
-_INTEGER = "0|[1-9][0-9]{0,8}"
 
 # What the byte of a cell means: 0 free, 1 blocked, 2 neither.
 _MEANING = np.full(256, 2, dtype=np.uint8)
@@ -151,7 +150,7 @@ def _cached_problems(path: Path, _stamp: tuple[int, int]) -> list[tuple[int, Ben
 
 def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
     """Map, numbers of problems and, in their stead, cells of start and goal."""
-    cell = rf"({_INTEGER}),({_INTEGER})"
+    cell = rf"({NUMBER}),({NUMBER})"
     if match := re.fullmatch(rf"{NAME}:(.+)\?start={cell}&goal={cell}", name):
         x, y, goal_x, goal_y = map(int, match.groups()[1:])
         cells, problems = ((x, y), (goal_x, goal_y)), range(0)
@@ -241,7 +240,7 @@ def _parse_problem(path: Path, line: int, text: bytes) -> BenchmarkProblem:
         raise _malformed(path, line, f"expected ASCII, got {_shown(text)}")
     integers = []
     for field in (fields[0], *fields[2:8]):
-        if not re.fullmatch(_INTEGER, field.decode()):
+        if not re.fullmatch(NUMBER, field.decode()):
             raise _malformed(path, line, f"expected an integer, got {_shown(field)}")
         integers.append(int(field))
     if not re.fullmatch(rb"[0-9]{1,15}(\.[0-9]{0,30})?(e[+-]?[0-9]{1,2})?", fields[8]):
