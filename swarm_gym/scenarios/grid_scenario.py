@@ -8,7 +8,7 @@ import numpy as np
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.grid_map import Cell, GridMap
-from swarm_gym.scenarios.scenario import Point
+from swarm_gym.scenarios.scenario import Point, require_numbers
 
 # Cells that pictures show around what can be reached.
 SURROUNDINGS = 3
@@ -85,13 +85,7 @@ class GridScenario:
 
     def _check(self, role: str) -> Cell:
         """The cell of start or target, which are stored as floats."""
-        given = getattr(self, role)
-        try:
-            x, y = (float(value) for value in given)
-        except (TypeError, ValueError, OverflowError) as error:
-            raise ScenarioError(f"{self._where()}: {role} must be (x, y), got {given!r}") from error
-        if not (math.isfinite(x) and math.isfinite(y)):
-            raise ScenarioError(f"{self._where()}: {role} must be finite, got {given!r}")
+        x, y = require_numbers(self._where(), role, getattr(self, role), 2)
         object.__setattr__(self, role, (x, y))
         x_min, y_min, x_max, y_max = self.map.extent
         if not (x_min <= x <= x_max and y_min <= y <= y_max):

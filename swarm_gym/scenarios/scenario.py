@@ -19,7 +19,7 @@ class Circle:
     radius: float
 
     def __post_init__(self) -> None:
-        _numbers(self, "(x, y, radius)", (self.x, self.y, self.radius), 3)
+        require_numbers(self, "(x, y, radius)", (self.x, self.y, self.radius), 3)
         if self.radius <= 0:
             raise ScenarioError(f"{self}: the radius must be positive, got {self.radius!r}")
 
@@ -36,7 +36,8 @@ class Polygon:
 
     def __post_init__(self) -> None:
         vertices = tuple(
-            _numbers(self, "a vertex", vertex, 2) for vertex in _sequence(self, "vertices", self.vertices)
+            require_numbers(self, "a vertex", vertex, 2)
+            for vertex in _sequence(self, "vertices", self.vertices)
         )
         if len(vertices) < 3:
             raise ScenarioError(f"{self}: a polygon needs at least 3 vertices, got {len(vertices)}")
@@ -116,7 +117,7 @@ class Scenario:
         for part, length in (("start", 2), ("target", 2), ("workspace", 4), ("initial_range", 2)):
             given = getattr(self, part)
             if part != "initial_range" or given is not None:
-                object.__setattr__(self, part, _numbers(where, part, given, length))
+                object.__setattr__(self, part, require_numbers(where, part, given, length))
         x_min, y_min, x_max, y_max = self.workspace
         if not (x_min < x_max and y_min < y_max):
             raise ScenarioError(f"{where}: the workspace {self.workspace} is empty")
@@ -158,7 +159,7 @@ def _sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
         raise ScenarioError(f"{where}: {part} must be a sequence, got {values!r}") from error
 
 
-def _numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
+def require_numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
     """The values as a tuple of that many finite floats.
 
     Raises:
