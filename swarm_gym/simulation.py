@@ -209,10 +209,9 @@ class Simulation:
         vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
         if len(self.problems) == 1:
             return self.problems[0].points(vectors)
-        paths = np.empty((self.num_swarms, *self.problems[0].points(vectors[0]).shape))
-        for number in np.unique(numbers):
-            paths[numbers == number] = self.problems[number].points(vectors[numbers == number])
-        return paths
+        # One problem after the other, then in the order of the swarms again.
+        found = [self.problems[number].points(vectors[numbers == number]) for number in np.unique(numbers)]
+        return np.concatenate(found)[np.argsort(np.argsort(numbers, kind="stable"))]
 
     def positions(self, row: int) -> Floats:
         """Positions of the living members of a swarm, (size, dimension), a view."""
