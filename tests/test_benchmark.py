@@ -24,8 +24,8 @@ from experiments.speed.measurement import (
 from experiments.speed.numpy_firefly import NumpyFirefly
 from experiments.speed.page import write_page
 from experiments.speed.peers import bezier
-from experiments.speed.peers.bezier import Peer
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
+from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import AnalyticProblem, GridProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
@@ -94,7 +94,7 @@ def test_the_numpy_fitness_knows_the_size_of_cells_and_where_they_lie():
 
 @pytest.mark.parametrize("optimizer", bezier.OURS)
 def test_our_optimizers_of_curves_are_measured_more_than_once(optimizer):
-    once = bezier.ours_per_evaluation(optimizer)
+    once = ours_per_evaluation(bezier.environment(optimizer))
     assert once() > 0
     assert once() > 0
 
@@ -115,8 +115,7 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
     assert runs == [(name, 65, 100) for name in ("cost in NumPy", "our compiled cost")]
     measured = [Measurement(q.name, q.unit, n + 1.0, n + 1.0, n + 1.0) for n, q in enumerate(quantities)]
     found = medians(measured)
-    ratios = medians(bezier.summary(peers, measured))
-    assert ratios == {
+    assert medians(ratios(measured)) == {
         f"{name} / swarm_gym": found[name] / found[ours]
         for ours, name in (
             ("particle-swarm: swarm_gym", "particle-swarm: A, cost in NumPy"),
@@ -220,7 +219,7 @@ def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, wi
     groups = {name: counted(name) for name in GROUPS}
     write_measurements(tmp_path / "benchmark.json", groups)
     if with_peers:
-        ratios = [
+        cases = [
             Measurement(f"{case}: {peer} / swarm_gym", "times", 7.0, 7.0, 7.0)
             for case in CASES
             for peer in ("NumPy", NUMPY_COST)
@@ -229,7 +228,7 @@ def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, wi
             Measurement(f"particle-swarm: A, {cost} / swarm_gym", "times", 9.0, 9.0, 9.0)
             for cost in (IN_NUMPY, "our compiled cost")
         ]
-        write_measurements(tmp_path / "peers.json", {"peers": ratios, "bezier-peers": curves})
+        write_measurements(tmp_path / "peers.json", {"peers": cases, "bezier-peers": curves})
     page = write_page(tmp_path).read_text()
     for measurements in groups.values():
         for m in measurements:

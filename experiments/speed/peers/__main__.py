@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
 from experiments.speed.peers import bezier, with_niapy, with_pygmo, with_pymoo, with_pyswarms
-from experiments.speed.peers.bezier import Peer
+from experiments.speed.peers.runs import Peer, ratios
 
 PEERS = (
     Peer("pyswarms GlobalBestPSO", "particle-swarm", with_pyswarms.particle_swarm),
@@ -35,7 +35,7 @@ def main() -> None:
     config = tyro.cli(PeersConfig, description=__doc__)
     file = config.output / "peers.json"
     fireflies = _measured(list(with_niapy.quantities()), config.repeats, with_niapy.summary)
-    curves = _measured(list(bezier.quantities(PEERS)), config.repeats, lambda m: bezier.summary(PEERS, m))
+    curves = _measured(list(bezier.quantities(PEERS)), config.repeats, ratios)
     write_measurements(file, {"peers": fireflies, "bezier-peers": curves})
     for m in fireflies + curves:
         print(f"{m.name:65} {m.median:10.4g} {m.unit}")

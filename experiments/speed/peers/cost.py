@@ -1,4 +1,4 @@
-"""The fitness on a grid map as the cost function of other libraries: in NumPy, and compiled."""
+"""The fitness of a problem as the cost function of other libraries: in NumPy, and compiled."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from experiments.speed.measurement import IN_NUMPY
 from experiments.speed.numpy_bezier import numpy_fitness
 from swarm_gym.jit import kernel
-from swarm_gym.problem import GridProblem
-from swarm_gym.problem.grid import GridTable
+from swarm_gym.problem import GridProblem, Problem
 from swarm_gym.problem.layout import columns
-from swarm_gym.problem.tables import evaluate
+from swarm_gym.problem.tables import Table, evaluate
 
 Floats = NDArray[np.float64]
 
@@ -26,12 +25,12 @@ class Cost(NamedTuple):
 
 
 def numpy_cost(problem: GridProblem) -> Cost:
-    """What one writes without a compiler."""
+    """What one writes without a compiler on a grid map."""
     fitness = numpy_fitness(problem)
     return Cost(IN_NUMPY, lambda vector: float(fitness(vector)), fitness)
 
 
-def compiled_cost(problem: GridProblem) -> Cost:
+def compiled_cost(problem: Problem) -> Cost:
     """Our kernel, with as little Python around it as can be."""
     table, path = problem.table, np.zeros(columns(problem.dimension) + 1)
     one = np.empty((1, problem.dimension))
@@ -51,7 +50,7 @@ def compiled_cost(problem: GridProblem) -> Cost:
 
 
 @kernel
-def _evaluate_all(table: GridTable, vectors: Floats, path: Floats, fitness: Floats) -> None:
+def _evaluate_all(table: Table, vectors: Floats, path: Floats, fitness: Floats) -> None:
     """Fitness, (m,), of decision vectors (m, dimension); `path` is room for one of them."""
     for i in range(vectors.shape[0]):
         for k in range(vectors.shape[1]):

@@ -8,13 +8,13 @@ from typing import Any
 import pygmo
 
 from experiments.speed.peers.cost import Cost, Floats
-from swarm_gym.problem import GridProblem
+from swarm_gym.problem import Problem
 
 
 class OneByOne:
     """A problem for pygmo that evaluates one member a call."""
 
-    def __init__(self, problem: GridProblem, cost: Cost):
+    def __init__(self, problem: Problem, cost: Cost):
         self.bounds = tuple(bound.tolist() for bound in problem.bounds)
         self.cost = cost
 
@@ -35,7 +35,7 @@ class Together(OneByOne):
         return self.cost.of_many(vectors.reshape(-1, len(self.bounds[0])))
 
 
-def particle_swarm(problem: GridProblem, cost: Cost, size: int, iterations: int) -> int:
+def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
     """A run with the default parameters; returns its evaluations."""
     swarm = pygmo.pso_gen(gen=iterations, seed=0)
     swarm.set_bfe(pygmo.bfe())
@@ -43,7 +43,7 @@ def particle_swarm(problem: GridProblem, cost: Cost, size: int, iterations: int)
     return _evolve(swarm, population)
 
 
-def genetic(problem: GridProblem, cost: Cost, size: int, iterations: int) -> int:
+def genetic(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
     """A run with the default parameters; returns its evaluations."""
     population = pygmo.population(OneByOne(problem, cost), size, seed=0)
     return _evolve(pygmo.sga(gen=iterations, seed=0), population)

@@ -8,13 +8,13 @@ from pymoo.core.problem import Problem as PymooProblem
 from pymoo.optimize import minimize
 
 from experiments.speed.peers.cost import Cost, Floats
-from swarm_gym.problem import GridProblem
+from swarm_gym.problem import Problem
 
 
 class PathProblem(PymooProblem):
     """A problem for pymoo, which evaluates a population in one call."""
 
-    def __init__(self, problem: GridProblem, cost: Cost):
+    def __init__(self, problem: Problem, cost: Cost):
         lower, upper = problem.bounds
         super().__init__(n_var=problem.dimension, n_obj=1, xl=lower, xu=upper)
         self.cost = cost
@@ -23,12 +23,12 @@ class PathProblem(PymooProblem):
         out["F"] = self.cost.of_many(x)
 
 
-def particle_swarm(problem: GridProblem, cost: Cost, size: int, iterations: int) -> int:
+def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
     """A run with the default parameters; returns its evaluations."""
     return _minimize(PathProblem(problem, cost), PSO(pop_size=size), iterations)
 
 
-def genetic(problem: GridProblem, cost: Cost, size: int, iterations: int) -> int:
+def genetic(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
     """A run with the default operators; returns its evaluations."""
     return _minimize(PathProblem(problem, cost), GA(pop_size=size), iterations)
 

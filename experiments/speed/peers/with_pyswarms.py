@@ -6,13 +6,13 @@ import tempfile
 import numpy as np
 
 from experiments.speed.peers.cost import Cost
-from swarm_gym.problem import GridProblem
+from swarm_gym.problem import Problem
 
 # It has no defaults; these are c1, c2 and the last inertia weight of the MOA paper's PSO-w.
 PARAMETERS = {"c1": 1.49445, "c2": 1.49445, "w": 0.5}
 
 
-def particle_swarm(problem: GridProblem, cost: Cost, size: int, iterations: int) -> int:
+def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
     """A run with these parameters; returns its evaluations."""
     # pyswarms opens a log file in the working directory, when it is imported and whenever a swarm is made.
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
