@@ -23,10 +23,11 @@ from experiments.speed.measurement import (
 )
 from experiments.speed.numpy_firefly import NumpyFirefly
 from experiments.speed.page import write_page
-from experiments.speed.peers import bezier
+from experiments.speed.peers import bezier, fish
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.problem import AnalyticProblem, GridProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -123,6 +124,49 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
             ("elite-genetic: swarm_gym", "elite-genetic: B, cost in NumPy"),
             ("elite-genetic: swarm_gym", "elite-genetic: B, our compiled cost"),
         )
+    }
+
+
+FISH_SWARM_IS_THERE = fish.OURS in OPTIMIZERS
+
+
+def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
+    assert fish.rastrigin(np.zeros(10)) == 0.0
+    assert fish.rastrigin(np.ones(10)) == pytest.approx(10.0)
+    assert fish.rastrigin(np.array([0.5, 2.0])) == pytest.approx(20.25 + 4.0)
+
+
+@pytest.mark.skipif(not FISH_SWARM_IS_THERE, reason="there is no fish swarm")
+@pytest.mark.parametrize("scenario", [fish.FUNCTION, fish.CASE])
+def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
+    problem = fish.environment(scenario).simulation.problems[0]
+    vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
+    fitness = [problem.evaluate(vector)[0] for vector in vectors]
+    for cost in (fish.numpy_cost(scenario), compiled_cost(problem)):
+        assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
+        assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
+
+
+@pytest.mark.skipif(not FISH_SWARM_IS_THERE, reason="there is no fish swarm")
+def test_a_fish_swarm_is_measured_on_both_problems_and_compared_with_ours():
+    runs = []
+
+    def run(problem, cost, size, iterations):
+        runs.append((problem.dimension, cost.name, size, iterations))
+        return size * (iterations + 1)
+
+    quantities = list(fish.quantities((Peer("A", fish.OURS, run),)))
+    for quantity in quantities:
+        assert quantity.once() > 0
+    costs = ("cost in NumPy", "our compiled cost")
+    assert runs == [(dimension, cost, 100, 10) for dimension in (10, 31) for cost in costs]
+    measured = [Measurement(q.name, q.unit, n + 1.0, n + 1.0, n + 1.0) for n, q in enumerate(quantities)]
+    found = medians(measured)
+    assert medians(ratios(measured)) == {
+        f"{scenario}: A, {cost} / swarm_gym": found[f"{scenario}: A, {cost}"]
+        / found[f"{scenario}: swarm_gym"]
+        for scenario in (fish.FUNCTION, fish.CASE)
+        for cost in costs
     }
 
 
@@ -228,7 +272,9 @@ def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, wi
             Measurement(f"particle-swarm: A, {cost} / swarm_gym", "times", 9.0, 9.0, 9.0)
             for cost in (IN_NUMPY, "our compiled cost")
         ]
-        write_measurements(tmp_path / "peers.json", {"peers": cases, "bezier-peers": curves})
+        schools = [Measurement(f"case1: B, {IN_NUMPY} / swarm_gym", "times", 8.0, 8.0, 8.0)]
+        measured = {"peers": cases, "bezier-peers": curves, "fish-peers": schools}
+        write_measurements(tmp_path / "peers.json", measured)
     page = write_page(tmp_path).read_text()
     for measurements in groups.values():
         for m in measurements:
@@ -236,6 +282,7 @@ def test_the_page_shows_every_quantity_and_the_headline_its_numbers(tmp_path, wi
     head = page.split("**")[2]  # below the caption of the first table
     assert (f"| case2: {NUMPY_COST} / swarm_gym | 7 |" in head) == with_peers
     assert ("| particle-swarm: A, cost in NumPy / swarm_gym | 9 |" in head) == with_peers
+    assert ("| case1: B, cost in NumPy / swarm_gym | 8 |" in head) == with_peers
     assert "our compiled cost" not in head
     found = {m.name: m.median for m in groups["environments"] + groups["moves"]}
     for name in (environments.name(64, 60, ALL_THREADS), "case2: NumPy / swarm_gym"):

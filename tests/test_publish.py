@@ -45,7 +45,9 @@ def documents(tmp_path, monkeypatch):
         for cost in ("cost in NumPy", "our compiled cost")
     ]
     curves = [Measurement("elite-genetic: A, cost in NumPy / swarm_gym", "times", 1.5, 1.0, 2.0)]
-    write_measurements(tmp_path / "speed/peers.json", {"peers": ratios, "bezier-peers": curves})
+    fish = [Measurement("case1: A, cost in NumPy / swarm_gym", "times", 2.5, 2.0, 3.0)]
+    groups = {"peers": ratios, "bezier-peers": curves, "fish-peers": fish}
+    write_measurements(tmp_path / "speed/peers.json", groups)
     write_page(tmp_path / "speed")
     return tmp_path
 
@@ -60,6 +62,7 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     assert "| single environment, 30 members | 1.5 | 1 to 2 |" in performance
     assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
     assert performance.count("| elite-genetic: A, cost in NumPy / swarm_gym | 1.5 |") == 2
+    assert performance.count("| case1: A, cost in NumPy / swarm_gym | 2.5 |") == 2
     published = {p.name for p in (documents / "docs/results").iterdir()}
     assert published == {"README.md", "a.svg", "growth.svg"}
 

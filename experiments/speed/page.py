@@ -29,9 +29,10 @@ CAPTIONS = {
     "training": "PPO training",
     "peers": "The same FA-60 run beside others, per evaluation",
     "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
+    "fish-peers": "Artificial fish swarms beside others, per evaluation",
 }
 # The groups of peers.json, which may not have been measured.
-OF_PEERS = ("peers", "bezier-peers")
+OF_PEERS = ("peers", "bezier-peers", "fish-peers")
 
 
 def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
@@ -95,13 +96,18 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
     """The few quantities that tell most, each with the group that it is of."""
     moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
     peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
-    curves = [m.name for m in groups.get("bezier-peers", []) if m.name.endswith(f"{IN_NUMPY} / swarm_gym")]
+    others = [
+        (group, m.name)
+        for group in ("bezier-peers", "fish-peers")
+        for m in groups.get(group, [])
+        if m.name.endswith(f"{IN_NUMPY} / swarm_gym")
+    ]
     threads = machine["threads"]
     chosen = [
         ("moves", "move with evaluation, mean of the cases"),
         *moves,
         *peers,
-        *(("bezier-peers", name) for name in curves),
+        *others,
         *(("moves", f"{case}: FA-60 run of 100 iterations") for case in CASES),
         ("environments", "single environment, 60 members"),
         *(("environments", vector_name(width, 60, threads)) for width in (64, 4096)),

@@ -8,9 +8,18 @@ import tyro
 from tqdm import tqdm
 
 from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
-from experiments.speed.peers import bezier, with_niapy, with_pygmo, with_pymoo, with_pyswarms
+from experiments.speed.peers import (
+    bezier,
+    fish,
+    with_niapy,
+    with_pygmo,
+    with_pymoo,
+    with_pyswarms,
+    with_scikit_opt,
+)
 from experiments.speed.peers.runs import Peer, ratios
 
+FISH = (Peer("scikit-opt AFSA", fish.OURS, with_scikit_opt.fish_swarm),)
 PEERS = (
     Peer("pyswarms GlobalBestPSO", "particle-swarm", with_pyswarms.particle_swarm),
     Peer("pygmo pso_gen", "particle-swarm", with_pygmo.particle_swarm),
@@ -36,8 +45,9 @@ def main() -> None:
     file = config.output / "peers.json"
     fireflies = _measured(list(with_niapy.quantities()), config.repeats, with_niapy.summary)
     curves = _measured(list(bezier.quantities(PEERS)), config.repeats, ratios)
-    write_measurements(file, {"peers": fireflies, "bezier-peers": curves})
-    for m in fireflies + curves:
+    schools = _measured(list(fish.quantities(FISH)), config.repeats, ratios)
+    write_measurements(file, {"peers": fireflies, "bezier-peers": curves, "fish-peers": schools})
+    for m in fireflies + curves + schools:
         print(f"{m.name:65} {m.median:10.4g} {m.unit}")
     print(f"written: {file}")
 

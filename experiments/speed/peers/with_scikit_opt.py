@@ -1,0 +1,47 @@
+"""Runs of scikit-opt: its artificial fish swarm.
+
+`AFSA` of scikit-opt 0.6.6 knows no bounds and draws its fish in the unit cube; here they begin where ours do.
+Its step is a share of the way to a target, where ours is a length, and its crowding a factor between costs,
+where ours is a share of the fish. It evaluates fish in sight again before one of them is followed: every call
+of the cost counts.
+
+Do not compare what it finds: its `move_to_target` compares with `best_Y` but stores into `best_x, best_y`, so
+that the best it reports gets worse.
+"""
+
+import numpy as np
+from sko.AFSA import AFSA
+
+from experiments.speed.peers.cost import Cost, Floats
+from swarm_gym.problem import Problem
+
+# Those of our fish swarm; lengths in ranges of a component.
+TRIES, VISUAL, STEP, CROWDING = 5, 0.3, 0.1, 0.6
+
+
+def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
+    """A run with these parameters; returns how often it called the cost."""
+    calls = 0
+
+    def counted(vector: Floats) -> float:
+        nonlocal calls
+        calls += 1
+        return cost.of_one(vector)
+
+    lower, upper = problem.bounds
+    np.random.seed(0)  # noqa: NPY002 (scikit-opt draws from NumPy's global generator)
+    swarm = AFSA(
+        counted,
+        problem.dimension,
+        size_pop=size,
+        max_iter=iterations,
+        max_try_num=TRIES,
+        step=STEP / VISUAL,
+        visual=VISUAL * float(np.mean(upper - lower)),
+        q=1.0,
+        delta=CROWDING,
+    )
+    swarm.X[:] = np.random.default_rng(0).uniform(*problem.initial_bounds, swarm.X.shape)
+    swarm.Y[:] = [counted(fish) for fish in swarm.X]
+    swarm.run()
+    return calls
