@@ -4,6 +4,7 @@ import math
 
 import naive
 import naive_optimizers
+import naive_swarm
 import numpy as np
 import shapely
 
@@ -185,7 +186,7 @@ def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, parallel
 def oracle_twin(optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0):
     """The first swarm of `begin` in plain Python."""
     stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
-    oracle = naive_optimizers.oracle_of(problem)
+    oracle = naive_swarm.oracle_of(problem)
     twin = naive_optimizers.NAIVE[optimizer](oracle, stream, iterations, budget)
     if population is None:
         twin.begin(size)

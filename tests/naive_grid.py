@@ -138,6 +138,7 @@ class Problem:
         self.path = kind(problem.scenario, problem.num_points)
         self.dimension, self.lower, self.upper = self.path.dimension, self.path.lower, self.path.upper
         self.initial_lower, self.initial_upper = self.lower, self.upper
+        self.unit_length = math.sqrt(self.dimension)
         self._nearest = problem.table.nearest
 
     def nearest_free(self, column, row):
@@ -148,14 +149,17 @@ class Problem:
 
     def infeasible(self, vector):
         """Of each sample, whether its cell is blocked or outside."""
-        return [is_blocked(self.map, *cell_of(self.map, *point)) for point in self.path.samples(vector)]
+        return self.are_infeasible(self.path.samples(vector))
+
+    def are_infeasible(self, samples):
+        return [is_blocked(self.map, *cell_of(self.map, *point)) for point in samples]
 
     def cost(self, vector):
         """Fitness and degree of collision."""
         samples = self.path.samples(vector)
         pieces = list(itertools.pairwise(samples))
         length = math.fsum(math.dist(a, b) for a, b in pieces)
-        count = sum(self.infeasible(vector))
+        count = sum(self.are_infeasible(samples))
         return length + self.penalty * count, count * length / len(pieces)
 
     def runs(self, vector):
