@@ -6,6 +6,7 @@ At the end, those of all optimizers by name.
 import math
 
 import naive
+from naive_fish import FishSwarm, HybridFishSwarm, ImprovedFishSwarm
 from naive_swarm import Swarm, scaled
 
 
@@ -208,4 +209,7 @@ NAIVE = {
     "particle-swarm": ParticleSwarm,
     "elite-genetic": EliteGenetic,
     "multivariate": Multivariate,
+    "fish-swarm": FishSwarm,
+    "improved-fish-swarm": ImprovedFishSwarm,
+    "hybrid-fish-swarm": HybridFishSwarm,
 }
