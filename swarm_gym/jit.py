@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
+from numba.core.registry import CPUDispatcher
 from numba.extending import overload
 
 from swarm_gym.files import digest_of_sources, user_cache
@@ -55,6 +56,22 @@ def inlined_kernel(function: Function) -> Function:
     return _compile(function, forceinline=True)
 
 
+def inner_kernel(function: Function) -> Function:
+    """Like `kernel`, for what only kernels call; from Python it is called uncompiled.
+
+    The code by which Python calls a kernel is not compiled: half the time of a small one with many arrays.
+    """
+    return _called_by_kernels(_compile(function, no_cpython_wrapper=True))
+
+
+def merged_kernel(function: Function) -> Function:
+    """Like `inner_kernel`, and copied into its callers before these are compiled.
+
+    For large kernels that have one caller or two: code is optimised anew at each level of calls.
+    """
+    return _called_by_kernels(_compile(function, no_cpython_wrapper=True, inline="always"))
+
+
 def parallel_kernel(function: Function) -> Function:
     """Like `kernel`, with the iterations of `numba.prange` spread over threads."""
     return _compile(function, parallel=True)
@@ -73,17 +90,29 @@ def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., An
         chosen = kernels.get(getattr(table, "instance_class", type(None)))
         return getattr(chosen, "py_func", chosen)
 
-    overload(call, strict=False, jit_options={"forceinline": True})(choose)
+    overload(call, strict=False, jit_options={"forceinline": True, "error_model": "numpy"})(choose)
     return call
 
 
-def _compile(function: Function, **options: bool) -> Function:
+class _InnerDispatcher(CPUDispatcher):
+    def __call__(self, *arguments: Any) -> Any:
+        return self.py_func(*arguments)
+
+
+def _called_by_kernels(dispatcher: Any) -> Any:
+    if isinstance(dispatcher, CPUDispatcher):
+        dispatcher.__class__ = _InnerDispatcher
+    return dispatcher
+
+
+def _compile(function: Function, **options: Any) -> Function:
     if numba.config.DISABLE_JIT:
         # Words of a random stream wrap around by design; NumPy's scalars would warn of it.
         return np.errstate(over="ignore")(function)
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+        options |= {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        return numba.njit(**options)(function)
     finally:
         numba.config.CACHE_DIR = previous

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel, kernel_by_class, parallel_kernel
+from swarm_gym.jit import inner_kernel, kernel, kernel_by_class, merged_kernel, parallel_kernel
 from swarm_gym.population import (
     Swarms,
     Workspace,
@@ -29,7 +29,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@kernel
+@inner_kernel
 def draw_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -43,7 +43,7 @@ def draw_population(
     add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
 
 
-@kernel
+@inner_kernel
 def resize_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -56,7 +56,7 @@ def resize_population(
     resize(swarms, b, table, work, size)
 
 
-@kernel
+@inner_kernel
 def adopt_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -102,7 +102,7 @@ def enter(rules: type, kernels: Kernels) -> None:
         _BY_RULES[name][rules] = own
 
 
-@kernel
+@merged_kernel
 def step_swarm(
     rules: Any,
     swarms: Swarms,

@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, kernel
+from swarm_gym.jit import inlined_kernel, inner_kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
@@ -62,7 +62,7 @@ class FireflyRules(NamedTuple):
     """Chooses the kernels of this optimizer; see `driver`."""
 
 
-@kernel
+@inner_kernel
 def iterate(
     rules: FireflyRules,  # noqa: ARG001
     swarms: Swarms,

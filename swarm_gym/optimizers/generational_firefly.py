@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
+from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, evaluate_member
@@ -27,7 +27,7 @@ class GenerationalFireflyRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@kernel
+@inner_kernel
 def iterate(
     rules: GenerationalFireflyRules,  # noqa: ARG001
     swarms: Swarms,
@@ -58,7 +58,7 @@ def iterate(
         evaluate_member(swarms, b, i, table, work)
 
 
-@kernel
+@inner_kernel
 def _approach(
     table: Table,
     work: Workspace,

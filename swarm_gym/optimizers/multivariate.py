@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
+from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.optimizers.regions import (
@@ -41,7 +41,7 @@ class MultivariateRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@kernel
+@inner_kernel
 def _search_anywhere(
     regions: Regions,
     swarms: Swarms,
@@ -64,7 +64,7 @@ def _search_anywhere(
         offer_head(regions, limit, work.path[1:], fitness, collision)
 
 
-@kernel
+@inner_kernel
 def _search_around(
     regions: Regions,
     swarms: Swarms,
@@ -96,7 +96,7 @@ def _search_around(
     sort_regions(regions)
 
 
-@kernel
+@inner_kernel
 def begin(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -115,7 +115,7 @@ def begin(
     write_regions(regions, swarms, b)
 
 
-@kernel
+@inner_kernel
 def adopt(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -151,7 +151,7 @@ def adopt(
     write_regions(regions, swarms, b)
 
 
-@kernel
+@inner_kernel
 def _ranked(fitness: Floats) -> Integers:
     """Members by fitness, equals in order; NumPy's sort would take longer to compile than the rest to run."""
     ranked = np.zeros(fitness.shape[0], np.int64)
@@ -164,7 +164,7 @@ def _ranked(fitness: Floats) -> Integers:
     return ranked
 
 
-@kernel
+@inner_kernel
 def change_size(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -191,7 +191,7 @@ def change_size(
     write_regions(regions, swarms, b)
 
 
-@kernel
+@inner_kernel
 def iterate(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
+from swarm_gym.jit import inner_kernel
 from swarm_gym.population import Swarms, outlives
 
 Floats = NDArray[np.float64]
@@ -32,20 +32,20 @@ class Regions(NamedTuple):
     order: Integers  # (N,) of the columns, best head first
 
 
-@kernel
+@inner_kernel
 def num_regions(size: int) -> int:
     """n: the largest whose heads and full lists are no more than `size` members, but at least one."""
     return max(int((math.sqrt(9.0 + 8.0 * size) - 3.0) / 2.0), 1)
 
 
-@kernel
+@inner_kernel
 def num_besides(size: int) -> int:
     """What `size` has beyond heads and full lists: members that are drawn anywhere besides."""
     count = num_regions(size)
     return max(size - count * (count + 3) // 2, 0)
 
 
-@kernel
+@inner_kernel
 def make_regions(num_columns: int, width: int) -> Regions:
     """An empty table with room for that many regions, of positions with C = `width` columns."""
     shape = (num_columns, num_columns + 1)
@@ -59,7 +59,7 @@ def make_regions(num_columns: int, width: int) -> Regions:
     )
 
 
-@kernel
+@inner_kernel
 def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
     """The table of swarm `b`, with room for that many regions."""
     regions = make_regions(num_columns, swarms.positions.shape[2])
@@ -76,12 +76,12 @@ def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
     return regions
 
 
-@kernel
+@inner_kernel
 def _copy_in(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
     _put(regions, column, entry, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row])
 
 
-@kernel
+@inner_kernel
 def _put(
     regions: Regions, column: int, entry: int, position: Floats, fitness: float, collision: float
 ) -> None:
@@ -90,7 +90,7 @@ def _put(
     regions.collision[column, entry] = collision
 
 
-@kernel
+@inner_kernel
 def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     """Write the table back: heads in order, then the lists, cut to the lengths of their places."""
     count, row = regions.used[0], regions.used[0]
@@ -106,21 +106,21 @@ def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     swarms.size[b] = row
 
 
-@kernel
+@inner_kernel
 def _copy_out(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
     swarms.positions[b, row] = regions.position[column, entry]
     swarms.fitness[b, row] = regions.fitness[column, entry]
     swarms.collision[b, row] = regions.collision[column, entry]
 
 
-@kernel
+@inner_kernel
 def sort_regions(regions: Regions) -> None:
     """Order the columns by the fitness of their heads; equals keep their order."""
     for place in range(1, regions.used[0]):
         _rank(regions, place)
 
 
-@kernel
+@inner_kernel
 def _rank(regions: Regions, place: int) -> None:
     """Move the column at that place of the order ahead of all with worse heads."""
     order = regions.order
@@ -131,7 +131,7 @@ def _rank(regions: Regions, place: int) -> None:
     order[place] = column
 
 
-@kernel
+@inner_kernel
 def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, collision: float) -> None:
     """Enter a point as the head of a region without a list, where it is among the best `limit`."""
     count, order = regions.used[0], regions.order
@@ -147,7 +147,7 @@ def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, c
     _rank(regions, count - 1)
 
 
-@kernel
+@inner_kernel
 def offer_local(
     regions: Regions, column: int, limit: int, position: Floats, fitness: float, collision: float
 ) -> None:
@@ -165,7 +165,7 @@ def offer_local(
     _put(regions, column, entry, position, fitness, collision)
 
 
-@kernel
+@inner_kernel
 def _move_entry(regions: Regions, column: int, source: int, target: int) -> None:
     _put(
         regions,
@@ -177,7 +177,7 @@ def _move_entry(regions: Regions, column: int, source: int, target: int) -> None
     )
 
 
-@kernel
+@inner_kernel
 def promote(regions: Regions, column: int, limit: int) -> None:
     """Where the best of a list is better than its head, let them change places."""
     if regions.length[column] == 0 or regions.fitness[column, 1] >= regions.fitness[column, 0]:
@@ -190,7 +190,7 @@ def promote(regions: Regions, column: int, limit: int) -> None:
     offer_local(regions, column, limit, position, fitness, collision)
 
 
-@kernel
+@inner_kernel
 def drop_worst(regions: Regions) -> None:
     """Drop the region whose head `population.shrink` would delete first."""
     count, order = regions.used[0], regions.order
