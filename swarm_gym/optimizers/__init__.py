@@ -21,6 +21,9 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "particle-swarm": ("swarm_gym.optimizers.particle_swarm", "ParticleSwarm"),
     "elite-genetic": ("swarm_gym.optimizers.elite_genetic", "EliteGenetic"),
     "multivariate": ("swarm_gym.optimizers.multivariate", "Multivariate"),
+    "fish-swarm": ("swarm_gym.optimizers.fish_swarm", "FishSwarm"),
+    "improved-fish-swarm": ("swarm_gym.optimizers.improved_fish_swarm", "ImprovedFishSwarm"),
+    "hybrid-fish-swarm": ("swarm_gym.optimizers.hybrid_fish_swarm", "HybridFishSwarm"),
 }
 
 

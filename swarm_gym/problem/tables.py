@@ -5,12 +5,13 @@ A table of each kind is a NamedTuple with at least the fields `dimension` and `l
 array (C + 1,): a zero, then a decision vector, padded.
 """
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel_by_class
+from swarm_gym.jit import kernel, kernel_by_class
 from swarm_gym.problem import cost, grid, grid_cost, grid_repair, waypoints
 from swarm_gym.problem import repair as shift_repair
 from swarm_gym.problem.grid import GridTable
@@ -26,6 +27,16 @@ repair = kernel_by_class({WaypointTable: shift_repair.repair, GridTable: grid_re
 
 # select(tables, index) -> one problem out of stacked tables, as views
 select = kernel_by_class({WaypointTable: waypoints.select, GridTable: grid.select})
+
+
+@kernel
+def _root_of_dimension(table: Any) -> float:
+    return math.sqrt(float(table.dimension))
+
+
+# unit_length(table) -> the Euclidean length that a distance of 1 has, where components are measured in their
+# ranges: components of a path are averaged over, so that distances do not grow with their number.
+unit_length = kernel_by_class({WaypointTable: _root_of_dimension, GridTable: _root_of_dimension})
 
 
 def stack(tables: list[Table]) -> Table:
