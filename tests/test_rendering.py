@@ -11,9 +11,9 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.utils.env_checker import check_env
 
 import swarm_gym  # noqa: F401
-from swarm_gym import rendering
-from swarm_gym.rendering import Renderer, Scene
+from swarm_gym.rendering import Renderer, Scene, pen
 from swarm_gym.scenarios import Circle, Polygon, Scenario
+from swarm_gym.simulation import HISTORY
 
 pygame = pytest.importorskip("pygame")
 
@@ -45,14 +45,14 @@ def empty_scene(scenario, **changes):
         scenario=scenario,
         paths=np.empty((0, 3, 2)),
         feasible=np.empty(0, dtype=np.bool_),
-        best_path=straight(scenario),
+        best_path=np.zeros((3, 2)),
         best_fitness=np.inf,
         best_feasible=False,
         iteration=0,
         iterations=10,
         evaluations=0,
         max_population_size=20,
-        courses={name: np.zeros(1) for name in rendering.HISTORY},
+        courses={name: np.zeros(1) for name in HISTORY},
     )
     return replace(scene, **changes)
 
@@ -138,8 +138,8 @@ def test_a_scene_tells_the_state_of_its_swarm():
 @pytest.mark.parametrize(
     ("feasible", "colour", "other"),
     [
-        (True, rendering.FEASIBLE, rendering.COLLIDING),
-        (False, rendering.COLLIDING, rendering.FEASIBLE),
+        (True, pen.FEASIBLE, pen.COLLIDING),
+        (False, pen.COLLIDING, pen.FEASIBLE),
     ],
 )
 def test_feasible_and_colliding_members_have_their_colours(feasible, colour, other):
@@ -169,7 +169,7 @@ def test_the_best_path_lies_on_top_of_the_members():
         feasible=np.ones(30, bool),
     )
     best = replace(members, best_path=straight(OPEN_MAP, 80.0), best_fitness=300.0)
-    before, after = (places(Renderer().frame(scene), rendering.BEST) for scene in (members, best))
+    before, after = (places(Renderer().frame(scene), pen.BEST) for scene in (members, best))
     assert len(after) > len(before) + 500
 
 
@@ -207,7 +207,7 @@ def test_obstacles_do_not_leave_the_workspace():
     bare = Renderer().frame(empty_scene(OPEN_MAP))
     scenario = replace(OPEN_MAP, obstacles=outside, workspace=workspace)
     rows, columns = changed(bare, Renderer().frame(empty_scene(scenario))).T
-    border = places(bare, rendering.FAINT_INK, 5)
+    border = places(bare, pen.FAINT_INK, 5)
     right = border[border[:, 1] < 700, 1].max()
     assert columns.max() <= right
     assert rows.min() > 50
@@ -220,15 +220,15 @@ def test_a_new_scenario_gets_its_own_map():
     np.testing.assert_array_equal(renderer.frame(case2), Renderer().frame(case2))
 
 
-@pytest.mark.parametrize("course", rendering.HISTORY[:3])
+@pytest.mark.parametrize("course", HISTORY[:3])
 def test_every_chart_shows_its_course(course):
-    flat = {name: np.array([0.5, 1.0, 0.5]) for name in rendering.HISTORY}
+    flat = {name: np.array([0.5, 1.0, 0.5]) for name in HISTORY}
     bent = {**flat, course: np.array([0.5, 0.1, 0.5])}
     scenes = [
         empty_scene(OPEN_MAP, iteration=2, max_population_size=1, courses=courses) for courses in (flat, bent)
     ]
     places_changed = changed(*(Renderer().frame(scene) for scene in scenes))
-    third = rendering.HISTORY.index(course)
+    third = HISTORY.index(course)
     assert len(places_changed) > 50
     assert set((places_changed[:, 0] - 10) // 170) == {third}
     assert places_changed[:, 1].min() > 690

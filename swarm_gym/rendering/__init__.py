@@ -1,0 +1,6 @@
+"""Pictures of a running swarm with pygame, which is imported only for the first of them."""
+
+from swarm_gym.rendering.renderer import Renderer
+from swarm_gym.rendering.scene import Scene
+
+__all__ = ["Renderer", "Scene"]

@@ -1,0 +1,95 @@
+"""What pictures are drawn with: colours, lengths, and a pen on a pygame surface."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gymnasium.error import DependencyNotInstalled
+from numpy.typing import NDArray
+
+from swarm_gym.scenarios import Point
+
+if TYPE_CHECKING:
+    import pygame
+
+Floats = NDArray[np.float64]
+Colour = tuple[int, int, int]
+
+# The hues are Okabe and Ito's, which colour-blind readers can tell apart too.
+FEASIBLE: Colour = (0, 114, 178)
+COLLIDING: Colour = (230, 120, 0)
+START: Colour = (0, 158, 115)
+TARGET: Colour = (204, 80, 150)
+BEST: Colour = (17, 17, 17)
+INK: Colour = (40, 44, 52)
+FAINT_INK: Colour = (110, 116, 126)
+OBSTACLE: Colour = (192, 197, 206)
+SHADE: Colour = (226, 229, 234)
+MAP: Colour = (249, 249, 246)
+PAPER: Colour = (255, 255, 255)
+
+# Pygame smooths no thick lines, so that everything is drawn larger than it is shown.
+OVERSAMPLING = 2
+
+# Lengths in these files are meant for a picture of this size, in pixels, and scale with it.
+DESIGN, SMALLEST_SCALE = (960, 520), 0.8
+MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
+SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
+
+
+class Pen:
+    """Draws on an oversampled surface, whose pixels `px` counts."""
+
+    def __init__(self, surface: "pygame.Surface"):
+        self.surface = surface
+        self.width, self.height = surface.get_size()
+        fits = self.width / DESIGN[0], self.height / DESIGN[1]
+        self.scale = max(min(fits), SMALLEST_SCALE * OVERSAMPLING)
+        pygame = self.pygame = require_pygame()
+        self.draw = pygame.draw
+        # Made anew, because fonts do not outlive a `pygame.quit` of somebody else.
+        pygame.font.init()
+        self._fonts = {size: pygame.font.Font(None, self.px(size)) for size in SIZES}
+
+    def px(self, length: float) -> int:
+        """Convert a length of the design to pixels of the surface, at least one."""
+        return max(1, round(length * self.scale))
+
+    def lines(self, colour: Colour, lines: Floats, width: float) -> None:
+        """Draw lines (m, k, 2), with round joints where they are thick."""
+        thickness = self.px(width)
+        for line in lines:
+            self.draw.lines(self.surface, colour, False, line, thickness)
+            for point in line[1:-1] if thickness > 3 else ():
+                self.draw.circle(self.surface, colour, point, thickness / 2)
+
+    def dashes(self, colour: Colour, lines: Floats, width: float) -> None:
+        """Draw lines (m, k, 2) dashed, with one to three dashes per segment."""
+        steps = np.diff(lines, axis=1).reshape(-1, 2)
+        counts = np.clip(np.hypot(*steps.T) // self.px(14), 1, 3).astype(np.int64)
+        segment = np.repeat(np.arange(len(steps)), counts)
+        number = np.arange(len(segment)) - (np.cumsum(counts) - counts)[segment]
+        dash = (steps / counts[:, None])[segment]
+        # Where a line begins its dashes differs between lines, lest neighbours leave common gaps.
+        shift = 0.4 * (0.618 * (segment // (lines.shape[1] - 1)) % 1.0)
+        begins = lines[:, :-1].reshape(-1, 2)[segment] + (number + shift)[:, None] * dash
+        ends, thickness = begins + 0.6 * dash, self.px(width)
+        for x0, y0, x1, y1 in zip(*begins.T.tolist(), *ends.T.tolist(), strict=True):
+            self.draw.line(self.surface, colour, (x0, y0), (x1, y1), thickness)
+
+    def text(self, text: str, at: Point, anchor: str, size: int = SMALL) -> "pygame.Rect":
+        """Write text, small text faintly, at the point that pygame's rectangles call `anchor`."""
+        image = self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
+        return self.surface.blit(image, image.get_rect(**{anchor: at}))
+
+
+def require_pygame() -> Any:
+    """Pygame, which is imported only for the first picture.
+
+    Raises:
+        DependencyNotInstalled: if it is missing.
+    """
+    try:
+        import pygame
+    except ImportError as error:
+        raise DependencyNotInstalled('pygame: run `pip install "swarm_gym[render]"`') from error
+    return pygame
