@@ -108,8 +108,10 @@ class TrainConfig:
 
     def env_options(self) -> dict[str, Any]:
         """Options of the environments, for training and validation."""
+        # Of test functions the default says nothing either.
+        encoding = {} if self.encoding == TrainConfig.encoding else {"encoding": self.encoding}
         return {
-            "encoding": self.encoding,
+            **encoding,
             "iterations": self.iterations,
             "min_population_size": self.min_population_size,
             "max_population_size": self.max_population_size,

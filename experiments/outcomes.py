@@ -12,7 +12,7 @@ from experiments.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.reference import known_optimum
+from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import make_problem
 
 Floats = NDArray[np.float64]
@@ -106,7 +106,7 @@ class Outcomes:
 
     @cached_property
     def gap(self) -> Floats:
-        """(controllers, scenarios, seeds) optimality gap, (fitness - optimum) / optimum.
+        """(controllers, scenarios, seeds) optimality gap, see `gap_to_optimum`.
 
         Raises:
             ScenarioError: for scenarios whose optimum is not known.
@@ -118,7 +118,7 @@ class Outcomes:
                 f"gaps need the optimum, which is not known for {len(unknown)} of {len(optima)} scenarios, "
                 f"the first of them {unknown[0]}"
             )
-        return (self.fitness - optima[:, None]) / optima[:, None]
+        return gap_to_optimum(self.fitness, optima[:, None])
 
     def sample(self, group: str, scenario_set: str) -> Sample:
         """Runs of a group on a set, by their keys."""

@@ -15,7 +15,7 @@ RENDER_MODES = ("human", "rgb_array")
 
 
 class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
-    """A swarm optimizer on a path-planning scenario; one step is one iteration.
+    """A swarm optimizer on a path-planning scenario, or on a test function; one step is one iteration.
 
     Between two iterations a controller sees how badly the population collides, and decides how large the
     next population is and how strongly infeasible paths are repaired.
@@ -42,12 +42,16 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     Reward (`progress`): log(gap before / gap after) - price * evaluations / reference_evaluations, with
     gap = best fitness so far - its lower bound: mu * straight line, on grid maps the straight line.
 
+    On test functions nothing collides: E(P) is 0 throughout, all members are feasible, and the repair degree
+    changes nothing. The lower bound is 0, and so is the optimum; see docs/scenarios.md.
+
     The episode is terminated after `iterations` steps, or when `max_evaluations` are spent. `reset` evaluates
     the first population: its E(P) is the first observation. Its seed fixes scenario and trajectory; its
     options are `scenario`, `initial_population_size` and `initial_population`.
 
     `info`: best_fitness, best_collision, best_path (k, 2), evaluations, population_size, feasible_share,
-    repair_degree, scenario; and at the end optimality_gap, where the optimum is known.
+    repair_degree, scenario; and at the end optimality_gap, where the optimum is known. On a test function the
+    path is the vector in parallel coordinates.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.

@@ -87,6 +87,13 @@ def _log_progress(simulation: Simulation) -> Floats:
     return np.log(np.divide(before, now, out=np.ones_like(now), where=np.isfinite(now)))
 
 
+def _log_relative_fitness(simulation: Simulation) -> Floats:
+    """(B,) log(best fitness / lower bound); log(1 + best fitness) where that is 0, of test functions."""
+    numbers = simulation.swarms.problem
+    bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
+    return np.log((simulation.swarms.best_fitness + (unit - bound)) / unit)
+
+
 def _spent(simulation: Simulation) -> Floats:
     """(B,) share of the budget that is spent; 0 without a budget."""
     if simulation.settings.max_evaluations is None:
@@ -118,11 +125,7 @@ EXTENDED = (
         _one,
     ),
     Feature("feasible share", _summary(3), _one),
-    Feature(
-        "log(best fitness / lower bound)",
-        lambda s: np.log(s.swarms.best_fitness / s.lower_bounds[s.swarms.problem]),
-        lambda _: 4.0,
-    ),
+    Feature("log(best fitness / lower bound)", _log_relative_fitness, lambda _: 4.0),
     Feature(
         "log(E(P) / first E(P)) / 8",
         lambda s: np.log((1.0 + s.swarms.summary[:, 0]) / (1.0 + s.history[:, 0, 0])) / 8.0,

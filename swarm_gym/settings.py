@@ -1,17 +1,24 @@
 """The options of an environment: one documented dataclass for single and vector environments."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
+from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem
 from swarm_gym.problem.grid_problem import ENCODINGS, MAX_POINTS
-from swarm_gym.scenarios import AnyScenario, Scenario, make_scenarios
+from swarm_gym.scenarios import (
+    AnyScenario,
+    FunctionScenario,
+    GridScenario,
+    Scenario,
+    make_scenarios,
+)
 
 
 @dataclass(frozen=True)
@@ -20,8 +27,9 @@ class Settings:
 
     Attributes:
         scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed;
-            a name with a range of numbers stands for all of them.
-        encoding: how decision vectors are read, "waypoints" or, on grid maps, "bezier".
+            a name with a range of numbers stands for all of them. All are of one kind.
+        encoding: how decision vectors are read, "waypoints" or, on grid maps, "bezier"; test functions take
+            them as they are.
         num_waypoints: n, the number of waypoints of a path.
         num_control_points: of a Bezier curve, without start and target.
         length_weight: mu in (0, 1], the weight of the length in the fitness on analytic maps.
@@ -95,57 +103,49 @@ class Settings:
         settings._refuse_unused(values)
         return settings
 
-    def scenarios(self) -> list[AnyScenario]:
+    @cached_property
+    def scenarios(self) -> tuple[AnyScenario, ...]:
         """The scenarios that episodes draw from.
 
         Raises:
             SettingError: if there is none.
         """
         given = self.scenario if isinstance(self.scenario, tuple) else (self.scenario,)
-        scenarios = [scenario for name in given for scenario in make_scenarios(name)]
+        scenarios = tuple(scenario for name in given for scenario in make_scenarios(name))
         if not scenarios:
             raise SettingError("scenario: the list of scenarios is empty")
         return scenarios
 
     def problems(self) -> list[Problem]:
-        """The problems of these scenarios, all on maps of one kind.
+        """The problems of these scenarios, all of one kind and dimension.
 
         Raises:
-            SettingError: if there is none, if maps are of both kinds, or if the encoding needs another kind.
+            SettingError: if there is none, if they differ in kind or dimension, or if the encoding needs
+                another kind.
         """
-        scenarios = self.scenarios()
-        for scenario in scenarios[1:]:
-            if type(scenario) is not type(scenarios[0]):
+        first, kind = self.scenarios[0], _kind_of(self.scenarios[0])
+        for scenario in self.scenarios:
+            if (other := _kind_of(scenario)) is not kind:
+                raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
+        problems = [kind.problem(self, scenario) for scenario in self.scenarios]
+        dimension = problems[0].dimension
+        for problem in problems:
+            if problem.dimension != dimension:
                 raise SettingError(
-                    f"scenario: {scenarios[0].name!r} and {scenario.name!r} cannot be in one environment: "
-                    f"one has a grid map and the other an analytic one"
+                    _clash(first, problem.scenario, "dimensions", dimension, problem.dimension)
                 )
-        return list(map(self._problem, scenarios))
-
-    def _problem(self, scenario: AnyScenario) -> Problem:
-        if isinstance(scenario, Scenario):
-            if self.encoding != "waypoints":
-                raise SettingError(
-                    f"encoding {self.encoding!r} needs a grid map; scenario {scenario.name!r} is analytic"
-                )
-            return AnalyticProblem(scenario, self.num_waypoints, self.length_weight)
-        option = "num_waypoints" if self.encoding == "waypoints" else "num_control_points"
-        num_points = getattr(self, option)
-        require_integer(option, num_points, 1, MAX_POINTS)
-        return GridProblem(scenario, self.encoding, num_points, self.penalty)
+        return problems
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
-        """Refuse options that say something about another kind of map or encoding."""
-        uses = {"length_weight": "analytic maps", "penalty": "grid maps"}
-        uses |= {"num_control_points": "encoding 'bezier'", "num_waypoints": "encoding 'waypoints'"}
-        named = [name for name in given if name in uses]
-        if not named:
-            return
-        is_analytic = isinstance(self.scenarios()[0], Scenario)
-        kind = "analytic maps" if is_analytic else "grid maps"
-        for name in named:
-            if uses[name] not in (kind, f"encoding {self.encoding!r}"):
-                raise SettingError(f"option {name!r} is for {uses[name]} only; it would change nothing")
+        """Refuse options that say something about another kind of scenario or encoding."""
+        for name in (name for name in given if name in PROBLEM_OPTIONS):
+            kind = _kind_of(self.scenarios[0])
+            if name not in kind.options:
+                raise SettingError(f"option {name!r} says nothing about {kind.name}; it would change nothing")
+            if name in POINTS.values() and name != POINTS[self.encoding]:
+                raise SettingError(
+                    f"option {name!r} says nothing about encoding {self.encoding!r}; it would change nothing"
+                )
 
     def draw_price(self, generator: np.random.Generator) -> float:
         """The price of an episode."""
@@ -169,6 +169,62 @@ class Settings:
     def check_population_size(self, name: str, value: object) -> None:
         """Refuse what is not a population size inside the limits."""
         require_integer(name, value, self.min_population_size, self.max_population_size)
+
+
+def _analytic_problem(settings: Settings, scenario: Scenario) -> Problem:
+    if settings.encoding != "waypoints":
+        raise SettingError(
+            f"encoding {settings.encoding!r} needs a grid map; scenario {scenario.name!r} is analytic"
+        )
+    return AnalyticProblem(scenario, settings.num_waypoints, settings.length_weight)
+
+
+def _grid_problem(settings: Settings, scenario: GridScenario) -> Problem:
+    option = POINTS[settings.encoding]
+    num_points = getattr(settings, option)
+    require_integer(option, num_points, 1, MAX_POINTS)
+    return GridProblem(scenario, settings.encoding, num_points, settings.penalty)
+
+
+def _function_problem(settings: Settings, scenario: FunctionScenario) -> Problem:  # noqa: ARG001
+    return FunctionProblem(scenario)
+
+
+class Kind(NamedTuple):
+    """What the settings say about scenarios of one class.
+
+    Attributes:
+        name: of such scenarios, in messages.
+        problem: makes the problem of one of them.
+        options: that say something about it.
+    """
+
+    name: str
+    problem: Callable[[Settings, Any], Problem]
+    options: tuple[str, ...]
+
+
+KINDS: dict[type, Kind] = {
+    Scenario: Kind("analytic maps", _analytic_problem, ("encoding", "num_waypoints", "length_weight")),
+    GridScenario: Kind(
+        "grid maps", _grid_problem, ("encoding", "num_waypoints", "num_control_points", "penalty")
+    ),
+    FunctionScenario: Kind("test functions", _function_problem, ()),
+}
+PROBLEM_OPTIONS = {option for kind in KINDS.values() for option in kind.options}
+# The option that says how many points there are, by encoding.
+POINTS = {"waypoints": "num_waypoints", "bezier": "num_control_points"}
+
+
+def _kind_of(scenario: AnyScenario) -> Kind:
+    return next(kind for scenarios, kind in KINDS.items() if isinstance(scenario, scenarios))
+
+
+def _clash(first: AnyScenario, second: AnyScenario, what: str, one: object, other: object) -> str:
+    return (
+        f"scenario: {first.name!r} and {second.name!r} cannot be in one environment: they are of different "
+        f"{what}, {one} and {other}"
+    )
 
 
 def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:

@@ -15,7 +15,7 @@ from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.problem.tables import stack
 from swarm_gym.random_stream import seed_stream
-from swarm_gym.reference import known_optimum
+from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import Settings
 
 Floats = NDArray[np.float64]
@@ -78,6 +78,7 @@ class Simulation:
         self.problems = settings.problems()
         self.dimension = self.problems[0].dimension
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
+        self.gap_units = np.array([problem.gap_unit for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
         self.tables = stack([problem.table for problem in self.problems])
         capacity = settings.max_population_size
@@ -183,13 +184,15 @@ class Simulation:
 
     def gap_of(self, fitness: Floats) -> Floats:
         """(B,) the same of another fitness of each swarm, (B,)."""
-        bound = self.lower_bounds[self.swarms.problem]
-        return np.maximum(fitness - bound, 1e-9 * bound)
+        bound, unit = self.lower_bounds[self.swarms.problem], self.gap_units[self.swarms.problem]
+        return np.maximum(fitness - bound, 1e-9 * unit)
 
     def optimality_gap(self) -> Floats:
-        """(B,) best fitness so far above the known optimum, relative to it; NaN where it is unknown."""
-        optimum = self.optima[self.swarms.problem]
-        return (self.swarms.best_fitness - optimum) / optimum
+        """(B,) best fitness so far above the known optimum, relative to it; NaN where it is unknown.
+
+        Where the optimum is 0, that of a test function, it is not relative.
+        """
+        return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
 
     def require_optima(self, purpose: str) -> None:
         """Refuse scenarios whose optimum is not known.
@@ -205,7 +208,7 @@ class Simulation:
                 )
 
     def best_paths(self) -> Floats:
-        """(B, k, 2) best paths so far in map coordinates."""
+        """(B, k, 2) best paths so far in map coordinates; without a map, see `Problem.points`."""
         vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
         if len(self.problems) == 1:
             return self.problems[0].points(vectors)
@@ -266,5 +269,5 @@ class Simulation:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
         lower, upper = self.tables.lower.max(axis=0)[:n], self.tables.upper.min(axis=0)[:n]
         if not ((array >= lower) & (array <= upper)).all():
-            raise SettingError("initial_population must be finite and inside the workspace")
+            raise SettingError("initial_population must be finite and inside the bounds of decision vectors")
         return array

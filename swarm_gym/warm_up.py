@@ -20,7 +20,8 @@ GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
 def warm_up() -> None:
     """Compile, or load from the cache, what environments of all optimizers run.
 
-    Single and vector environments on analytic maps, single ones on grid maps.
+    Single and vector environments on analytic maps, single ones on grid maps; none on test functions, whose
+    first use compiles.
     """
     for optimizer in OPTIMIZERS:
         warm_up_single(optimizer)

@@ -11,7 +11,7 @@ import shapely
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.population import Swarms, make_workspace
-from swarm_gym.problem import AnalyticProblem, GridProblem
+from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
@@ -72,6 +72,10 @@ def random_grid_scenario(seed, shape=(19, 26), rock=0.15, **geometry):
 
 def small_grid_problem(encoding="bezier", num_points=3, seed=0, **geometry):
     return GridProblem(random_grid_scenario(seed, **geometry), encoding, num_points)
+
+
+def function_problem(name):
+    return FunctionProblem(make_scenario(name))
 
 
 def turned(scenario, angle, shift=(0.0, 0.0)):

@@ -8,6 +8,7 @@ and `repaired`: `naive_grid.Problem`, or `Analytic` here.
 import math
 
 import naive
+import naive_functions
 import naive_grid
 
 
@@ -28,8 +29,15 @@ class Analytic:
         return naive.repaired(self.scenario, vector, repair_degree)
 
 
+ORACLES = {
+    "AnalyticProblem": Analytic,
+    "GridProblem": naive_grid.Problem,
+    "FunctionProblem": naive_functions.Problem,
+}
+
+
 def oracle_of(problem):
-    return Analytic(problem) if hasattr(problem, "length_weight") else naive_grid.Problem(problem)
+    return ORACLES[type(problem).__name__](problem)
 
 
 class Member:

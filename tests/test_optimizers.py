@@ -8,6 +8,7 @@ from builders import (
     advance,
     assert_same_as_oracle,
     begin,
+    function_problem,
     make_problem,
     oracle_twin,
     problem_of,
@@ -35,6 +36,8 @@ def problems():
         "polyline": small_grid_problem(
             "waypoints", 5, seed=5, resolution=0.05, origin=(-1.0, 2.0), y_up=True
         ),
+        "function": function_problem("function:rastrigin-3-shifted:1"),
+        "plain": function_problem("function:easom-2"),  # far from the optimum all fitness is 1
     }
 
 

@@ -235,10 +235,10 @@ def test_an_unknown_scenario_is_refused_with_the_form_of_families():
 
 
 def test_settings_put_the_fields_of_a_range_in_its_place():
-    made = Settings(("case2", "random-fields:train:3-5", "case1", "random-fields:train:4")).scenarios()
+    made = Settings(("case2", "random-fields:train:3-5", "case1", "random-fields:train:4")).scenarios
     numbers = [field.name.rpartition(":")[2] for field in made]
     assert numbers == ["case2", "3", "4", "5", "case1", "4"]
-    assert len(Settings("random-fields:train:0-9").scenarios()) == 10
+    assert len(Settings("random-fields:train:0-9").scenarios) == 10
 
 
 def test_episodes_draw_from_the_fields_of_a_range():

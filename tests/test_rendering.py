@@ -11,8 +11,9 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.utils.env_checker import check_env
 
 import swarm_gym  # noqa: F401
+from swarm_gym.problem import FunctionProblem
 from swarm_gym.rendering import Renderer, Scene, pen
-from swarm_gym.scenarios import Circle, Polygon, Scenario
+from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 from swarm_gym.simulation import HISTORY
 
 pygame = pytest.importorskip("pygame")
@@ -232,6 +233,58 @@ def test_every_chart_shows_its_course(course):
     assert len(places_changed) > 50
     assert set((places_changed[:, 0] - 10) // 170) == {third}
     assert places_changed[:, 1].min() > 690
+
+
+@pytest.mark.parametrize("name", ["function:booth-2", "function:sum-squares-1", "function:easom-500"])
+def test_members_on_a_test_function_are_dots_where_their_first_two_components_are(name):
+    problem = FunctionProblem(make_scenario(name))
+    low, high = problem.bounds
+    bare = empty_scene(problem.scenario, paths=np.empty((0, 2, 2)))
+
+    def centre(vector, as_member):
+        """Column and row of a dot, which has its colour."""
+        points = problem.points(vector)[:2]
+        scene = replace(bare, best_path=points, best_fitness=1.0)
+        if as_member:
+            scene = replace(bare, paths=points[None], feasible=np.ones(1, bool))
+        # Below the swarm is the legend.
+        before, after = (Renderer().frame(each)[55:335, :700] for each in (bare, scene))
+        colour = pen.FEASIBLE if as_member else pen.BEST
+        assert len(places(after, colour)) > len(places(before, colour)) + 10
+        return changed(before, after).mean(axis=0)[::-1]
+
+    first, second = 0.6 * high, 0.3 * low
+    ways = [centre(first, as_member) - centre(second, as_member) for as_member in (True, False)]
+    np.testing.assert_allclose(ways[0], ways[1], atol=1.0)
+    assert ways[0][0] > 100
+    assert ways[0][1] == pytest.approx(0.0 if problem.dimension == 1 else -ways[0][0], abs=1.0)
+    third = np.where(np.arange(problem.dimension) < 2, first, second)
+    np.testing.assert_array_equal(centre(third, True), centre(first, True))
+
+
+def test_a_test_function_is_lightest_at_its_optimum_and_nowhere_as_dark_as_a_dot():
+    scenario = make_scenario("function:sum-squares-2-shifted:1")
+    ground = Renderer().frame(empty_scene(scenario, paths=np.empty((0, 2, 2))))[80:430, 180:540].astype(int)
+    optimum = places(ground, pen.TARGET)
+    row, column = optimum.mean(axis=0).round().astype(int)
+    darkness = ground.min(axis=-1)
+    darkness[row - 12 : row + 13, column - 12 : column + 13] = 255
+    assert darkness.min() > 130
+    assert darkness[[0, 0, -1, -1], [0, -1, 0, -1]].max() < darkness[row - 14, column]
+
+
+def test_environments_of_test_functions_draw_themselves():
+    env = gymnasium.make(
+        "swarm_gym/Firefly-v0",
+        scenario=["function:rastrigin-10-shifted:0-3"],
+        iterations=4,
+        render_mode="rgb_array",
+    )
+    check_env(env.unwrapped, skip_render_check=False)
+    env.reset(seed=0)
+    before = env.render()
+    env.step(ACTION)
+    assert (before != env.render()).any()
 
 
 def test_the_first_frame_needs_no_step_and_no_display(monkeypatch):

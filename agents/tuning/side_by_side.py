@@ -45,7 +45,7 @@ class Outcomes(NamedTuple):
 
 
 def _logarithmic(simulation: Simulation) -> Floats:
-    return np.log(simulation.gap() / simulation.lower_bounds[simulation.swarms.problem])
+    return np.log(simulation.gap() / simulation.gap_units[simulation.swarms.problem])
 
 
 def _per_cent(simulation: Simulation) -> Floats:

@@ -1,7 +1,8 @@
-"""What is optimised: path encoding, length, degree of collision, fitness, repair."""
+"""What is optimised: path encoding, length, degree of collision, fitness, repair; or a function."""
 
 from swarm_gym.problem.analytic import AnalyticProblem
+from swarm_gym.problem.function_problem import FunctionProblem
 from swarm_gym.problem.grid_problem import GridProblem
 from swarm_gym.problem.problem import Problem
 
-__all__ = ["AnalyticProblem", "GridProblem", "Problem"]
+__all__ = ["AnalyticProblem", "FunctionProblem", "GridProblem", "Problem"]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.scenarios import AnyScenario, Point
+from swarm_gym.scenarios import MapScenario, Point
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ class Frame(NamedTuple):
     sine: float
 
     @classmethod
-    def of(cls, scenario: AnyScenario) -> "Frame":
+    def of(cls, scenario: MapScenario) -> "Frame":
         """The frame in which the scenario's start-target line is the x' axis."""
         length = scenario.straight_line
         return cls(

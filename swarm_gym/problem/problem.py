@@ -18,7 +18,7 @@ class Problem(ABC):
     """Find the decision vector, shape (dimension,), of least fitness on a scenario.
 
     Attributes:
-        scenario: the map and the task.
+        scenario: what is to be solved.
     """
 
     scenario: AnyScenario
@@ -39,6 +39,16 @@ class Problem(ABC):
         """A fitness that no path can be below."""
 
     @property
+    def least_fitness(self) -> float | None:
+        """The least fitness where it is known without computing, else None."""
+        return None
+
+    @property
+    def gap_unit(self) -> float:
+        """What gaps are measured in: the lower bound, or 1 where that is 0."""
+        return self.lower_bound or 1.0
+
+    @property
     @abstractmethod
     def collision_bound(self) -> float:
         """A degree of collision that no path inside the bounds can exceed, in map units."""
@@ -50,7 +60,10 @@ class Problem(ABC):
 
     @abstractmethod
     def points(self, vectors: ArrayLike) -> Floats:
-        """Decision vectors (..., dimension) as paths in map coordinates, shape (..., k, 2)."""
+        """Decision vectors (..., dimension) as paths in map coordinates, shape (..., k, 2).
+
+        Without a map they are the vectors in parallel coordinates.
+        """
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:

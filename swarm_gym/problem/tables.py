@@ -12,21 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import kernel, kernel_by_class
-from swarm_gym.problem import cost, grid, grid_cost, grid_repair, waypoints
+from swarm_gym.problem import cost, functions, grid, grid_cost, grid_repair, waypoints
 from swarm_gym.problem import repair as shift_repair
+from swarm_gym.problem.functions import FunctionTable
 from swarm_gym.problem.grid import GridTable
 from swarm_gym.problem.waypoints import WaypointTable
 
-Table = WaypointTable | GridTable
+Table = WaypointTable | GridTable | FunctionTable
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
-evaluate = kernel_by_class({WaypointTable: cost.evaluate, GridTable: grid_cost.evaluate})
+evaluate = kernel_by_class(
+    {WaypointTable: cost.evaluate, GridTable: grid_cost.evaluate, FunctionTable: functions.evaluate}
+)
 
 # repair(table, path, repair_degree): one repair pass of degree phi in [0, 1] over `path`, in place
-repair = kernel_by_class({WaypointTable: shift_repair.repair, GridTable: grid_repair.repair})
+repair = kernel_by_class(
+    {WaypointTable: shift_repair.repair, GridTable: grid_repair.repair, FunctionTable: functions.repair}
+)
 
 # select(tables, index) -> one problem out of stacked tables, as views
-select = kernel_by_class({WaypointTable: waypoints.select, GridTable: grid.select})
+select = kernel_by_class(
+    {WaypointTable: waypoints.select, GridTable: grid.select, FunctionTable: functions.select}
+)
 
 
 @kernel
@@ -34,9 +41,16 @@ def _root_of_dimension(table: Any) -> float:
     return math.sqrt(float(table.dimension))
 
 
+@kernel
+def _one(table: Any) -> float:  # noqa: ARG001
+    return 1.0
+
+
 # unit_length(table) -> the Euclidean length that a distance of 1 has, where components are measured in their
 # ranges: components of a path are averaged over, so that distances do not grow with their number.
-unit_length = kernel_by_class({WaypointTable: _root_of_dimension, GridTable: _root_of_dimension})
+unit_length = kernel_by_class(
+    {WaypointTable: _root_of_dimension, GridTable: _root_of_dimension, FunctionTable: _one}
+)
 
 
 def stack(tables: list[Table]) -> Table:

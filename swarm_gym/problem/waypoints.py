@@ -23,7 +23,7 @@ from swarm_gym.lanes import NUM_LANES
 from swarm_gym.problem.frame import Frame
 from swarm_gym.problem.layout import columns, pad
 from swarm_gym.problem.pairs import Pair, Shape, extent_of_all, shapes_in_frame
-from swarm_gym.scenarios import AnyScenario, Scenario
+from swarm_gym.scenarios import MapScenario, Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -96,7 +96,7 @@ def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
     return line + y * across
 
 
-def spacing_of(scenario: AnyScenario, num_waypoints: int) -> float:
+def spacing_of(scenario: MapScenario, num_waypoints: int) -> float:
     """The x' distance between waypoints."""
     return scenario.straight_line / (num_waypoints + 1)
 
@@ -130,7 +130,7 @@ def tabulate(
 
 
 def offset_bounds(
-    scenario: AnyScenario, x: Floats, workspace: tuple[float, float, float, float]
+    scenario: MapScenario, x: Floats, workspace: tuple[float, float, float, float]
 ) -> tuple[Floats, Floats]:
     """The interval of y' inside (x_min, y_min, x_max, y_max), on the line of each waypoint; 0 is in it."""
     frame = Frame.of(scenario)

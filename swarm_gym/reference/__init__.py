@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from swarm_gym.reference.optima import known_optimum
+from swarm_gym.reference.optima import gap_to_optimum, known_optimum
 
 if TYPE_CHECKING:
     from swarm_gym.reference.a_star import GridPath, shortest_grid_path
@@ -16,6 +16,7 @@ __all__ = [
     "AnyAnglePlanner",
     "GridPath",
     "ensure_optima",
+    "gap_to_optimum",
     "known_optimum",
     "optimum",
     "shortest_grid_path",

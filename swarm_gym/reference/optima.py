@@ -13,6 +13,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 import swarm_gym.problem
 from swarm_gym.files import digest_of_sources, user_cache, write_atomically
 from swarm_gym.problem import Problem
@@ -37,7 +40,9 @@ def shipped(file: str) -> Any:
 
 
 def known_optimum(problem: Problem) -> float:
-    """Least fitness of a problem if it ships with the package or was stored, else NaN; in map units."""
+    """Least fitness of a problem if it is known, ships with the package or was stored, else NaN."""
+    if problem.least_fitness is not None:
+        return problem.least_fitness
     name = digest(problem)
     if name in shipped_optima():
         return shipped_optima()[name]
@@ -45,6 +50,12 @@ def known_optimum(problem: Problem) -> float:
         return float(_stored(name).read_text())
     except (OSError, ValueError):
         return math.nan
+
+
+def gap_to_optimum(fitness: ArrayLike, optimum: ArrayLike) -> NDArray[np.float64]:
+    """Fitness above the optimum, relative to it; absolute where that is 0; NaN where it is NaN."""
+    unit = np.where(np.equal(optimum, 0.0), 1.0, optimum)
+    return np.subtract(fitness, optimum) / unit
 
 
 def store_optimum(problem: Problem, fitness: float) -> None:

@@ -5,9 +5,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import visibility
 from swarm_gym.reference.any_angle import AnyAnglePlanner
-from swarm_gym.scenarios import AnyScenario, GridMap, Scenario
+from swarm_gym.scenarios import AnyScenario, FunctionScenario, GridMap, Scenario
 
 
 def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
@@ -19,8 +20,10 @@ def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
         Its length in map units, and the path as a polyline in map coordinates, shape (k, 2).
 
     Raises:
-        ScenarioError: if there is none.
+        ScenarioError: if there is none, or no map.
     """
+    if isinstance(scenario, FunctionScenario):
+        raise ScenarioError(f"scenario {scenario.name!r} is a test function: there is no path")
     if isinstance(scenario, Scenario):
         return visibility.shortest_path(scenario)
     grid = scenario.map

@@ -125,7 +125,8 @@ def ensure_optima(
 ) -> list[float]:
     """Least fitness of each problem, in map units; what is not known yet is computed and stored.
 
-    On a grid map that is the length of the shortest path at any angle, which a curve may not reach.
+    On a grid map that is the length of the shortest path at any angle, which a curve may not reach. That of a
+    test function is known.
 
     Args:
         problems: any number; about a fifth of a second for each that is not known.

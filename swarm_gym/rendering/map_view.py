@@ -19,15 +19,15 @@ from swarm_gym.rendering.pen import (
 )
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
-from swarm_gym.scenarios import AnyScenario, Circle, Obstacle, Point, Scenario
+from swarm_gym.scenarios import Circle, MapScenario, Obstacle, Point, Scenario
 
 
 class MapView(View):
     """The map of a scenario, with start and target."""
 
-    scenario: AnyScenario
+    scenario: MapScenario
 
-    def __init__(self, scenario: AnyScenario, pen: Pen):
+    def __init__(self, scenario: MapScenario, pen: Pen):
         super().__init__(scenario, pen, scenario.view, scenario.y_up)
 
     def draw_swarm(self, pen: Pen, scene: Scene) -> None:

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.rendering.charts import draw_charts, draw_headline
+from swarm_gym.rendering.function_view import FunctionView
 from swarm_gym.rendering.map_view import MapView
 from swarm_gym.rendering.pen import DESIGN, OVERSAMPLING, Pen, require_pygame
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
+from swarm_gym.scenarios import AnyScenario, FunctionScenario
 
 if TYPE_CHECKING:
     import pygame
@@ -63,10 +65,16 @@ class Renderer:
         pygame = require_pygame()
         if self._view is None or self._view.scenario != scene.scenario:
             canvas = pygame.Surface(OVERSAMPLING * np.array(self.size))
-            self._view = MapView(scene.scenario, Pen(canvas))
+            self._view = _view_of(scene.scenario, Pen(canvas))
         pen = Pen(self._view.background.copy())
         self._view.draw_swarm(pen, scene)
         draw_headline(pen, scene)
         self._view.draw_legend(pen, scene)
         draw_charts(pen, scene)
         return pygame.transform.smoothscale(pen.surface, self.size)
+
+
+def _view_of(scenario: AnyScenario, pen: Pen) -> View:
+    if isinstance(scenario, FunctionScenario):
+        return FunctionView(scenario, pen)
+    return MapView(scenario, pen)

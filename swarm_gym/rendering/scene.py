@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.problem import Problem
+from swarm_gym.problem import FunctionProblem, Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import AnyScenario
 from swarm_gym.simulation import Simulation
@@ -55,7 +55,12 @@ class Scene:
 
 
 def _shown(problem: Problem, vectors: Floats) -> Floats:
-    """Paths (..., k, 2) with fewer points, the first and the last of them kept, where there are very many."""
+    """Paths (..., k, 2) with fewer points, the first and the last of them kept, where there are very many.
+
+    Of a test function, the first two components.
+    """
     paths = problem.points(vectors)
+    if isinstance(problem, FunctionProblem):
+        return paths[..., :2, :]
     stride = max(1, (paths.shape[-2] - 1) // MOST_SEGMENTS)
     return np.concatenate([paths[..., :-1:stride, :], paths[..., -1:, :]], axis=-2)

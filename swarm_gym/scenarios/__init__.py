@@ -1,15 +1,24 @@
-"""Where a path is planned: maps with start and target, made by name.
+"""What is to be solved: maps with start and target, and test functions, made by name.
 
 To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`. To add a family of maps,
 with names that go on after a colon: write a module like `random_fields` and enter its `Family` in `FAMILIES`.
-A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells.
+A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells, a `FunctionScenario` none.
 """
 
 from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
-from swarm_gym.scenarios import made_maps, moa_tasks, moving_ai, paper_cases, random_fields, ros_map
-from swarm_gym.scenarios.family import AnyScenario, Family
+from swarm_gym.scenarios import (
+    made_maps,
+    moa_tasks,
+    moving_ai,
+    paper_cases,
+    random_fields,
+    ros_map,
+    test_functions,
+)
+from swarm_gym.scenarios.family import AnyScenario, Family, MapScenario
+from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
@@ -19,8 +28,10 @@ __all__ = [
     "SCENARIOS",
     "AnyScenario",
     "Circle",
+    "FunctionScenario",
     "GridMap",
     "GridScenario",
+    "MapScenario",
     "Obstacle",
     "Point",
     "Polygon",
@@ -46,6 +57,7 @@ FAMILIES: dict[str, Family] = {
     "moving-ai": moving_ai.FAMILY,
     "den400d": moa_tasks.FAMILY,
     "ros": ros_map.FAMILY,
+    "function": test_functions.FAMILY,
 }
 
 
@@ -80,10 +92,11 @@ def require_analytic(scenario: AnyScenario) -> Scenario:
     """The scenario, if its map is one of circles and polygons.
 
     Raises:
-        ScenarioError: if it has a grid map.
+        ScenarioError: if it has a grid map, or none.
     """
     if not isinstance(scenario, Scenario):
-        raise ScenarioError(f"scenario {scenario.name!r}: expected circles and polygons, not a grid map")
+        other = "a grid map" if isinstance(scenario, GridScenario) else "a test function"
+        raise ScenarioError(f"scenario {scenario.name!r}: expected circles and polygons, not {other}")
     return scenario
 
 

@@ -1,0 +1,88 @@
+"""Test functions with members as dots, in the plane of the first two components."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.problem import FunctionProblem
+from swarm_gym.problem.functions import values_in_plane
+from swarm_gym.rendering.pen import BEST, FEASIBLE, MAP, MARGIN, MEDIUM, PAPER, TARGET, Colour, Pen
+from swarm_gym.rendering.scene import Scene
+from swarm_gym.rendering.view import View
+from swarm_gym.scenarios import FunctionScenario
+
+Floats = NDArray[np.float64]
+
+# Values along the longer side; between them, the picture is smooth.
+RESOLUTION = 256
+# Values are told apart from this part of the largest one on.
+LEAST_SHARE = 0.02
+# Height of the picture of one component, in widths.
+STRIP = 0.2
+# The largest value; dots and marks stand out from it.
+WORST: Colour = (164, 170, 180)
+
+
+class FunctionView(View):
+    """A function of the first two components, the others at the optimum; of one component, a strip.
+
+    The darker, the worse, on a logarithmic scale.
+    """
+
+    scenario: FunctionScenario
+
+    def __init__(self, scenario: FunctionScenario, pen: Pen):
+        low, high = scenario.domain
+        share = 1.0 if scenario.dimension > 1 else STRIP
+        super().__init__(scenario, pen, (low, share * low, high, share * high))
+
+    def draw_swarm(self, pen: Pen, scene: Scene) -> None:
+        """Draw the optimum, above it the members, and the best on top."""
+        pen.surface.set_clip(self.border)
+        self._draw_optimum(pen, self._place(np.array(self.scenario.optimum)))
+        for member in scene.paths:
+            self._draw_member(pen, self._place(member[:, 1]))
+        if np.isfinite(scene.best_fitness):
+            self._draw_best(pen, self._place(scene.best_path[:, 1]))
+        pen.surface.set_clip(None)
+
+    def draw_legend(self, pen: Pen, scene: Scene) -> None:
+        """Draw a mark of each kind below the picture, and how many there are."""
+        at = np.array([pen.px(MARGIN) + pen.px(6), self.border.bottom + pen.px(38)])
+        for draw, text in (
+            (self._draw_best, "best so far"),
+            (self._draw_member, f"{len(scene.paths)} members"),
+            (self._draw_optimum, "optimum"),
+        ):
+            draw(pen, at)
+            at[0] = pen.text(text, (at[0] + pen.px(12), at[1]), "midleft", MEDIUM).right + pen.px(30)
+
+    def _draw_ground(self, pen: Pen) -> None:
+        low, high = self.scenario.domain
+        x = np.linspace(low, high, RESOLUTION)
+        y = x[::-1] if self.scenario.dimension > 1 else x[:1]
+        values = values_in_plane(FunctionProblem(self.scenario).table, x, y)
+        shares = np.log1p(values / (LEAST_SHARE * values.max())) / np.log1p(1.0 / LEAST_SHARE)
+        shades = np.array(MAP) + shares.T[..., None] * np.subtract(WORST, MAP)
+        picture = pen.pygame.surfarray.make_surface(shades.round().astype(np.uint8))
+        pen.surface.blit(pen.pygame.transform.smoothscale(picture, self.border.size), self.border)
+
+    def _height_limits(self) -> tuple[str, str]:
+        return super()._height_limits() if self.scenario.dimension > 1 else ("", "")
+
+    def _place(self, vector: Floats) -> Floats:
+        """Where in the picture a decision vector is; 0 stands for a component that there is not."""
+        return self.pixels(np.append(vector[:2], 0.0)[:2])
+
+    def _draw_optimum(self, pen: Pen, at: Floats) -> None:
+        self._draw_mark(pen, at, TARGET, corners=4)
+
+    def _draw_member(self, pen: Pen, at: Floats) -> None:
+        _draw_dot(pen, at, FEASIBLE, 2.5)
+
+    def _draw_best(self, pen: Pen, at: Floats) -> None:
+        _draw_dot(pen, at, BEST, 4.0)  # below it the optimum can be seen
+
+
+def _draw_dot(pen: Pen, at: Floats, colour: Colour, radius: float) -> None:
+    pen.draw.circle(pen.surface, PAPER, at, pen.px(radius + 1.0))
+    pen.draw.circle(pen.surface, colour, at, pen.px(radius))

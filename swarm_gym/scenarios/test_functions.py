@@ -1,0 +1,72 @@
+"""Test functions by name: the scenarios `function:<function>-<dimension>`, see `function_scenario`.
+
+`function:<function>-<dimension>-shifted:<number>` is the same with the optimum drawn uniformly from the
+middle 80 % of the domain, so that an optimizer that drifts to the origin, or to the middle of the domain, is
+found out.
+"""
+
+import hashlib
+import re
+
+import numpy as np
+
+from swarm_gym.errors import ScenarioError
+from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.function_scenario import FUNCTIONS, FunctionScenario, require_dimension
+
+NAME = "function"
+USAGE = f"{NAME}:<function>-<dimension>[-shifted:<number>]"
+
+NUM_SHIFTED = 1_000_000
+# How much of the domain is left out, on either side, where the optimum is drawn.
+RIM = 0.1
+
+
+def expand(name: str) -> tuple[str, ...]:
+    """The names of single functions that a name stands for: `...-shifted:0-49` for fifty of them.
+
+    Raises:
+        UnknownNameError: if there is no such function.
+        ScenarioError: if the name has another form, or the function has not that dimension.
+    """
+    function, dimension, numbers = _parse(name)
+    require_dimension(f"scenario {name!r}", function, dimension)
+    if numbers is None:
+        return (name,)
+    chosen = parse_numbers(numbers)
+    if not chosen or chosen[-1] >= NUM_SHIFTED:
+        raise ScenarioError(
+            f"scenario {name!r}: expected a number from 0 to {NUM_SHIFTED - 1}, or a range of them such as "
+            f"0-49, after 'shifted:', got {numbers!r}"
+        )
+    return tuple(f"{name.removesuffix(numbers)}{number}" for number in chosen)
+
+
+def make(name: str) -> FunctionScenario:
+    """The single function of that name."""
+    function, dimension, number = _parse(name)
+    if number is None:
+        return FunctionScenario(name, function, dimension)
+    # A published name keeps its way of drawing: results refer to it.
+    seed = int.from_bytes(hashlib.sha256(name.encode()).digest(), "big")
+    shares = np.random.Generator(np.random.PCG64(seed)).random(dimension)
+    reach = FUNCTIONS[function].reach
+    optimum = reach * (1.0 - 2.0 * RIM) * (2.0 * shares - 1.0)
+    return FunctionScenario(name, function, dimension, tuple(optimum.tolist()))
+
+
+def _parse(name: str) -> tuple[str, int, str | None]:
+    """Function, dimension, and what stands for the numbers of shifted ones."""
+    match = re.fullmatch(rf"{NAME}:([a-z-]+)-([1-9][0-9]{{0,8}})(?:-shifted:(.*))?", name, re.DOTALL)
+    if match is None:
+        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a function of {', '.join(FUNCTIONS)}")
+    function, dimension, numbers = match.groups()
+    return function, int(dimension), numbers
+
+
+FAMILY = Family(
+    USAGE,
+    (*(f"{NAME}:{function}-2" for function in FUNCTIONS), f"{NAME}:rastrigin-10-shifted:0"),
+    expand,
+    make,
+)
