@@ -27,6 +27,8 @@ COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
 # Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
 MOST_POINTS = 100  # drawn for each box; more would only cover each other
 FITNESS_MARGIN = 0.01
+# Where the optimum is 0, less is not drawn.
+LEAST_FITNESS = 1e-12
 # Iterations up to which an axis is linear, where the first few matter most.
 LINEAR_ITERATIONS = 10
 ITERATION_TICKS = (0, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -147,21 +149,20 @@ def draw_population_size(case: Case) -> Figure:
 
 def draw_best_paths(case: Case) -> Figure:
     """Path of each controller's best run, and the shortest path."""
-    x_min, y_min, x_max, y_max = case.scenario.view
-    height = 8.4 * (y_max - y_min) / (x_max - x_min)
+    height = 8.4 * map_plot.proportions(case.scenario)
     figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
     axes = figure.subplots()
     map_plot.draw_map(axes, case.scenario)
     try:
         length, points = shortest_path(case.scenario)
         map_plot.draw_shortest_path(axes, points, f"exact shortest path, length {length:.1f}")
-    except ScenarioError:  # the obstacles separate start and target
+    except ScenarioError:  # the obstacles separate start and target, or there is no map
         pass
     for order, (controller, runs) in enumerate(case.runs.items()):
         best = min(runs, key=lambda run: run.final_fitness)
-        text = f"{label(controller)}: {best.final_fitness:.2f} ({best.final_collision:.2f})"
+        text = f"{label(controller)}: {_number(best.final_fitness)} ({best.final_collision:.2f})"
         map_plot.draw_best_path(axes, best, case.styles[controller], text, order)
-    axes.set(xlabel="x", ylabel="y")
+    map_plot.label_axes(axes, case.scenario)
     figure.suptitle(f"Best path on {case.title}: fitness (degree of collision)")
     legend_below(figure)
     return figure
@@ -276,15 +277,22 @@ def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
 
 
 def draw_optimum(axes: Axes, case: Case) -> None:
-    """Draw the known optimum across the axes, if there is one."""
-    if not math.isnan(case.optimum):
-        text = f"known optimum, {case.optimum:.2f}"
+    """Draw the known optimum across the axes, if there is one; 0 is on no logarithmic axis."""
+    if case.optimum and not math.isnan(case.optimum):
+        text = f"known optimum, {_number(case.optimum)}"
         axes.axhline(case.optimum, color=GREY, linestyle=(0, (8, 4)), linewidth=1.0, label=text)
 
 
 def scale_fitness(axes: Axes, case: Case, name: str) -> None:
-    """Make the vertical axis, whose data are drawn, logarithmic above a little below the least."""
+    """Make the vertical axis, whose data are drawn, logarithmic above a little below the least.
+
+    Where the optimum is 0, it is logarithmic above that.
+    """
     low, high = axes.dataLim.intervaly
+    if case.optimum == 0.0:
+        low, high = max(axes.dataLim.minposy, LEAST_FITNESS), max(high, LEAST_FITNESS)
+        axes.set(yscale="log", ylim=(low / 2.0, 2.0 * high), ylabel=name)
+        return
     least = np.nanmin([low, case.optimum])
     margin = FITNESS_MARGIN * least
     floor = least - margin
@@ -297,6 +305,11 @@ def scale_fitness(axes: Axes, case: Case, name: str) -> None:
     doubled = takewhile(lambda gap: gap < high - floor, (margin * 2**k for k in range(64)))
     axes.set_yticks(sorted({_rounded(floor + gap, gap / 2.0) for gap in doubled}))
     axes.set_ylabel(f"{name} (logarithmic above {floor:.0f})")
+
+
+def _number(fitness: float) -> str:
+    """To two places, or two digits where that would be too few."""
+    return f"{fitness:.2f}" if abs(fitness) >= 0.1 else f"{fitness:.2g}"
 
 
 def _rounded(value: float, tolerance: float) -> float:

@@ -1,4 +1,4 @@
-"""Maps in figures: obstacles, start and target, populations, best paths."""
+"""Maps in figures: obstacles, start and target, populations, best paths; or the vectors of test functions."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,11 +11,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patches import Patch
 from matplotlib.patches import Polygon as PolygonPatch
+from matplotlib.ticker import MaxNLocator
 
 from experiments.figure_style import BLUE, RED, Style
 from experiments.results import Floats, Run, Snapshot
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import AnyScenario, Circle, GridMap, Obstacle, Scenario
+from swarm_gym.scenarios import AnyScenario, Circle, FunctionScenario, GridMap, Obstacle, Scenario
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
 INK = "#222222"
@@ -27,10 +28,16 @@ MARKER_EVERY = 7
 
 
 def draw_map(axes: Axes, scenario: AnyScenario) -> None:
-    """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates."""
-    x_min, y_min, x_max, y_max = scenario.view
+    """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates.
+
+    Of a test function, whose vectors are paths in parallel coordinates, draw the optimum among these.
+    """
     axes.grid(False)
     axes.spines[:].set_visible(True)
+    if isinstance(scenario, FunctionScenario):
+        _draw_components(axes, scenario)
+        return
+    x_min, y_min, x_max, y_max = scenario.view
     if isinstance(scenario, Scenario):
         _draw_obstacles(axes, scenario.obstacles)
     else:
@@ -48,6 +55,20 @@ def draw_map(axes: Axes, scenario: AnyScenario) -> None:
             fontsize=8.5, fontweight="bold", color=INK, zorder=6,
             bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
         )  # fmt: skip
+
+
+def proportions(scenario: AnyScenario) -> float:
+    """Height of what `draw_map` draws, relative to its width."""
+    if isinstance(scenario, FunctionScenario):
+        return 0.5
+    x_min, y_min, x_max, y_max = scenario.view
+    return (y_max - y_min) / (x_max - x_min)
+
+
+def label_axes(axes: Axes, scenario: AnyScenario) -> None:
+    """Say what the axes of `draw_map` are."""
+    names = ("component", "value") if isinstance(scenario, FunctionScenario) else ("x", "y")
+    axes.set(xlabel=names[0], ylabel=names[1])
 
 
 def draw_population(axes: Axes, snapshot: Snapshot) -> None:
@@ -70,10 +91,10 @@ def population_legend() -> list[Line2D]:
 def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -> None:
     """Draw the best path of a run; `order` is the number of the controller."""
     every = MARKER_EVERY * max(1, (len(run.best_path) - 2) // 31)
-    axes.plot(
-        *run.best_path.T, label=label, markevery=(every * (2 + order % MARKER_EVERY) // MARKER_EVERY, every),
-        linewidth=1.3, zorder=4, **style.options(),
-    )  # fmt: skip
+    marked: Any = (every * (2 + order % MARKER_EVERY) // MARKER_EVERY, every)
+    if len(run.best_path) <= 2 * MARKER_EVERY:
+        marked = 1
+    axes.plot(*run.best_path.T, label=label, markevery=marked, linewidth=1.3, zorder=4, **style.options())
 
 
 def draw_shortest_path(axes: Axes, points: Floats, label: str) -> None:
@@ -87,6 +108,14 @@ def _draw_obstacles(axes: Axes, obstacles: Sequence[Obstacle]) -> None:
     for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
         shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
         axes.add_collection(shapes)
+
+
+def _draw_components(axes: Axes, scenario: FunctionScenario) -> None:
+    numbers = np.arange(1, scenario.dimension + 1)
+    style: dict[str, Any] = {"color": INK, "linewidth": 0.7, "markersize": 8, "zorder": 3.5}
+    axes.plot(numbers, scenario.optimum, "*-", label="optimum", **style)
+    axes.set(xlim=(0.5, scenario.dimension + 0.5), ylim=scenario.domain)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 def _draw_cells(axes: Axes, grid: GridMap) -> None:

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import matplotlib as mpl
 import numpy as np
 import pytest
-from builders import CASES, make_problem
+from builders import CASES, function_problem, make_problem
 
 from experiments.drawings import (
     CASE_DRAWINGS,
@@ -258,6 +258,41 @@ def test_best_paths_are_those_of_the_best_runs(cases):
         np.testing.assert_array_equal(line(axes, text), best.best_path.T)
     shortest = line(axes, "exact shortest path, length 1053.6").T
     assert np.hypot(*np.diff(shortest, axis=0).T).sum() == pytest.approx(1053.551, abs=1e-3)
+
+
+def on_a_function(case, name):
+    """The case with its runs made those on a test function, whose fitness goes down to 1e-15."""
+    problem = function_problem(name)
+    moved = {}
+    for controller, runs in case.runs.items():
+        moved[controller] = []
+        for run in runs:
+            trace = run.trace.copy()
+            trace[:, 3] = np.geomspace(300.0, 1e-15, len(trace))
+            vector = np.full(problem.dimension, 0.1 * run.seed)
+            changes = {"best_path": problem.points(vector), "trace": trace, "final_fitness": trace[-1, 3]}
+            moved[controller].append(dataclasses.replace(run, **changes))
+    return dataclasses.replace(case, scenario=problem.scenario, optimum=0.0, runs=moved)
+
+
+@pytest.mark.parametrize("dimension", [1, 10])
+def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(cases, dimension):
+    case = on_a_function(cases["case2"], f"function:easom-{dimension}")
+    axes = draw_best_paths(case).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("component", "value")
+    assert axes.get_ylim() == (-10.0, 10.0)
+    numbers = np.arange(1, dimension + 1)
+    np.testing.assert_array_equal(line(axes, "optimum"), [numbers, [np.pi] * dimension])
+    best = line(axes, "SPSFA: 1e-15 (0.00)")
+    assert best.shape == (2, dimension)
+
+
+def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(cases):
+    case = on_a_function(cases["case2"], "function:booth-2")
+    for axes in (draw_convergence(case).axes[0], draw_box_plots(case).axes[0]):
+        assert axes.get_yscale() == "log"
+        assert axes.get_ylim()[0] == pytest.approx(5e-13)
+        assert not any("optimum" in text for text in labels(axes))
 
 
 def test_box_plots_show_every_run(cases):

@@ -69,6 +69,7 @@ def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
 
 def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
     optimum = known_optimum(make_problem(scenario))
+    unit = optimum or np.nan  # nothing is relative to 0
     rows = []
     for controller in suite.controllers:
         runs = outcomes.of(controller, scenario)
@@ -82,7 +83,7 @@ def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
                 f"{ours.median:.1f}",
                 f"{100 * feasible:.0f} %",
                 f"{np.median(runs.collision):.2g}",
-                percent((ours.mean - optimum) / optimum),
+                percent((ours.mean - optimum) / unit),
                 *_printed(FITNESS.get((scenario, controller))),
             )
         )
