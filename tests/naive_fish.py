@@ -33,8 +33,8 @@ class FishSwarm(Swarm):
     def is_crowded(self, companions):
         return len(companions) / len(self.members) >= self.crowding
 
-    def evaluated(self, position):
-        return None if self.is_spent() else self.member(position)
+    def looked_at(self, position):
+        return None if self.is_spent() else self.seen(position)
 
     def arrived(self, position):
         """The member that a fish which moves there would be."""
@@ -76,7 +76,7 @@ class FishSwarm(Swarm):
         for _ in range(self.tries):
             if self.is_spent():
                 return None
-            seen = self.member(self.clipped(self.scattered(fish.position, self.visual)))
+            seen = self.seen(self.clipped(self.scattered(fish.position, self.visual)))
             if seen.fitness < fish.fitness:
                 return self.step_to(fish, seen.position)
         return self.leap(fish)
@@ -84,7 +84,7 @@ class FishSwarm(Swarm):
     def swarm(self, fish, near):
         if not near:
             return self.prey(fish)
-        centre = self.evaluated(self.centre(near))
+        centre = self.looked_at(self.centre(near))
         if centre is None:
             return None
         if centre.fitness < fish.fitness and not self.is_crowded(near):
@@ -163,7 +163,7 @@ class ImprovedFishSwarm(FishSwarm):
         self.beta = first_beta - (first_beta - last_beta) * x
         self.repair_degree, self.crowding, self.tries = repair_degree, crowding, int(tries)
         self.origin_pull = origin_pull
-        centre = self.evaluated(self.centre(self.members))
+        centre = self.looked_at(self.centre(self.members))
         if centre is None:
             return
         is_crowded = self.is_crowded(self.companions(centre.position))

@@ -66,14 +66,18 @@ class Swarm:
     def uniform(self):
         return self.stream.uniform(self.problem.dimension)
 
-    def member(self, position):
-        """Evaluate a position."""
+    def seen(self, position):
+        """Evaluate a position that no member is at."""
         assert not self.is_spent()
-        fitness, collision = self.problem.cost(position)
         self.evaluations += 1
-        if fitness < self.best[0]:
-            self.best = (fitness, collision, list(position))
-        return Member(position, fitness, collision)
+        return Member(position, *self.problem.cost(position))
+
+    def member(self, position):
+        """Evaluate a position, which may be the best so far."""
+        member = self.seen(position)
+        if member.fitness < self.best[0]:
+            self.best = (member.fitness, member.collision, list(position))
+        return member
 
     def clipped(self, position):
         return [

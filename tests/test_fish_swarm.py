@@ -159,13 +159,16 @@ def test_a_leader_in_a_crowd_is_not_followed_though_the_fish_sees_nobody_else():
         assert is_all.any()
 
 
-def test_the_centre_is_the_mean_of_companions_and_may_become_the_best_so_far():
-    """That of the first fish is better than all three, and is evaluated first."""
+def test_a_centre_that_is_better_than_every_fish_counts_but_is_not_the_best_so_far():
+    """That of the first fish is evaluated first; the bulletin is of fish."""
     side = zigzags(1)[0]
-    swarms, tables = begun(NAME, [3.0 * side, side, -0.5 * side])
+    population = [3.0 * side, side, -0.5 * side]
+    assert open_problem().evaluate(0.25 * side)[0] < open_problem().evaluate(population[2])[0]
+    swarms, tables = begun(NAME, population)
     swarms.budget[0], before = 3 + 1, swarms.positions.copy()
     advance(NAME, swarms, tables, 3, 1.0, {"visual": 1.0})
-    np.testing.assert_allclose(swarms.best_position[0, :9], 0.25 * side)
+    assert swarms.evaluations[0] == 3 + 1
+    np.testing.assert_array_equal(swarms.best_position[0, :9], population[2])
     assert (swarms.positions == before).all()
 
 

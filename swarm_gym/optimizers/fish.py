@@ -7,7 +7,8 @@ Lengths are measured in the ranges of the components. A distance is a root mean 
 where these make up a path, so that it does not grow with their number, and Euclidean on test functions.
 
 A fish takes its turn: it looks for candidates by one or two behaviours and goes to the better one, even where
-that is worse than where it was. The points that it tries are evaluated, count, and may be the best so far.
+that is worse than where it was. Points that it only looks at, centres and what AFSA tries, are evaluated and
+counted like all others, but are not remembered: the paper's bulletin is of fish (docs/readings.md).
 """
 
 import math
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inner_kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.population import Swarms, Workspace, evaluate_path
-from swarm_gym.problem.tables import Table, repair, unit_length
+from swarm_gym.problem.tables import Table, evaluate, repair, unit_length
 from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
@@ -180,8 +181,9 @@ def finish_centre(school: School, count: int) -> None:
 
 @inner_kernel
 def look_at(swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
-    """Fitness of `work.path`, where no fish goes."""
-    fitness, _ = evaluate_path(swarms, b, table, work)
+    """Fitness of `work.path`, where no fish goes; counted, not remembered."""
+    fitness, _ = evaluate(table, work.path)
+    swarms.evaluations[b] += 1
     return fitness
 
 
