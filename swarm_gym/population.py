@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, kernel
+from swarm_gym.jit import inner_kernel, merged_kernel
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
@@ -81,13 +81,13 @@ class Workspace(NamedTuple):
     noise: Floats  # (C,)
 
 
-@kernel
+@inner_kernel
 def make_workspace(num_columns: int) -> Workspace:
     """Scratch arrays for positions of C columns."""
     return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
 
 
-@inlined_kernel
+@merged_kernel
 def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
     fitness, collision = evaluate(table, work.path)
@@ -100,7 +100,7 @@ def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tupl
     return fitness, collision
 
 
-@inlined_kernel
+@merged_kernel
 def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Workspace) -> None:
     """Evaluate `work.path` as `evaluate_path` does, and make it that member."""
     swarms.fitness[b, member], swarms.collision[b, member] = evaluate_path(swarms, b, table, work)
@@ -108,7 +108,7 @@ def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Wor
         swarms.positions[b, member, k] = work.path[k + 1]
 
 
-@kernel
+@inner_kernel
 def add_members(
     swarms: Swarms,
     b: int,
@@ -128,7 +128,7 @@ def add_members(
         swarms.size[b] += 1
 
 
-@kernel
+@inner_kernel
 def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: int) -> None:
     """Evaluate the first `count` positions as they stand, as the members of swarm `b`, which is empty."""
     for i in range(count):
@@ -138,7 +138,7 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
     swarms.size[b] = count
 
 
-@kernel
+@inner_kernel
 def clear(swarms: Swarms, b: int) -> None:
     """Swarm `b` without members, evaluations or a best path."""
     swarms.size[b] = 0
@@ -147,7 +147,7 @@ def clear(swarms: Swarms, b: int) -> None:
     swarms.best_collision[b] = math.inf
 
 
-@kernel
+@merged_kernel
 def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Grow or shrink swarm `b` to `new_size` members."""
     if new_size > swarms.size[b]:
@@ -156,14 +156,14 @@ def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int)
         shrink(swarms, b, new_size)
 
 
-@kernel
+@inner_kernel
 def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Add members uniform in the box that the population spans (eq. 12)."""
     lower, upper = span(swarms.positions[b], swarms.size[b], table)
     add_members(swarms, b, table, work, new_size - swarms.size[b], lower, upper)
 
 
-@kernel
+@inner_kernel
 def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
     """Lower and upper corner, (C,) each, of the box that the first `count` positions, (M, C), span.
 
@@ -181,7 +181,7 @@ def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
     return lower, upper
 
 
-@kernel
+@inner_kernel
 def shrink(swarms: Swarms, b: int, new_size: int) -> None:
     """Delete infeasible members, worst collision first, then feasible ones, worst fitness first.
 
@@ -211,7 +211,7 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
     swarms.size[b] = new_size
 
 
-@kernel
+@inner_kernel
 def outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
     """Whether a member would be kept and another one deleted, if one had to go; not if they are equal."""
     feasible = collision <= FEASIBILITY_TOLERANCE
@@ -223,7 +223,7 @@ def outlives(fitness: float, collision: float, other_fitness: float, other_colli
     return collision < other_collision
 
 
-@kernel
+@inner_kernel
 def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     """Population collision evaluation E(P) = k mean + (1 - k) std (eq. 7) into `swarms.summary`.
 
@@ -249,7 +249,7 @@ def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     summary[4] = _diversity(swarms.positions[b], size)
 
 
-@kernel
+@inner_kernel
 def _diversity(positions: Floats, size: int) -> float:
     squares = 0.0
     for k in range(positions.shape[1]):
