@@ -72,11 +72,6 @@ def merged_kernel(function: Function) -> Function:
     return _called_by_kernels(_compile(function, no_cpython_wrapper=True, inline="always"))
 
 
-def parallel_kernel(function: Function) -> Function:
-    """Like `kernel`, with the iterations of `numba.prange` spread over threads."""
-    return _compile(function, parallel=True)
-
-
 def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     """The kernel that belongs to the class of its first argument, a NamedTuple; inlined into its callers.
 

@@ -68,13 +68,13 @@ class Simulation:
         num_threads: int | None = None,
     ):
         require_integer("num_envs", num_swarms, 1)
+        most = numba.config.NUMBA_NUM_THREADS
         if num_threads is not None:
-            require_integer("num_threads", num_threads, 1, numba.config.NUMBA_NUM_THREADS)
+            require_integer("num_threads", num_threads, 1, most)
         announce_compilation()
         self.optimizer = optimizer
         self.settings = settings
-        self.num_threads = num_threads
-        self.parallel = num_swarms > 1 and num_threads != 1
+        self.num_threads = num_threads or most
         self.problems = settings.problems()
         self.dimension = self.problems[0].dimension
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
@@ -156,16 +156,9 @@ class Simulation:
 
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """The compiled part of a step."""
-        arguments = (self.swarms, self.tables, chosen, *decisions)
-        if self.num_threads is None or not self.parallel:
-            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
-            return
-        previous = numba.get_num_threads()
-        numba.set_num_threads(self.num_threads)
-        try:
-            self.optimizer.step(*arguments, self.settings.mean_weight, self.parallel)
-        finally:
-            numba.set_num_threads(previous)
+        self.optimizer.step(
+            self.swarms, self.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
+        )
 
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i of the B, a copy of swarm rows[i]: state, random stream and record."""

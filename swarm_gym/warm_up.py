@@ -18,15 +18,9 @@ GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
 
 
 def warm_up() -> None:
-    """Compile, or load from the cache, what environments of all optimizers run.
-
-    Single and vector environments on analytic maps, single ones on grid maps; none on test functions, whose
-    first use compiles.
-    """
+    """Compile, or load from the cache, what environments of all optimizers run on maps of both kinds."""
     for optimizer in OPTIMIZERS:
         warm_up_single(optimizer)
-        many = gymnasium.make_vec(environment_id(optimizer), num_envs=2, **OPTIONS)
-        _run(many, np.array([[6.0, 1.0], [3.0, 0.0]]))
         warm_up_single(optimizer, **GRID)
 
 

@@ -169,7 +169,7 @@ def begin(optimizer, problems, size, capacity=32, budget=UNLIMITED, iterations=1
     return swarms, tables
 
 
-def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, parallel=False, chosen=None):
+def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, num_threads=1, chosen=None):
     """One step of all swarms, or of those chosen, with the default parameters where none are given."""
     cls, num = get_optimizer(optimizer), len(swarms.size)
     values = cls.knob_values(knobs or {})
@@ -181,7 +181,7 @@ def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, parallel
         np.broadcast_to(repair_degree, num).astype(np.float64),
         np.tile(values, (num, 1)),
         MEAN_WEIGHT,
-        parallel,
+        num_threads,
     )
     swarms.iteration[:] += 1
     return values

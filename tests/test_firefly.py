@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.driver import step_parallel, step_serial
+from swarm_gym.optimizers.driver import step_chosen
 from swarm_gym.optimizers.firefly import Firefly, FireflyRules, iterate, move_towards
 from swarm_gym.population import Swarms
 from swarm_gym.problem import AnalyticProblem
@@ -221,50 +221,36 @@ def arguments(num, step):
     return sizes, repair_degrees, knobs, MEAN_WEIGHT
 
 
-def advance(run, swarms, tables, steps=4):
+def advance(swarms, tables, steps=4):
     num = len(swarms.size)
     for step in range(steps):
-        run(RULES, swarms, tables, np.full(num, True), *arguments(num, step))
+        step_chosen(RULES, swarms, tables, np.full(num, True), *arguments(num, step))
 
 
 def bits(field):
     return np.ascontiguousarray(field).view(np.uint64)
 
 
-@pytest.mark.parametrize("num", [1, 2, 7])
-def test_serial_and_parallel_steps_give_the_same_bits(num):
-    serial, tables = batch(num)
-    parallel, _ = batch(num)
-    begun = serial.evaluations.copy()
-    advance(step_serial, serial, tables)
-    advance(step_parallel, parallel, tables)
-    assert (serial.evaluations > begun).all()
-    for name, field, other in zip(Swarms._fields, serial, parallel, strict=True):
-        assert (bits(field) == bits(other)).all(), name
-
-
 def test_a_swarm_gives_the_same_bits_in_a_batch_of_any_width():
     wide, tables = batch(7)
     narrow, narrow_tables = batch(2)
-    advance(step_serial, wide, tables)
-    advance(step_serial, narrow, narrow_tables)
+    advance(wide, tables)
+    advance(narrow, narrow_tables)
     for name, field, other in zip(Swarms._fields, wide, narrow, strict=True):
         assert (bits(field[:2]) == bits(other)).all(), name
 
 
-@pytest.mark.parametrize("run", [step_serial, step_parallel], ids=["serial", "parallel"])
-def test_only_the_chosen_swarms_take_part(run):
+def test_only_the_chosen_swarms_take_part():
     swarms, tables = batch(4)
     before = [np.copy(field) for field in swarms]
     chosen = np.array([True, False, True, False])
-    run(RULES, swarms, tables, chosen, *arguments(4, 1))
+    step_chosen(RULES, swarms, tables, chosen, *arguments(4, 1))
     for field, old in zip(swarms, before, strict=True):
         assert (bits(field[~chosen]) == bits(old[~chosen])).all()
     assert (swarms.evaluations[chosen] > before[Swarms._fields.index("evaluations")][chosen]).all()
 
 
-@pytest.mark.parametrize("parallel", [False, True])
-def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive(parallel):
+def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive():
     problem = problem_of("case3", 9)
     population = random_population(np.random.default_rng(1), problem, 6)
     swarms, tables, twin = make_twins(problem, population, 1, budget=160)
@@ -277,7 +263,6 @@ def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive(parallel):
             np.array([repair_degree]),
             PAPER[np.newaxis],
             MEAN_WEIGHT,
-            parallel,
         )
         twin.resize(size)
         twin.iterate(repair_degree, PAPER)
@@ -290,7 +275,7 @@ def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive(parallel):
 @pytest.mark.parametrize("left", [1, 3, 5, 9])
 def test_a_step_never_spends_more_than_the_budget(left):
     swarms, tables = batch(3, budgets=[5 + left, 6 + left, 7 + left])
-    advance(step_serial, swarms, tables, steps=2)
+    advance(swarms, tables, steps=2)
     assert swarms.evaluations.tolist() == swarms.budget.tolist()
 
 
@@ -329,7 +314,7 @@ def test_a_swarm_gets_better_in_the_long_run():
     swarms, tables = batch(4, num_waypoints=31, size=15)
     begun = swarms.best_fitness.copy()
     for _ in range(30):
-        step_serial(
+        step_chosen(
             RULES,
             swarms,
             tables,

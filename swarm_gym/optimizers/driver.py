@@ -7,11 +7,10 @@ NamedTuple without content, stands for its `Kernels`, which `Optimizer` enters b
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel, kernel, kernel_by_class, merged_kernel, parallel_kernel
+from swarm_gym.jit import inner_kernel, kernel, kernel_by_class
 from swarm_gym.population import (
     Swarms,
     Workspace,
@@ -102,27 +101,8 @@ def enter(rules: type, kernels: Kernels) -> None:
         _BY_RULES[name][rules] = own
 
 
-@merged_kernel
-def step_swarm(
-    rules: Any,
-    swarms: Swarms,
-    b: int,
-    tables: Table,
-    size: int,
-    repair_degree: float,
-    knobs: Floats,
-    mean_weight: float,
-) -> None:
-    """Resize swarm `b`, advance it by one iteration and summarise it."""
-    table = select(tables, swarms.problem[b])
-    work = make_workspace(swarms.positions.shape[2])
-    change_size(rules, swarms, b, table, work, size)
-    iterate(rules, swarms, b, table, work, repair_degree, knobs)
-    summarise(swarms, b, mean_weight)
-
-
 @kernel
-def begin_serial(
+def begin_chosen(
     rules: Any,
     swarms: Swarms,
     tables: Table,
@@ -146,7 +126,7 @@ def begin_serial(
 
 
 @kernel
-def step_serial(
+def step_chosen(
     rules: Any,
     swarms: Swarms,
     tables: Table,
@@ -156,24 +136,11 @@ def step_serial(
     knobs: Floats,
     mean_weight: float,
 ) -> None:
-    """`step_swarm` for the chosen swarms, one after the other."""
+    """Resize the chosen swarms, advance them by one iteration and summarise them, one after the other."""
     for b in range(sizes.shape[0]):
         if chosen[b]:
-            step_swarm(rules, swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
-
-
-@parallel_kernel
-def step_parallel(
-    rules: Any,
-    swarms: Swarms,
-    tables: Table,
-    chosen: Flags,
-    sizes: Integers,
-    repair_degrees: Floats,
-    knobs: Floats,
-    mean_weight: float,
-) -> None:
-    """`step_swarm` for the chosen swarms, spread over threads."""
-    for b in numba.prange(sizes.shape[0]):
-        if chosen[b]:
-            step_swarm(rules, swarms, b, tables, sizes[b], repair_degrees[b], knobs[b], mean_weight)
+            table = select(tables, swarms.problem[b])
+            work = make_workspace(swarms.positions.shape[2])
+            change_size(rules, swarms, b, table, work, sizes[b])
+            iterate(rules, swarms, b, table, work, repair_degrees[b], knobs[b])
+            summarise(swarms, b, mean_weight)

@@ -10,6 +10,7 @@ from swarm_gym.checks import require_number
 from swarm_gym.optimizers import driver
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import Table
+from swarm_gym.threads import spread
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class Optimizer:
         """
         if knobs is None:
             knobs = np.tile(cls.knob_values({}), (len(sizes), 1))
-        driver.begin_serial(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
+        driver.begin_chosen(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
 
     @classmethod
     def step(
@@ -87,7 +88,7 @@ class Optimizer:
         repair_degrees: NDArray[np.float64],
         knobs: NDArray[np.float64],
         mean_weight: float,
-        parallel: bool,
+        num_threads: int = 1,
     ) -> None:
         """Resize the chosen swarms and advance them by one iteration.
 
@@ -99,10 +100,13 @@ class Optimizer:
             repair_degrees: (B,) phi in [0, 1]; 0 is no repair.
             knobs: (B, number of knobs) parameters in the order of `knobs`.
             mean_weight: k of eq. 7.
-            parallel: spread the swarms over threads.
+            num_threads: that the swarms are spread over; nothing else depends on it.
         """
-        run = driver.step_parallel if parallel else driver.step_serial
-        run(cls.rules(), swarms, tables, chosen, sizes, repair_degrees, knobs, mean_weight)
+
+        def run(part: NDArray[np.bool_]) -> None:
+            driver.step_chosen(cls.rules(), swarms, tables, part, sizes, repair_degrees, knobs, mean_weight)
+
+        spread(run, chosen, num_threads)
 
     @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
