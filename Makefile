@@ -47,7 +47,8 @@ test-slow: $(INSTALLED) ## run the tests that take minutes
 	$(BIN)/python -m pytest -n auto -m slow
 
 KERNEL_TESTS = $(addprefix tests/test_,lanes.py random_stream.py geometry.py problem.py grid_problem.py test_functions.py \
-    population.py optimizers.py firefly.py generational_firefly.py particle_swarm.py elite_genetic.py multivariate.py)
+    population.py optimizers.py firefly.py generational_firefly.py particle_swarm.py elite_genetic.py multivariate.py \
+    fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py jit.py)
 
 test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, then with bounds checks on
 	@echo "== kernels as plain Python"

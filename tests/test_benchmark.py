@@ -27,7 +27,6 @@ from experiments.speed.peers import bezier, fish
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.problem import AnalyticProblem, GridProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -127,7 +126,6 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
     }
 
 
-FISH_SWARM_IS_THERE = fish.OURS in OPTIMIZERS
 
 
 def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
@@ -136,7 +134,6 @@ def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
     assert fish.rastrigin(np.array([0.5, 2.0])) == pytest.approx(20.25 + 4.0)
 
 
-@pytest.mark.skipif(not FISH_SWARM_IS_THERE, reason="there is no fish swarm")
 @pytest.mark.parametrize("scenario", [fish.FUNCTION, fish.CASE])
 def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
     problem = fish.environment(scenario).simulation.problems[0]
@@ -147,7 +144,6 @@ def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
         assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
 
 
-@pytest.mark.skipif(not FISH_SWARM_IS_THERE, reason="there is no fish swarm")
 def test_a_fish_swarm_is_measured_on_both_problems_and_compared_with_ours():
     runs = []
 

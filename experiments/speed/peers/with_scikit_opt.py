@@ -13,10 +13,11 @@ import numpy as np
 from sko.AFSA import AFSA
 
 from experiments.speed.peers.cost import Cost, Floats
+from swarm_gym.optimizers.fish_swarm import FishSwarm
 from swarm_gym.problem import Problem
 
 # Those of our fish swarm; lengths in ranges of a component.
-TRIES, VISUAL, STEP, CROWDING = 5, 0.3, 0.1, 0.6
+VISUAL, STEP, CROWDING, TRIES = FishSwarm.knob_values({})
 
 
 def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
@@ -35,7 +36,7 @@ def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
         problem.dimension,
         size_pop=size,
         max_iter=iterations,
-        max_try_num=TRIES,
+        max_try_num=int(TRIES),
         step=STEP / VISUAL,
         visual=VISUAL * float(np.mean(upper - lower)),
         q=1.0,
