@@ -80,7 +80,7 @@ def spent_to_begin(optimizer, problem, size):
 @pytest.mark.parametrize("kind", KINDS)
 @with_an_oracle
 def test_episodes_are_the_naive_ones(optimizer, kind):
-    knobs = tries(optimizer, 1) if kind == "curve" else {}
+    knobs = tries(optimizer, 1) if kind in ("curve", "polyline") else {}
     run(optimizer, problems()[kind], knobs=knobs, size=7, iterations=len(PLAN))
 
 
@@ -187,7 +187,7 @@ def test_what_is_stored_is_true_at_every_step(optimizer, kind):
     swarms, tables = begin(optimizer, [problem], size=9)
     best = np.inf
     for size, repair_degree in PLAN:
-        advance(optimizer, swarms, tables, size, repair_degree)
+        advance(optimizer, swarms, tables, size, repair_degree, tries(optimizer, 2))
         assert 1 <= swarms.size[0] <= size
         for i in range(swarms.size[0]):
             position = swarms.positions[0, i, :n]
@@ -249,7 +249,7 @@ def test_a_swarm_gets_better_in_the_long_run(optimizer):
 @pytest.mark.parametrize("scenario", ["case1", "rooms:0"])
 @all_optimizers
 def test_given_populations_grow_and_shrink_in_environments(optimizer, scenario):
-    options = {} if scenario == "case1" else {"encoding": "bezier"}
+    options = {} if scenario == "case1" else {"encoding": "bezier", **tries(optimizer, 1)}
     env = gymnasium.make(environment_id(optimizer), scenario=scenario, iterations=6, **options)
     problem = env.unwrapped.simulation.problems[0]
     population = np.random.default_rng(0).uniform(*problem.bounds, (5, problem.dimension))
