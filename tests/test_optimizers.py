@@ -80,7 +80,7 @@ def spent_to_begin(optimizer, problem, size):
 @pytest.mark.parametrize("kind", KINDS)
 @with_an_oracle
 def test_episodes_are_the_naive_ones(optimizer, kind):
-    knobs = tries(optimizer, 1) if kind in ("curve", "polyline") else {}
+    knobs = tries(optimizer, 1) if kind == "curve" else {}
     run(optimizer, problems()[kind], knobs=knobs, size=7, iterations=len(PLAN))
 
 
