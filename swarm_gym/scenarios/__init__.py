@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.scenarios import (
+    iafsa_routes,
     made_maps,
     moa_tasks,
     moving_ai,
@@ -58,6 +59,7 @@ FAMILIES: dict[str, Family] = {
     "den400d": moa_tasks.FAMILY,
     "ros": ros_map.FAMILY,
     "function": test_functions.FAMILY,
+    iafsa_routes.NAME: iafsa_routes.FAMILY,
 }
 
 

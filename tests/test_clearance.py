@@ -1,0 +1,56 @@
+"""How close paths come to blocked cells, against shapely."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from swarm_gym.problem.clearance import clearance
+
+
+def areas(blocked):
+    rows, columns = np.nonzero(blocked)
+    return shapely.union_all(shapely.box(columns - 0.5, rows - 0.5, columns + 0.5, rows + 0.5))
+
+
+@st.composite
+def grids(draw, most=8):
+    width, height = draw(st.integers(1, most)), draw(st.integers(1, most))
+    cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
+    return np.array(cells).reshape(height, width)
+
+
+HALVES = st.integers(-6, 20).map(lambda number: number / 2)
+COORDINATES = HALVES | st.floats(-3.0, 10.0)
+PATHS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=6).map(np.array)
+
+
+@settings(max_examples=300, deadline=None)
+@given(grids(), PATHS)
+def test_clearance_is_the_distance_of_the_path_from_the_squares(blocked, path):
+    found = clearance(blocked, path)
+    if not blocked.any():
+        assert found == math.inf
+        return
+    line = shapely.Point(path[0]) if len(path) == 1 else shapely.LineString(path)
+    assert found == pytest.approx(line.distance(areas(blocked)), abs=1e-9)
+
+
+def test_a_long_path_is_measured_where_it_is_closest():
+    blocked = np.zeros((40, 60), dtype=np.bool_)
+    blocked[20, 30] = blocked[3, 50] = True
+    t = np.linspace(0.0, 1.0, 500)
+    path = np.stack([59.0 * t, 10.0 + 12.0 * np.sin(6.0 * t)], axis=1)
+    assert clearance(blocked, path) == pytest.approx(
+        shapely.LineString(path).distance(areas(blocked)), abs=1e-12
+    )
+    assert clearance(blocked, path) > 0.0
+
+
+def test_a_path_that_touches_a_blocked_cell_has_no_clearance():
+    blocked = np.array([[False, True, False]])
+    assert clearance(blocked, np.array([[0.5, -0.5], [0.5, 0.5]])) == 0.0
+    assert clearance(blocked, np.array([[0.25, 0.0], [0.25, 0.4]])) == 0.25
