@@ -141,6 +141,17 @@ def test_an_inflated_map_has_the_geometry_of_the_map():
     assert "0.3" in made.inflated(0.3).name
 
 
+@pytest.mark.parametrize("y_up", [False, True])
+def test_a_part_of_a_map_lies_where_it_lay(y_up):
+    rng = np.random.default_rng(0)
+    made = GridMap("made", rng.random((7, 9)) < 0.5, 0.5, (1.0, 2.0), y_up)
+    part = made.cut(slice(2, 6), slice(3, 8))
+    assert (part.height, part.width) == (4, 5)
+    for point in rng.uniform(*np.reshape(part.extent, (2, 2)), (50, 2)).tolist():
+        assert part.is_free(part.cell_of(point)) == made.is_free(made.cell_of(point))
+    assert made.cut(slice(None), slice(None)) == made
+
+
 @pytest.mark.parametrize("radius", [-1.0, NAN, INF, "wide"])
 def test_a_radius_that_is_none_is_refused(radius):
     refused(lambda: grid().inflated(radius), "'made'", "radius", repr(radius))

@@ -102,6 +102,12 @@ def test_the_robot_fits_along_the_shortest_paths(site):
         assert distance > SITES[site].radius
 
 
+def test_maps_are_cut_to_what_the_robot_can_reach(site):
+    for scenario in make_scenarios(f"routes:{site}"):
+        assert scenario.view == scenario.workspace
+        assert scenario.map.height < 200
+
+
 def test_obstacles_lie_between_the_ends_and_lengths_differ(site):
     lengths = []
     for scenario in make_scenarios(f"routes:{site}"):

@@ -142,6 +142,12 @@ class GridMap:
         name = f"{self.name} inflated by {radius:g}"
         return GridMap(name, blocked, self.resolution, self.origin, self.y_up)
 
+    def cut(self, rows: slice, columns: slice) -> "GridMap":
+        """The part of the map in these rows and columns; map coordinates stay what they are."""
+        first = self.to_map((range(self.width)[columns][0], range(self.height)[rows][0]))
+        x, y = first.tolist()
+        return GridMap(self.name, self.blocked[rows, columns], self.resolution, (x, y), self.y_up)
+
     def __eq__(self, other: object) -> bool:
         return self.digest == other.digest if isinstance(other, GridMap) else NotImplemented
 

@@ -110,7 +110,10 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> GridScenario:
-    """The single route of that name, on the map inflated for the robot.
+    """The single route of that name, on the map inflated for the robot and cut to what it can reach.
+
+    Control points of curves may lie anywhere on a map, and moves of optimizers are shares of its sides: what
+    is unknown around an arena would make them coarser.
 
     Raises:
         ScenarioError: if the map is missing, malformed or another one.
@@ -118,9 +121,9 @@ def make(name: str) -> GridScenario:
     """
     key, start, target = name.removeprefix(f"{NAME}:").split("-")
     site = SITES[key]
-    raw = read_site_map(key)
-    grid = _read(key, inflation(site.radius, raw.resolution))
-    return GridScenario(name, grid, site.points[start], site.points[target])
+    grid = _read(key, inflation(site.radius, read_site_map(key).resolution))
+    whole = GridScenario(name, grid, site.points[start], site.points[target])
+    return GridScenario(name, grid.cut(*whole.window), whole.start, whole.target)
 
 
 FAMILY = Family(USAGE, (), expand, make)
