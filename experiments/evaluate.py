@@ -14,10 +14,10 @@ from typing import Annotated
 import tyro
 from joblib import cpu_count
 
-from experiments.page import write_page
+from experiments.page import write_collection_page, write_page
 from experiments.results import Results, ResultsError
 from experiments.runner import configuration, environment_configuration, refuse_missing, run_missing
-from experiments.suites import Suite, get_suite
+from experiments.suites import COLLECTIONS, Suite, get_suite
 from experiments.tables import make_tables
 
 
@@ -26,13 +26,14 @@ class EvaluateConfig:
     """Options of an evaluation."""
 
     suite: str = "paper"
-    """Which suite."""
+    """Which suite, or collection of suites."""
     seeds: int | None = None
     """Seeds per controller and scenario; the suite's own number by default."""
     controllers: tuple[str, ...] = ()
     """Controllers instead of the suite's."""
     output: Path = Path("results")
-    """Tables and figures go to <output>/<suite>, the database to <output>/<suite>.sqlite."""
+    """Tables and figures go to <output>/<suite>, the database to <output>/<suite>.sqlite; those of the suites
+    of a collection to <output>/<collection>/<suite> and beside it."""
     database: Path | None = None
     """Another database file."""
     jobs: Annotated[int, tyro.conf.arg(metavar="N")] = 0
@@ -45,6 +46,8 @@ class EvaluateConfig:
 
 def evaluate(config: EvaluateConfig) -> Path:
     """Run what is missing, then write tables and figures; returns the page that shows them."""
+    if config.suite in COLLECTIONS:
+        return _evaluate_collection(config)
     suite = get_suite(config.suite)
     if config.controllers:
         suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
@@ -71,6 +74,15 @@ def evaluate(config: EvaluateConfig) -> Path:
     finally:
         results.close()
     return page
+
+
+def _evaluate_collection(config: EvaluateConfig) -> Path:
+    if config.database is not None:
+        raise ResultsError(f"--database is for one suite; {config.suite} has several, with one each")
+    folder = config.output / config.suite
+    suites = COLLECTIONS[config.suite]
+    pages = [evaluate(dataclasses.replace(config, suite=name, output=folder)) for name in suites]
+    return write_collection_page(config.suite, pages, folder)
 
 
 def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:

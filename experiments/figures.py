@@ -21,6 +21,12 @@ from experiments.drawings import (
 from experiments.figure_style import FORMATS, render, settings, styles
 from experiments.gap_drawings import draw_front, draw_profiles
 from experiments.groups import group_controllers
+from experiments.iafsa_drawings import (
+    AXES,
+    draw_function_convergence,
+    draw_route_convergence,
+    draw_route_maps,
+)
 from experiments.outcomes import Outcomes
 from experiments.parameter_drawings import PARAMETER_DRAWINGS
 from experiments.parameter_study import SCENARIO, STUDIES
@@ -124,6 +130,17 @@ def _maps(stored: Stored) -> Drawings:
     }
 
 
+def _functions(stored: Stored) -> Drawings:
+    return {f"functions-by-{axis}": partial(draw_function_convergence, stored.cases, axis) for axis in AXES}
+
+
+def _routes(stored: Stored) -> Drawings:
+    return {
+        "route-maps": partial(draw_route_maps, stored.cases),
+        "route-convergence": partial(draw_route_convergence, stored.cases),
+    }
+
+
 def _profiles(stored: Stored) -> Drawings:
     return {"profiles": partial(draw_profiles, stored.outcomes)}
 
@@ -157,6 +174,8 @@ FIGURES: dict[str, Callable[[Stored], Drawings]] = {
     "collision": _collision,
     "cases": _cases,
     "maps": _maps,
+    "functions": _functions,
+    "routes": _routes,
     "profiles": _profiles,
     "front": _front,
     "decisions": _decisions,

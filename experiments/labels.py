@@ -1,9 +1,12 @@
 """Names of controllers as tables and figures print them."""
 
-# Of the MOA paper.
+# Of the MOA paper, and of the IAFSA paper; R is for reconstruction.
 OPTIMIZER_LABELS = {
     "elite-genetic": "EGA",
+    "fish-swarm": "AFSA",
     "generational-firefly": "FA (generational)",
+    "hybrid-fish-swarm": "HAAFSA-R",
+    "improved-fish-swarm": "IAFSA",
     "multivariate": "MOA",
     "particle-swarm": "PSO-w",
 }
@@ -24,9 +27,11 @@ def label(controller: str) -> str:
     policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told
     stays, after an @.
     """
-    optimizer, plus, rest = controller.partition("+")
+    named, plus, rest = controller.partition("+")
+    optimizer, several, iterations = named.rstrip(")").partition("(")
     if plus and optimizer in OPTIMIZER_LABELS:
-        return f"{OPTIMIZER_LABELS[optimizer]}, {rest.removeprefix('fixed:')} members"
+        length = f", {iterations} iterations" if several else ""
+        return f"{OPTIMIZER_LABELS[optimizer]}, {rest.removeprefix('fixed:')} members{length}"
     family, _, argument = controller.partition(":")
     recipe, several, price = argument.partition("/*")
     if several:

@@ -49,6 +49,12 @@ def write_page(
     return write_atomically(folder / "README.md", "\n".join(parts))
 
 
+def write_collection_page(name: str, pages: Sequence[Path], folder: Path) -> Path:
+    """Write a README.md that leads to the pages of a collection's suites; returns it."""
+    links = [f"* [{page.parent.name}]({page.relative_to(folder).as_posix()})" for page in pages]
+    return write_atomically(folder / "README.md", "\n".join([f"# Suites of {name}\n", *links, ""]))
+
+
 def describe_provenance(made_with: Sequence[Mapping[str, str]]) -> str:
     """One line: all commits and all versions of runs that were made with these."""
     values: dict[str, set[str]] = {}

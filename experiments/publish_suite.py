@@ -1,7 +1,8 @@
 """Put a suite's results into its document: `python -m experiments.publish_suite SUITE_FOLDER DOCUMENT`.
 
 Fills the marked blocks of the document from the tables of the suite's page, by their names, and copies its
-SVG figures to docs/results/<suite>, which then has no others: no number there is typed by hand.
+SVG figures to docs/results/<suite>, which then has no others: no number there is typed by hand. The blocks of
+a collection are named <suite>/<table>.
 """
 
 import sys
@@ -21,7 +22,7 @@ def publish_suite(folder: Path, document: Path) -> None:
     for name in block_names(text):
         text = replace_block(text, name, (folder / f"{name}.md").read_text(encoding="utf-8"))
     figures = document.parent / "results" / folder.name
-    shown = {file.name: file.read_bytes() for file in sorted(folder.glob("*.svg"))}
+    shown = {file.name: file.read_bytes() for file in sorted(folder.rglob("*.svg"))}
     for name, content in shown.items():
         write_atomically(figures / name, content)
     for path in figures.glob("*.svg"):

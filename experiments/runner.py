@@ -81,14 +81,14 @@ def refuse_missing(suite: Suite, results: Results) -> None:
 def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
-    optimizer, controller_name = contestant(name, suite.optimizer)
-    _warm_up(optimizer, _kind(suite))
-    controller = _controller(controller_name)
+    runs = contestant(name, suite.optimizer)
+    _warm_up(runs.optimizer, _kind(suite))
+    controller = _controller(runs.controller)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     env = gymnasium.make(
-        environment_id(optimizer),
+        environment_id(runs.optimizer),
         scenario=scenario,
-        **suite.options,
+        **{**suite.options, **runs.options},
         **controller.env_options(),
     )
     simulation = env.unwrapped.simulation  # type: ignore[attr-defined]

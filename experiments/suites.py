@@ -14,7 +14,7 @@ from typing import Any
 from experiments import parameter_study
 from experiments.groups import group_controllers
 from experiments.moa_numbers import METHODS
-from swarm_gym.checks import look_up
+from swarm_gym.errors import UnknownNameError
 from swarm_gym.scenarios import expand_name
 
 PAPER_TABLES = ("summary", "cases", "comparison", "reproduction")
@@ -328,6 +328,9 @@ MOA_PAPER = Suite(
 ALL = (PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS, MOA_PAPER)
 SUITES = {suite.name: suite for suite in ALL}
 
+# Suites that one name stands for, each with options, seeds, tables and a database of its own.
+COLLECTIONS: dict[str, tuple[str, ...]] = {}
+
 
 def get_suite(name: str) -> Suite:
     """The suite of that name.
@@ -335,4 +338,6 @@ def get_suite(name: str) -> Suite:
     Raises:
         UnknownNameError: if there is none.
     """
-    return look_up("suite", name, SUITES)
+    if name not in SUITES:
+        raise UnknownNameError("suite", name, (*SUITES, *COLLECTIONS))
+    return SUITES[name]

@@ -9,6 +9,7 @@ from experiments.statistics.comparison import (
     holm,
     paired,
     probability_of_improvement,
+    rank_sum,
     ratio_interval,
     superiority,
 )
@@ -42,6 +43,7 @@ __all__ = [
     "paired",
     "performance_profile",
     "probability_of_improvement",
+    "rank_sum",
     "ratio_interval",
     "summarise",
     "summarise_group",

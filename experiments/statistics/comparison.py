@@ -120,6 +120,13 @@ def probability_of_improvement(values: Floats, baseline: Floats) -> float:
     return float((mine < theirs).mean() + 0.5 * (mine == theirs).mean())
 
 
+def rank_sum(values: Floats, others: Floats) -> float:
+    """P of the Mann-Whitney U test, two-sided, of two samples that are not paired; not yet corrected."""
+    if np.ptp(np.concatenate([values, others])) == 0.0:
+        return 1.0
+    return float(stats.mannwhitneyu(values, others).pvalue)
+
+
 def holm(p_values: list[float]) -> list[float]:
     """Holm's step-down correction: adjusted p-values in the order given.
 

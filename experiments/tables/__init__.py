@@ -13,6 +13,9 @@ from experiments.tables import paper
 from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
+from experiments.tables.iafsa import function_tables, shifted_tables
+from experiments.tables.iafsa_convergence import convergence_tables
+from experiments.tables.iafsa_routes import route_tables
 from experiments.tables.moa import moa_tables
 from experiments.tables.parameters import parameter_tables
 from experiments.tables.table import Table
@@ -32,6 +35,10 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "near-optimum": near_optimum_tables,
     "parameters": parameter_tables,
     "moa": moa_tables,
+    "iafsa-functions": function_tables,
+    "iafsa-convergence": convergence_tables,
+    "iafsa-shifted": shifted_tables,
+    "iafsa-routes": route_tables,
 }
 
 
