@@ -8,7 +8,7 @@ SEEDS ?= 20
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install study study-full test test-slow test-checked test-lowest check format benchmark benchmark-peers \
-    docs-results docs-study docs-moa clean
+    docs-results docs-study docs-moa docs-iafsa clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -106,6 +106,10 @@ docs-study: study-full ## fill docs/study.md from all suites of the study; OFFLI
 docs-moa: $(INSTALLED) ## regenerate docs/moa-paper.md; needs the map den400d (two minutes)
 	$(BIN)/python -m experiments.evaluate --suite moa-paper --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/moa-paper docs/moa-paper.md
+
+docs-iafsa: $(INSTALLED) ## regenerate docs/iafsa-paper.md; needs the maps turtlebot3_world and playground (XX minutes)
+	$(BIN)/python -m experiments.evaluate --suite iafsa-paper --output results/docs
+	$(BIN)/python -m experiments.publish_suite results/docs/iafsa-paper docs/iafsa-paper.md
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \

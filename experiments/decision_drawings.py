@@ -10,7 +10,7 @@ from experiments.figure_style import Style, draw_banded_line, legend_below, new_
 from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
 from experiments.results import Floats, Results, Run
-from experiments.suites import Suite
+from experiments.suite import Suite
 
 # What is decided per iteration, by name of the trace's column.
 DECISIONS = {

@@ -17,7 +17,8 @@ from joblib import cpu_count
 from experiments.page import write_collection_page, write_page
 from experiments.results import Results, ResultsError
 from experiments.runner import configuration, environment_configuration, refuse_missing, run_missing
-from experiments.suites import COLLECTIONS, Suite, get_suite
+from experiments.suite import Suite
+from experiments.suites import COLLECTIONS, get_suite
 from experiments.tables import make_tables
 
 

@@ -31,7 +31,7 @@ from experiments.outcomes import Outcomes
 from experiments.parameter_drawings import PARAMETER_DRAWINGS
 from experiments.parameter_study import SCENARIO, STUDIES
 from experiments.results import Results, RunKey, Snapshot
-from experiments.suites import Suite
+from experiments.suite import Suite
 from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
 from swarm_gym.reference import known_optimum

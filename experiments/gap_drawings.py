@@ -13,7 +13,7 @@ from experiments.figure_style import GREY, draw_banded_line, legend_below, new_f
 from experiments.labels import label
 from experiments.outcomes import Floats, Outcomes
 from experiments.statistics import interval, means, non_dominated, performance_profile
-from experiments.suites import Suite
+from experiments.suite import Suite
 
 NUM_THRESHOLDS = 161
 LEAST_GAP = 1e-4  # that a logarithmic axis goes down to

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from experiments.suites import SUITES, Suite
+from experiments.suite import Suite
+from experiments.suites import SUITES
 from experiments.tables import Table
 from swarm_gym.files import write_atomically
 

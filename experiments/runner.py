@@ -19,7 +19,7 @@ from agents.tuned import load_tuned
 from experiments.contestants import contestant
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
-from experiments.suites import Suite
+from experiments.suite import Suite
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest
 from swarm_gym.registration import environment_id

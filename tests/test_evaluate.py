@@ -11,9 +11,10 @@ from agents.open_loop import save_open_loop
 from agents.tuned import save_tuned
 from experiments import runner
 from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.publish_suite import publish_suite
 from experiments.results import Results, ResultsError, Run
 from experiments.runner import configuration, run_missing, run_one
-from experiments.suites import SUITES, Suite, get_suite
+from experiments.suites import COLLECTIONS, SUITES, Suite, get_suite
 from experiments.tables import make_tables
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
@@ -261,6 +262,60 @@ def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
     results.close()
 
 
+def test_a_contestant_has_episodes_of_its_own_length(tmp_path):
+    names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
+    suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
+    results = Results(tmp_path / "contestants.sqlite", configuration(suite))
+    run_missing(suite, results, jobs=1)
+    lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
+    assert lengths == [100, 7, 100]
+    results.close()
+
+
+@pytest.fixture
+def collection(monkeypatch):
+    """Two suites by one name."""
+    small = dataclasses.replace(
+        SUITE, name="small", controllers=("fixed:3", "spsfa-tip"), scenarios=("case1",), snapshots=()
+    )
+    other = dataclasses.replace(small, name="other", options={"iterations": 5}, tables=("comparison",))
+    for suite in (small, other):
+        monkeypatch.setitem(SUITES, suite.name, suite)
+    monkeypatch.setitem(COLLECTIONS, "both", ("small", "other"))
+    return "both"
+
+
+def test_a_collection_is_run_by_one_name_into_a_folder_for_each_suite(collection, tmp_path):
+    config = EvaluateConfig(collection, output=tmp_path, jobs=1, figures=False)
+    page = evaluate(config)
+    assert page == tmp_path / "both/README.md"
+    assert "[other](other/README.md)" in page.read_text()
+    assert {p.name for p in (tmp_path / "both").glob("*.sqlite")} == {"small.sqlite", "other.sqlite"}
+    assert (tmp_path / "both/small/summary.md").exists()
+    assert not (tmp_path / "both/other/summary.md").exists()
+    assert evaluate(dataclasses.replace(config, simulate=False)) == page
+
+
+def test_a_collection_has_no_single_database(collection, tmp_path):
+    with pytest.raises(ResultsError, match="--database is for one suite; both has several"):
+        evaluate(EvaluateConfig(collection, output=tmp_path, database=tmp_path / "one.sqlite"))
+
+
+def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path):
+    evaluate(EvaluateConfig(collection, output=tmp_path, jobs=1, figures=False))
+    (tmp_path / "both/other/figure-a.svg").write_text("<svg/>")
+    document = tmp_path / "docs/page.md"
+    document.parent.mkdir()
+    names = ("small/summary", "other/comparison", "other/made-with")
+    document.write_text("\n".join(f"<!-- {name} -->\n<!-- /{name} -->" for name in names))
+    publish_suite(tmp_path / "both", document)
+    text = document.read_text()
+    assert text.count("Runs made with: ") == 1
+    for name in names:
+        assert (tmp_path / f"both/{name}.md").read_text().strip() in text
+    assert (tmp_path / "docs/results/both/figure-a.svg").read_text() == "<svg/>"
+
+
 def test_a_run_says_what_its_trace_holds(tmp_path):
     results = Results(tmp_path / "wide.sqlite")
     columns = (*HISTORY, "noise")
@@ -281,7 +336,7 @@ def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
 
 
 def test_unknown_suite_names_the_valid_ones():
-    with pytest.raises(UnknownNameError, match=r"everything.*paper"):
+    with pytest.raises(UnknownNameError, match=r"everything.*iafsa-paper.*moa-paper.*paper"):
         get_suite("everything")
 
 

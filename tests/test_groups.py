@@ -11,6 +11,7 @@ from experiments.figures import FIGURES
 from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
 from experiments.suites import (
+    COLLECTIONS,
     FRESH_SEEDS,
     SUITES,
     Family,
@@ -82,6 +83,22 @@ def test_what_a_suite_runs_ships(suite):
         assert make_controller(contestant(controller, suite.optimizer).controller)
     for scenario in suite.scenarios:
         assert expand_name(scenario) == (scenario,)
+
+
+def test_a_contestant_names_its_optimizer_and_how_many_iterations():
+    assert contestant("spsfa-tip", "firefly") == ("firefly", "spsfa-tip", None)
+    assert contestant("multivariate+fixed:65", "firefly") == ("multivariate", "fixed:65", None)
+    found = contestant("multivariate(50)+fixed:65", "firefly")
+    assert found == ("multivariate", "fixed:65", 50)
+    assert found.options == {"iterations": 50}
+    assert contestant("spsfa", "firefly").options == {}
+    assert contestant("learned:a+b", "firefly").controller == "learned:a+b"
+
+
+def test_a_collection_is_of_suites():
+    for name, suites in COLLECTIONS.items():
+        assert name not in SUITES
+        assert set(suites) <= set(SUITES)
 
 
 def test_policies_that_ship_are_in_a_suite():

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from experiments.outcomes import Outcomes
 from experiments.results import Results
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables import paper
 from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables

@@ -5,7 +5,7 @@ import numpy as np
 from experiments.labels import label
 from experiments.outcomes import Outcomes
 from experiments.statistics import Interval, hypervolume, interval, means, non_dominated
-from experiments.suites import Family, Suite
+from experiments.suite import Family, Suite
 from experiments.tables.table import Table, percent, percent_interval
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from experiments.labels import label
 from experiments.outcomes import Outcomes
 from experiments.statistics import interval, means, summarise_group
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.table import Table, percent, percent_interval
 
 NEAR = 0.01  # of the optimum

@@ -18,7 +18,7 @@ from experiments.iafsa_numbers import DIMENSIONS, ITERATIONS, MEAN_BEST
 from experiments.labels import OPTIMIZER_LABELS
 from experiments.outcomes import Floats, Outcomes
 from experiments.statistics import compare, holm, mean_interval, rank_sum
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table, yes
 from experiments.tables.table import Table
 

@@ -12,7 +12,7 @@ from experiments.labels import OPTIMIZER_LABELS
 from experiments.outcomes import Floats, Outcomes
 from experiments.results import Run
 from experiments.statistics import mean_interval
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.iafsa import AFSA, IAFSA, Function, find_contestants
 from experiments.tables.table import Table

@@ -10,7 +10,7 @@ from experiments.labels import label
 from experiments.moa_numbers import PRINTED, THRESHOLDS
 from experiments.outcomes import Outcomes
 from experiments.results import Run
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.table import Table, percent
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.traversal import blocked_length, path_is_free

@@ -10,7 +10,7 @@ from experiments.labels import label
 from experiments.outcomes import Outcomes
 from experiments.paper_numbers import FITNESS, FITNESS_TABLES, SECONDS, TIME_TABLES
 from experiments.statistics import Comparison, Summary, compare, holm, summarise
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.table import Table, percent
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum

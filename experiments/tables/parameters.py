@@ -9,7 +9,7 @@ import numpy as np
 from experiments.outcomes import Outcomes, RunNumbers
 from experiments.parameter_study import SCENARIO, STUDIES, Study
 from experiments.statistics import ratio_interval, summarise
-from experiments.suites import Suite
+from experiments.suite import Suite
 from experiments.tables.table import Table
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 
