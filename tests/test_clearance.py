@@ -28,7 +28,7 @@ COORDINATES = HALVES | st.floats(-3.0, 10.0)
 PATHS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=6).map(np.array)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=500, deadline=None, derandomize=True)
 @given(grids(), PATHS)
 def test_clearance_is_the_distance_of_the_path_from_the_squares(blocked, path):
     found = clearance(blocked, path)
@@ -54,3 +54,7 @@ def test_a_path_that_touches_a_blocked_cell_has_no_clearance():
     blocked = np.array([[False, True, False]])
     assert clearance(blocked, np.array([[0.5, -0.5], [0.5, 0.5]])) == 0.0
     assert clearance(blocked, np.array([[0.25, 0.0], [0.25, 0.4]])) == 0.25
+
+
+def test_a_path_far_from_the_grid_is_measured_too():
+    assert clearance(np.array([[True, False]]), np.array([[40.5, 0.0]])) == 40.0

@@ -24,7 +24,7 @@ def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
         x0, y0 = points[k]
         x1, y1 = points[min(k + 1, last)]
         # Cells whose areas may be closer than the closest so far.
-        reach = min(least, float(height + width)) + 0.5
+        reach = least + 0.5
         left, right = _within(min(x0, x1) - reach, width), _within(max(x0, x1) + reach, width)
         top, bottom = _within(min(y0, y1) - reach, height), _within(max(y0, y1) + reach, height)
         for row in range(top, bottom + 1):

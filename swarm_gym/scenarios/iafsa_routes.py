@@ -2,9 +2,9 @@
 
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
 Probl. Eng. 2016, tables 4 and 5. The paper drives between points A to E of two maps that it shows as
-figures only. These stand in for them: the points are ours, on two public maps, with the paper's pairs; those
-on the playground have shortest paths 2 to 6 percent shorter than the paper's best means, the arena is smaller
-than the paper's map. Coordinates are metres (x, y), of centres of cells, see `ros_map`.
+figures only. These stand in for them: two public maps with robots that are driven on them, and points of ours
+with the paper's pairs, for ways of about its lengths. Coordinates are metres (x, y), of centres of cells, see
+`ros_map`.
 """
 
 import math
@@ -60,14 +60,14 @@ SITES = {
     "playground": Site(
         "playground",
         "fb9fb5285f557c5ac142dfbb1deca8ecdecdd78b180f446f7e367822464ebedf",
-        "Pioneer 3-DX",
-        0.25,
+        "TurtleBot 2",
+        0.18,
         {
             "A": (-4.625, -1.625),
             "B": (-5.025, 2.975),
-            "C": (3.575, 0.375),
-            "D": (2.475, -4.525),
-            "E": (1.475, -1.975),
+            "C": (4.275, 0.575),
+            "D": (2.475, -4.625),
+            "E": (1.475, -1.875),
         },
         ("A-B", "A-C", "E-D", "D-B"),
     ),
