@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from experiments import map_plot
@@ -20,12 +21,13 @@ from experiments.tables.iafsa_routes import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 
 # Of a course, so that a figure with many panels stays small; close together where most happens.
-MOST_POINTS = 30
+MOST_POINTS = 24
 PATH_POINTS = 40
 # Below this, values of functions are rounding errors of their formulas.
 LEAST_VALUE = 1e-16
 SHOWN_GAPS = (0.03, 300.0)  # per cent
 PANEL_COLUMNS = 4
+MOST_TICKS = 4
 WALL = "#7d838b"
 
 By = Callable[[list[Run]], tuple[NDArray, Floats]]
@@ -34,7 +36,8 @@ By = Callable[[list[Run]], tuple[NDArray, Floats]]
 def by_iterations(runs: list[Run]) -> tuple[NDArray, Floats]:
     """Iterations (m,), and the best fitness (runs, m) after these."""
     best = columns(runs, "best_fitness")
-    at = np.unique(np.geomspace(1, best.shape[1], MOST_POINTS).astype(np.int64)) - 1
+    last = best.shape[1] - 1
+    at = np.unique(np.round(last * np.linspace(0.0, 1.0, MOST_POINTS) ** 2).astype(np.int64))
     return at, best[:, at]
 
 
@@ -47,21 +50,20 @@ def by_evaluations(runs: list[Run]) -> tuple[NDArray, Floats]:
 
 # What courses are drawn over, its name on the axis, and the scale.
 AXES: dict[str, tuple[By, str, str]] = {
-    "iterations": (by_iterations, "iteration", "linear"),
+    "iterations": (by_iterations, "iterations", "linear"),
     "evaluations": (by_evaluations, "fitness evaluations spent", "log"),
 }
 
 
 def draw_function_convergence(cases: Sequence[Case], axis: str) -> Figure:
     """Best value so far on each function, over iterations or evaluations, of the longest episodes."""
-    figure = _draw_convergence(
+    return _draw_convergence(
         cases,
         axis,
+        "Best value so far above the optimum",
         titles=[Function.of(case.scenario.name).label for case in cases],
         scale=lambda best, _: np.maximum(best, LEAST_VALUE),
     )
-    figure.suptitle("Best value so far above the optimum: median and interquartile band")
-    return figure
 
 
 def draw_route_convergence(cases: Sequence[Case]) -> Figure:
@@ -70,6 +72,7 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
     figure = _draw_convergence(
         cases,
         "evaluations",
+        "Best path so far above the shortest path in %",
         titles=[route.label for route in routes],
         scale=lambda best, k: 100.0 * (best / routes[k].shortest[0] - 1.0),
     )
@@ -77,7 +80,6 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
         # Penalties are far above: what is on the axes is feasible.
         axes.set_ylim(*SHOWN_GAPS)
         axes.label_outer()
-    figure.suptitle("Best path so far above the shortest path, in %: median and interquartile band")
     return figure
 
 
@@ -102,7 +104,11 @@ def draw_route_maps(cases: Sequence[Case]) -> Figure:
 
 
 def _draw_convergence(
-    cases: Sequence[Case], axis: str, titles: Sequence[str], scale: Callable[[Floats, int], Floats]
+    cases: Sequence[Case],
+    axis: str,
+    quantity: str,
+    titles: Sequence[str],
+    scale: Callable[[Floats, int], Floats],
 ) -> Figure:
     """Courses of the best fitness, scaled by the number of the panel."""
     course_of, name, x_scale = AXES[axis]
@@ -117,8 +123,11 @@ def _draw_convergence(
             low, middle, high = np.quantile(scale(best, k), [0.25, 0.5, 0.75], axis=0)
             draw_banded_line(axes, x, middle, (low, high), controller, among)
         axes.set(title=titles[k], yscale="log", xscale=x_scale)
+        axes.yaxis.set_major_locator(LogLocator(numticks=MOST_TICKS))
+        if x_scale == "linear":
+            axes.xaxis.set_major_locator(MaxNLocator(MOST_TICKS))
         axes.minorticks_off()
-    figure.supxlabel(name, fontsize="medium")
+    figure.suptitle(f"{quantity}, by {name}: median and interquartile band")
     legend_below(figure)
     return figure
 

@@ -1,16 +1,13 @@
 """The suites of the IAFSA paper: test functions, the same shifted, and routes."""
 
-from experiments.iafsa_numbers import DIMENSIONS, ITERATIONS, SWARMS
+from experiments.iafsa_numbers import DIMENSIONS, ITERATIONS
 from experiments.suite import FRESH_SEEDS, Suite
 from swarm_gym.scenarios import expand_name
 
 STATED = tuple(f"{key}-{dimension}" for key, dimension in DIMENSIONS.items())
+RIVALS = ("fish-swarm", "improved-fish-swarm")
 # Since schedules span the episode, its length makes another optimizer.
-DUELS = tuple(
-    f"{method}({iterations})+fixed:100"
-    for iterations in ITERATIONS
-    for method in ("fish-swarm", "improved-fish-swarm")
-)
+DUELS = tuple(f"{method}({iterations})+fixed:100" for iterations in ITERATIONS for method in RIVALS)
 # Table 2 of the IAFSA paper is over 50 of these runs, table 3 over all; in the plane as well what the paper
 # states as 10-D.
 FUNCTIONS = Suite(
@@ -39,7 +36,7 @@ SHIFTED = Suite(
 )
 ROUTES = Suite(
     name="iafsa-routes",
-    controllers=tuple(f"{method}+fixed:100" for method in SWARMS),
+    controllers=tuple(f"{method}+fixed:100" for method in (*RIVALS, "hybrid-fish-swarm")),
     scenarios=(*expand_name("routes:turtlebot3"), *expand_name("routes:playground")),
     num_seeds=50,
     baseline="fish-swarm+fixed:100",

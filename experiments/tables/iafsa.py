@@ -207,31 +207,33 @@ def _printed(duel: Duel, optimizer: str) -> str:
 def _function_claims(duels: list[Duel]) -> list[Claim]:
     printed = [duel for duel in duels if duel.function.is_printed]
     plane = [duel for duel in printed if duel.function.dimension == 2]
-    others = [duel for duel in duels if not duel.function.is_printed]
+    groups = {
+        "the functions stated as 2-D": plane,
+        "those stated as 10-D": [duel for duel in printed if duel not in plane],
+        "these in 2-D instead": [duel for duel in duels if duel not in printed],
+    }
     return [
-        Claim("IAFSA's mean is below AFSA's, dimensions as stated", {d.case: d.improves for d in printed}),
-        Claim("the same of Rastrigin and Sum squares in 2-D", {d.case: d.improves for d in others}),
-        Claim(
-            "IAFSA's mean is no larger than the paper's on the functions stated as 2-D",
-            {duel.case: duel.against_paper(IAFSA) <= 1.0 for duel in plane},
+        *(
+            Claim(f"IAFSA's mean is below AFSA's, {text}", {d.case: d.improves for d in of})
+            for text, of in groups.items()
         ),
-        Claim(
-            f"AFSA's mean is within a factor of {NEAR_PAPER:g} of the paper's on the functions stated as 2-D",
-            {duel.case: _is_near(duel) for duel in plane},
+        *(
+            Claim(f"IAFSA's mean is no larger than the paper's, {text}", _no_larger(of))
+            for text, of in groups.items()
         ),
-        Claim(
-            "the same of Rastrigin and Sum squares in 2-D",
-            {duel.case: _is_near(duel) for duel in others},
-        ),
-        Claim(
-            "the same of Rastrigin and Sum squares in 10-D, as stated",
-            {duel.case: _is_near(duel) for duel in printed if duel.function.dimension > 2},
+        *(
+            Claim(f"AFSA's mean is within a factor of {NEAR_PAPER:g} of the paper's, {text}", _near(of))
+            for text, of in groups.items()
         ),
     ]
 
 
-def _is_near(duel: Duel) -> bool:
-    return 1.0 / NEAR_PAPER <= duel.against_paper(AFSA) <= NEAR_PAPER
+def _no_larger(duels: list[Duel]) -> dict[str, bool]:
+    return {duel.case: duel.against_paper(IAFSA) <= 1.0 for duel in duels}
+
+
+def _near(duels: list[Duel]) -> dict[str, bool]:
+    return {duel.case: 1.0 / NEAR_PAPER <= duel.against_paper(AFSA) <= NEAR_PAPER for duel in duels}
 
 
 def _dimensions_table(duels: list[Duel]) -> Table:
