@@ -107,7 +107,7 @@ docs-moa: $(INSTALLED) ## regenerate docs/moa-paper.md; needs the map den400d (t
 	$(BIN)/python -m experiments.evaluate --suite moa-paper --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/moa-paper docs/moa-paper.md
 
-docs-iafsa: $(INSTALLED) ## regenerate docs/iafsa-paper.md; needs the maps turtlebot3_world and playground (XX minutes)
+docs-iafsa: $(INSTALLED) ## regenerate docs/iafsa-paper.md; needs the maps turtlebot3_world and playground (15 minutes)
 	$(BIN)/python -m experiments.evaluate --suite iafsa-paper --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/iafsa-paper docs/iafsa-paper.md
 

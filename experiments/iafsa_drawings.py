@@ -21,13 +21,13 @@ from experiments.tables.iafsa_routes import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 
 # Of a course, so that a figure with many panels stays small; close together where most happens.
-MOST_POINTS = 24
-PATH_POINTS = 40
+MOST_POINTS = 18
+PATH_POINTS = 32
 # Below this, values of functions are rounding errors of their formulas.
 LEAST_VALUE = 1e-16
 SHOWN_GAPS = (0.03, 300.0)  # per cent
 PANEL_COLUMNS = 4
-MOST_TICKS = 4
+MOST_TICKS = 3
 WALL = "#7d838b"
 
 By = Callable[[list[Run]], tuple[NDArray, Floats]]
@@ -79,6 +79,7 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
     for axes in figure.axes:
         # Penalties are far above: what is on the axes is feasible.
         axes.set_ylim(*SHOWN_GAPS)
+        axes.yaxis.set_major_locator(LogLocator())
         axes.label_outer()
     return figure
 

@@ -126,8 +126,6 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
     }
 
 
-
-
 def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
     assert fish.rastrigin(np.zeros(10)) == 0.0
     assert fish.rastrigin(np.ones(10)) == pytest.approx(10.0)

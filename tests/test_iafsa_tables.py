@@ -1,11 +1,13 @@
 """Tables and figures of the IAFSA paper say what the runs say."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from experiments.documents import block_names, replace_block
 from experiments.figures import write_figures
 from experiments.iafsa_drawings import by_evaluations, by_iterations
 from experiments.iafsa_numbers import CONVERGENCE, DIMENSIONS, ITERATIONS, MEAN_BEST, SWARMS, WAYS
@@ -24,6 +26,7 @@ from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.iafsa_routes import SITES
 from swarm_gym.simulation import HISTORY
 
+DOCS = Path(__file__).parents[1] / "docs"
 AFSA, IAFSA = "fish-swarm(200)+fixed:100", "improved-fish-swarm(200)+fixed:100"
 BEST, SPENT = HISTORY.index("best_fitness"), HISTORY.index("evaluations")
 
@@ -313,6 +316,19 @@ def test_figures_of_routes_are_small(database, routes, tmp_path):
     sizes = {path.name: path.stat().st_size for path in written if path.suffix == ".svg"}
     assert set(sizes) == {"figure-route-maps.svg", "figure-route-convergence.svg"}
     assert max(sizes.values()) < 200_000
+
+
+def test_the_document_shows_all_tables_and_small_figures():
+    text = (DOCS / "iafsa-paper.md").read_text(encoding="utf-8")
+    for name in block_names(text):
+        assert replace_block(text, name, "") != text, f"{name} is empty"
+    tables = ("functions", "functions-claims", "dimensions", "convergence", "convergence-claims", "shifted",
+              "shifted-claims", "routes", "routes-claims")  # fmt: skip
+    shown = {name.partition("/")[2] for name in block_names(text)}
+    assert shown == {"made-with", *(f"iafsa-{table}" for table in tables)}
+    figures = list((DOCS / "results/iafsa-paper").glob("*.svg"))
+    assert all(f"results/iafsa-paper/{figure.name}" in text for figure in figures)
+    assert sum(figure.stat().st_size for figure in figures) < 700_000
 
 
 def test_optimizers_are_called_as_in_the_paper():

@@ -1,0 +1,53 @@
+"""What is claimed of IAFSA holds on a few seeds too; docs/iafsa-paper.md has many."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+import swarm_gym  # noqa: F401
+from swarm_gym.errors import ScenarioError
+from swarm_gym.scenarios import make_scenario
+
+NUM_SEEDS, ITERATIONS, FISH = 8, 50, 100
+FUNCTIONS = ("rastrigin-10", "easom-2", "booth-2", "bohachevsky-2", "sum-squares-10")
+BEZIER = {"encoding": "bezier", "num_control_points": 4}
+
+pytestmark = pytest.mark.slow
+
+
+def final_values(optimizer, scenario, **options):
+    """Best fitness of every run."""
+    envs = gymnasium.make_vec(
+        f"swarm_gym/{optimizer}-v0",
+        num_envs=NUM_SEEDS,
+        scenario=scenario,
+        iterations=ITERATIONS,
+        initial_population_size=FISH,
+        **options,
+    )
+    envs.reset(seed=0)
+    actions = np.tile([float(FISH), 0.0], (NUM_SEEDS, 1))
+    for _ in range(ITERATIONS):
+        _, _, _, _, infos = envs.step(actions)
+    return infos["best_fitness"]
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("place", ["", "-shifted:0"])
+def test_improved_fish_end_below_standard_ones_wherever_the_optimum_is(function, place):
+    scenario = f"function:{function}{place}"
+    improved, standard = (final_values(fish, scenario) for fish in ("ImprovedFishSwarm", "FishSwarm"))
+    assert improved.mean() < standard.mean()
+    assert improved.max() < standard.mean()
+
+
+@pytest.mark.parametrize("scenario", ["routes:turtlebot3-C-D", "routes:playground-E-D"])
+def test_improved_fish_have_shorter_ways_than_standard_ones(scenario):
+    try:
+        make_scenario(scenario)
+    except ScenarioError as error:
+        pytest.skip(str(error))
+    improved, standard = (
+        final_values(fish, scenario, **BEZIER) for fish in ("ImprovedFishSwarm", "FishSwarm")
+    )
+    assert improved.mean() < standard.mean() < 500.0  # without a penalty
