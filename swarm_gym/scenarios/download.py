@@ -46,6 +46,10 @@ TURTLEBOT3 = Source(
     "https://raw.githubusercontent.com/ROBOTIS-GIT/turtlebot3/f5e572a5a7dd0d8d6f76b23848f8a0b9411b489f/",
     "ROBOTIS TurtleBot3, Apache License 2.0",
 )
+TURTLEBOT_SIMULATOR = Source(
+    "https://raw.githubusercontent.com/turtlebot/turtlebot_simulator/beae4b3cdf806fe82ab75fd933189c67e89ed8b0/",
+    "TurtleBot simulator (github.com/turtlebot), BSD License",
+)
 
 
 def _moving_ai(path: str, size: int, sha256: str) -> RemoteFile:
@@ -54,6 +58,10 @@ def _moving_ai(path: str, size: int, sha256: str) -> RemoteFile:
 
 def _turtlebot3(name: str, size: int, sha256: str) -> RemoteFile:
     return RemoteFile(TURTLEBOT3, f"turtlebot3_navigation2/map/{name}", f"ros/{name}", size, sha256)
+
+
+def _turtlebot(name: str, size: int, sha256: str) -> RemoteFile:
+    return RemoteFile(TURTLEBOT_SIMULATOR, f"turtlebot_gazebo/maps/{name}", f"ros/{name}", size, sha256)
 
 
 # The files of each map.
@@ -105,6 +113,14 @@ MAPS: dict[str, tuple[RemoteFile, ...]] = {
         ),
         _turtlebot3(
             "turtlebot3_world.pgm", 147508, "57eaad9291fcf02e068cbcd1874990694838a74a3304755bae1bd7b726c4522f"
+        ),
+    ),
+    "playground": (
+        _turtlebot(
+            "playground.yaml", 146, "97d1b8ca785e9c8c8fe0b8ff2adc041f7f75ad6485da0c263772173859b7c2f0"
+        ),
+        _turtlebot(
+            "playground.pgm", 44868, "88bd66840425e395c238e220c8de88ef5684b8f82aa260466952f772540dd3d2"
         ),
     ),
 }
