@@ -47,7 +47,7 @@ def train_seeds(configs: Sequence[TrainConfig], jobs: int) -> Iterator[Outcome]:
     if jobs < 1:
         raise ValueError(f"--jobs must be positive, got {jobs}")
     left = {config.folder: config for config in configs}
-    # One thread per process: a second OpenMP's would spin and slow torch down, see agents.learners.ppo.
+    # One thread per process, see agents.learners.ppo.
     with parallel_config(backend="loky", inner_max_num_threads=1):
         workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
         try:

@@ -36,8 +36,8 @@ class PPOLearner(Learner):
         self._teacher = None
         if config.warm_start != "none":
             self._teacher = make_controller(config.warm_start, config.limits)
-        # One thread for all of this process, the environments included: the threads of a second OpenMP, which
-        # is Numba's, spin between its parallel regions and slow torch down tenfold.
+        # One thread for all of this process, the environments included: torch's own spin between its parallel
+        # regions, and networks of this size gain nothing by them.
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
