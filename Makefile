@@ -41,21 +41,24 @@ test: $(INSTALLED) ## run the tests
 	@echo "== running the tests"
 	$(BIN)/python -m pytest -n auto
 
-test-slow: $(INSTALLED) ## run the tests that take minutes
+test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all optimizers with bounds checks on
 	$(BIN)/python -m swarm_gym.warm_up
 	@echo "== running the slow tests"
 	$(BIN)/python -m pytest -n auto -m slow
-
-KERNEL_TESTS = $(addprefix tests/test_,lanes.py random_stream.py geometry.py problem.py grid_problem.py test_functions.py \
-    population.py optimizers.py firefly.py generational_firefly.py particle_swarm.py elite_genetic.py multivariate.py \
-    fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py jit.py)
-
-test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, then with bounds checks on
-	@echo "== kernels as plain Python"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS)
 	@echo "== compiling the kernels with bounds checks"
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS) \
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS)
+
+PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
+    test_functions.py population.py firefly.py)
+OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
+    multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py)
+
+test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, and of what all share with bounds checks on
+	@echo "== kernels as plain Python"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
+	@echo "== kernels with bounds checks, compiled as they are needed"
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) \
 	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed

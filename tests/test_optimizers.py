@@ -41,7 +41,16 @@ def problems():
     }
 
 
-KINDS = tuple(problems())
+def on_all_kinds(optimizers):
+    """Every optimizer is compiled for functions anew, of which only the fish know that they are no paths."""
+    cases = [
+        pytest.param(name, kind, marks=pytest.mark.slow)
+        if kind in {"function", "plain"} and "fish" not in name
+        else (name, kind)
+        for name in optimizers
+        for kind in problems()
+    ]
+    return pytest.mark.parametrize(("optimizer", "kind"), cases)
 
 
 def run(optimizer, problem, plan=PLAN, knobs=None, **options):
@@ -77,8 +86,7 @@ def spent_to_begin(optimizer, problem, size):
 # Against plain Python.
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@with_an_oracle
+@on_all_kinds(naive_optimizers.NAIVE)
 def test_episodes_are_the_naive_ones(optimizer, kind):
     knobs = tries(optimizer, 1) if kind == "curve" else {}
     run(optimizer, problems()[kind], knobs=knobs, size=7, iterations=len(PLAN))
@@ -178,8 +186,7 @@ def test_only_the_chosen_swarms_take_part(optimizer):
     assert (swarms.evaluations > before.evaluations)[chosen].all()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@all_optimizers
+@on_all_kinds(OPTIMIZERS)
 def test_what_is_stored_is_true_at_every_step(optimizer, kind):
     """Members lie inside the bounds and cost what is stored; the best so far is and was never worse."""
     problem = problems()[kind]

@@ -9,7 +9,7 @@ from builders import as_path, function_problem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from naive_functions import FUNCTIONS as NAIVE
-from naive_optimizers import oracle_of
+from naive_swarm import oracle_of
 
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
