@@ -19,6 +19,9 @@ def spread(run: Callable[[Flags], None], chosen: Flags, num_threads: int) -> Non
 
     The calling thread takes part, and all are done when it returns.
     """
+    if min(num_threads, len(chosen)) < 2:  # at every step of a single environment
+        run(chosen)
+        return
     rows = np.flatnonzero(chosen)
     num_parts = min(num_threads, len(rows))
     if num_parts < 2:
