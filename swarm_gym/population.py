@@ -42,6 +42,9 @@ class Swarms(NamedTuple):
     iterations: Integers  # (B,) iterations of an episode
     memory: Floats  # (B, M, K) what an optimizer remembers of each member
     registers: Integers  # (B, R) what it remembers of a swarm
+    field: Floats  # (B, F) what it remembers of the places of a map
+    walk: Floats  # (B, L, 2) points of a walk from the start, where members are not whole paths; map units
+    best_walk: Integers  # (B,) how many of them are, straight on to the target, the best path so far
 
     @classmethod
     def allocate(
@@ -51,6 +54,8 @@ class Swarms(NamedTuple):
         dimension: int,
         memory_columns: int = 0,
         num_registers: int = 0,
+        field_size: int = 0,
+        walk_points: int = 0,
     ) -> "Swarms":
         """Empty swarms."""
         members = (num_swarms, capacity)
@@ -71,6 +76,9 @@ class Swarms(NamedTuple):
             iterations=np.ones(num_swarms, dtype=np.int64),
             memory=np.zeros((*members, memory_columns)),
             registers=np.zeros((num_swarms, num_registers), dtype=np.int64),
+            field=np.zeros((num_swarms, field_size)),
+            walk=np.zeros((num_swarms, walk_points, 2)),
+            best_walk=np.zeros(num_swarms, dtype=np.int64),
         )
 
 

@@ -10,14 +10,15 @@ import numpy as np
 from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem
-from swarm_gym.problem.grid_problem import ENCODINGS, MAX_POINTS
+from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem, WalkProblem
+from swarm_gym.problem.grid_problem import MAX_POINTS
 from swarm_gym.scenarios import (
     AnyScenario,
     FunctionScenario,
     GridScenario,
     Scenario,
     make_scenarios,
+    rasterised,
 )
 
 
@@ -28,12 +29,15 @@ class Settings:
     Attributes:
         scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed;
             a name with a range of numbers stands for all of them. All are of one kind.
-        encoding: how decision vectors are read, "waypoints" or, on grid maps, "bezier"; test functions take
-            them as they are.
+        encoding: how decision vectors are read: "waypoints", on grid maps also "bezier", or "walk" as points
+            that a walk over free cells has come to; by default the first of `Optimizer.encodings`. Test
+            functions take vectors as they are.
         num_waypoints: n, the number of waypoints of a path.
         num_control_points: of a Bezier curve, without start and target.
         length_weight: mu in (0, 1], the weight of the length in the fitness on analytic maps.
-        penalty: lambda, the fitness that each infeasible sample of a path costs on grid maps.
+        penalty: lambda, the fitness that each infeasible sample of a path costs on grid maps; of a walk,
+            each cell's length of the blocked way.
+        cell_size: side of the cells that analytic maps are made of for walks.
         iterations: g_max, the length of an episode.
         initial_population_size: PS(0).
         min_population_size: smallest size that an action can ask for.
@@ -55,6 +59,7 @@ class Settings:
     num_control_points: int = 4
     length_weight: float = 0.3
     penalty: float = 500.0
+    cell_size: float = 2.0
     iterations: int = 100
     initial_population_size: int = 80
     min_population_size: int = 2
@@ -69,7 +74,7 @@ class Settings:
     knobs: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        look_up("encoding", self.encoding, ENCODINGS)
+        look_up("encoding", self.encoding, dict.fromkeys(ENCODINGS))
         require_integer("iterations", self.iterations, 1)
         require_integer("min_population_size", self.min_population_size, 1)
         require_integer("max_population_size", self.max_population_size, self.min_population_size)
@@ -93,6 +98,8 @@ class Settings:
             if name not in own and name not in optimizer.knobs:
                 raise UnknownNameError("option", name, own | set(optimizer.knobs))
         values = {name: value for name, value in options.items() if name in own}
+        if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
+            raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)
         scenario = values.get("scenario", cls.scenario)
         if isinstance(scenario, Iterable) and not isinstance(scenario, str):
             values["scenario"] = tuple(scenario)
@@ -100,7 +107,7 @@ class Settings:
         optimizer.knob_values(knobs)
         settings = cls(**values, knobs=knobs)
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
-        settings._refuse_unused(values)
+        settings._refuse_unused(options)
         return settings
 
     @cached_property
@@ -122,11 +129,17 @@ class Settings:
         Raises:
             SettingError: if there is none, if they differ in kind or dimension, or if the encoding needs
                 another kind.
+            ScenarioError: if a map cannot be made of cells of this size.
         """
         first, kind = self.scenarios[0], _kind_of(self.scenarios[0])
         for scenario in self.scenarios:
             if (other := _kind_of(scenario)) is not kind:
                 raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
+        if self.encoding not in kind.options:
+            raise SettingError(
+                f"encoding {self.encoding!r} is for {_names_of_kinds(self.encoding)}; scenario "
+                f"{first.name!r} is one of the {kind.name}"
+            )
         problems = [kind.problem(self, scenario) for scenario in self.scenarios]
         dimension = problems[0].dimension
         for problem in problems:
@@ -138,11 +151,11 @@ class Settings:
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
         """Refuse options that say something about another kind of scenario or encoding."""
+        kind = _kind_of(self.scenarios[0])
         for name in (name for name in given if name in PROBLEM_OPTIONS):
-            kind = _kind_of(self.scenarios[0])
-            if name not in kind.options:
+            if not any(name in options for options in kind.options.values()):
                 raise SettingError(f"option {name!r} says nothing about {kind.name}; it would change nothing")
-            if name in POINTS.values() and name != POINTS[self.encoding]:
+            if name not in kind.options.get(self.encoding, (name,)):
                 raise SettingError(
                     f"option {name!r} says nothing about encoding {self.encoding!r}; it would change nothing"
                 )
@@ -172,15 +185,16 @@ class Settings:
 
 
 def _analytic_problem(settings: Settings, scenario: Scenario) -> Problem:
-    if settings.encoding != "waypoints":
-        raise SettingError(
-            f"encoding {settings.encoding!r} needs a grid map; scenario {scenario.name!r} is analytic"
-        )
+    if settings.encoding == "walk":
+        require_number("cell_size", settings.cell_size, 1e-3, 1e6)
+        return WalkProblem(rasterised(scenario, settings.cell_size), settings.penalty)
     return AnalyticProblem(scenario, settings.num_waypoints, settings.length_weight)
 
 
 def _grid_problem(settings: Settings, scenario: GridScenario) -> Problem:
-    option = POINTS[settings.encoding]
+    if settings.encoding == "walk":
+        return WalkProblem(scenario, settings.penalty)
+    option = {"waypoints": "num_waypoints", "bezier": "num_control_points"}[settings.encoding]
     num_points = getattr(settings, option)
     require_integer(option, num_points, 1, MAX_POINTS)
     return GridProblem(scenario, settings.encoding, num_points, settings.penalty)
@@ -196,24 +210,42 @@ class Kind(NamedTuple):
     Attributes:
         name: of such scenarios, in messages.
         problem: makes the problem of one of them.
-        options: that say something about it.
+        options: by the encodings that it has, those that say something about the problem.
     """
 
     name: str
     problem: Callable[[Settings, Any], Problem]
-    options: tuple[str, ...]
+    options: dict[str, tuple[str, ...]]
 
 
 KINDS: dict[type, Kind] = {
-    Scenario: Kind("analytic maps", _analytic_problem, ("encoding", "num_waypoints", "length_weight")),
-    GridScenario: Kind(
-        "grid maps", _grid_problem, ("encoding", "num_waypoints", "num_control_points", "penalty")
+    Scenario: Kind(
+        "analytic maps",
+        _analytic_problem,
+        {
+            "waypoints": ("encoding", "num_waypoints", "length_weight"),
+            "walk": ("encoding", "penalty", "cell_size"),
+        },
     ),
-    FunctionScenario: Kind("test functions", _function_problem, ()),
+    GridScenario: Kind(
+        "grid maps",
+        _grid_problem,
+        {
+            "waypoints": ("encoding", "num_waypoints", "penalty"),
+            "bezier": ("encoding", "num_control_points", "penalty"),
+            "walk": ("encoding", "penalty"),
+        },
+    ),
+    FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
 }
-PROBLEM_OPTIONS = {option for kind in KINDS.values() for option in kind.options}
-# The option that says how many points there are, by encoding.
-POINTS = {"waypoints": "num_waypoints", "bezier": "num_control_points"}
+ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))
+PROBLEM_OPTIONS = {
+    option for kind in KINDS.values() for options in kind.options.values() for option in options
+}
+
+
+def _names_of_kinds(encoding: str) -> str:
+    return " or ".join(kind.name for kind in KINDS.values() if encoding in kind.options)
 
 
 def _kind_of(scenario: AnyScenario) -> Kind:

@@ -88,6 +88,8 @@ class Simulation:
             self.dimension,
             optimizer.memory_columns(self.dimension),
             optimizer.num_registers(capacity),
+            optimizer.field_size(self.tables),
+            optimizer.walk_points(self.tables, settings.iterations),
         )
         self.swarms.iterations[:] = settings.iterations
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
@@ -201,13 +203,26 @@ class Simulation:
                 )
 
     def best_paths(self) -> Floats:
-        """(B, k, 2) best paths so far in map coordinates; without a map, see `Problem.points`."""
+        """(B, k, 2) best paths so far in map coordinates; without a map, see `Problem.points`.
+
+        A walk stays at the target once it is there.
+        """
+        if self.swarms.walk.shape[1] > 0:
+            return self._best_walks()
         vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
         if len(self.problems) == 1:
             return self.problems[0].points(vectors)
         # One problem after the other, then in the order of the swarms again.
         found = [self.problems[number].points(vectors[numbers == number]) for number in np.unique(numbers)]
         return np.concatenate(found)[np.argsort(np.argsort(numbers, kind="stable"))]
+
+    def _best_walks(self) -> Floats:
+        num_points = self.swarms.walk.shape[1]
+        targets = np.array([problem.points(np.zeros(2))[-1] for problem in self.problems])
+        paths = np.repeat(targets[self.swarms.problem][:, None], num_points + 1, axis=1)
+        walked = np.arange(num_points) < self.swarms.best_walk[:, None]
+        paths[:, :-1][walked] = self.swarms.walk[walked]
+        return paths
 
     def positions(self, row: int) -> Floats:
         """Positions of the living members of a swarm, (size, dimension), a view."""
@@ -245,6 +260,10 @@ class Simulation:
         size = options.get("initial_population_size", self.settings.initial_population_size)
         population = None
         if "initial_population" in options:
+            if not self.optimizer.adopts:
+                raise SettingError(
+                    f"initial_population: {self.optimizer.name} has members of its own making only"
+                )
             if "initial_population_size" in options:
                 raise SettingError("initial_population and initial_population_size exclude each other")
             population = self._read_population(options["initial_population"])

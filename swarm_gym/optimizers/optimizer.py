@@ -45,6 +45,8 @@ class Optimizer:
         name: what it is registered as.
         knobs: its parameters, by name.
         smallest_population: the least size that it can work with.
+        encodings: names of `Settings.encoding` that it can work with; the first is its default.
+        adopts: whether it can begin with a given population.
         rules: what stands for its kernels in `driver`.
         kernels: what it does to a swarm.
     """
@@ -52,6 +54,8 @@ class Optimizer:
     name: ClassVar[str]
     knobs: ClassVar[dict[str, Knob]]
     smallest_population: ClassVar[int] = 1
+    encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier")
+    adopts: ClassVar[bool] = True
     rules: ClassVar[type]
     kernels: ClassVar[driver.Kernels]
 
@@ -116,6 +120,16 @@ class Optimizer:
     @staticmethod
     def num_registers(capacity: int) -> int:  # noqa: ARG004
         """R, how many integers are remembered of a swarm of up to so many members."""
+        return 0
+
+    @staticmethod
+    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
+        """L, of how many points the longest walk is that is remembered, in episodes on these problems."""
+        return 0
+
+    @staticmethod
+    def field_size(tables: Table) -> int:  # noqa: ARG004
+        """F, how many numbers are remembered of the places of the largest of these maps."""
         return 0
 
     @staticmethod

@@ -12,27 +12,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import kernel, kernel_by_class
-from swarm_gym.problem import cost, functions, grid, grid_cost, grid_repair, waypoints
+from swarm_gym.problem import cost, functions, grid, grid_cost, grid_repair, walks, waypoints
 from swarm_gym.problem import repair as shift_repair
 from swarm_gym.problem.functions import FunctionTable
 from swarm_gym.problem.grid import GridTable
+from swarm_gym.problem.walks import WalkTable
 from swarm_gym.problem.waypoints import WaypointTable
 
-Table = WaypointTable | GridTable | FunctionTable
+Table = WaypointTable | GridTable | FunctionTable | WalkTable
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
 evaluate = kernel_by_class(
-    {WaypointTable: cost.evaluate, GridTable: grid_cost.evaluate, FunctionTable: functions.evaluate}
+    {
+        WaypointTable: cost.evaluate,
+        GridTable: grid_cost.evaluate,
+        FunctionTable: functions.evaluate,
+        WalkTable: walks.evaluate,
+    }
 )
 
 # repair(table, path, repair_degree): one repair pass of degree phi in [0, 1] over `path`, in place
 repair = kernel_by_class(
-    {WaypointTable: shift_repair.repair, GridTable: grid_repair.repair, FunctionTable: functions.repair}
+    {
+        WaypointTable: shift_repair.repair,
+        GridTable: grid_repair.repair,
+        FunctionTable: functions.repair,
+        WalkTable: walks.repair,
+    }
 )
 
 # select(tables, index) -> one problem out of stacked tables, as views
 select = kernel_by_class(
-    {WaypointTable: waypoints.select, GridTable: grid.select, FunctionTable: functions.select}
+    {
+        WaypointTable: waypoints.select,
+        GridTable: grid.select,
+        FunctionTable: functions.select,
+        WalkTable: walks.select,
+    }
 )
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.scenarios import (
+    block_scene,
     iafsa_routes,
     made_maps,
     moa_tasks,
@@ -22,6 +23,7 @@ from swarm_gym.scenarios.family import AnyScenario, Family, MapScenario
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.raster import rasterised
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
 
 __all__ = [
@@ -40,6 +42,7 @@ __all__ = [
     "expand_name",
     "make_scenario",
     "make_scenarios",
+    "rasterised",
     "require_analytic",
     "sample_names",
 ]
@@ -59,6 +62,7 @@ FAMILIES: dict[str, Family] = {
     "den400d": moa_tasks.FAMILY,
     "ros": ros_map.FAMILY,
     "function": test_functions.FAMILY,
+    block_scene.NAME: block_scene.FAMILY,
     iafsa_routes.NAME: iafsa_routes.FAMILY,
 }
 
