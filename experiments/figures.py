@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from experiments.brand_yu_drawings import draw_grids, draw_ways
 from experiments.decision_drawings import deciding_groups, draw_decisions
 from experiments.drawings import (
     CASE_DRAWINGS,
@@ -141,6 +142,15 @@ def _routes(stored: Stored) -> Drawings:
     }
 
 
+def _ways(stored: Stored) -> Drawings:
+    snapshots = load_snapshots(stored.suite, stored.results)
+    return {f"ways-{case.scenario.name}": partial(draw_ways, case, snapshots) for case in stored.cases}
+
+
+def _grids(stored: Stored) -> Drawings:
+    return {"grids": partial(draw_grids, stored.cases)}
+
+
 def _profiles(stored: Stored) -> Drawings:
     return {"profiles": partial(draw_profiles, stored.outcomes)}
 
@@ -176,6 +186,8 @@ FIGURES: dict[str, Callable[[Stored], Drawings]] = {
     "maps": _maps,
     "functions": _functions,
     "routes": _routes,
+    "brand-yu-ways": _ways,
+    "brand-yu-grids": _grids,
     "profiles": _profiles,
     "front": _front,
     "decisions": _decisions,

@@ -1,10 +1,12 @@
 """Names of controllers as tables and figures print them."""
 
-# Of the MOA paper, and of the IAFSA paper; R is for reconstruction.
+# Of the MOA paper, the IAFSA paper and that of Brand and Yu; R is for reconstruction.
 OPTIMIZER_LABELS = {
+    "ant-colony": "ants",
     "elite-genetic": "EGA",
     "fish-swarm": "AFSA",
     "generational-firefly": "FA (generational)",
+    "glowworm": "glowworms",
     "hybrid-fish-swarm": "HAAFSA-R",
     "improved-fish-swarm": "IAFSA",
     "multivariate": "MOA",

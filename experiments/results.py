@@ -36,6 +36,7 @@ CREATE TABLE IF NOT EXISTS runs (
     trace BLOB NOT NULL,
     provenance TEXT NOT NULL,
     columns TEXT NOT NULL,
+    way BLOB NOT NULL,
     PRIMARY KEY (controller, scenario, seed)
 ) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS snapshots (
@@ -80,6 +81,7 @@ class Run:
         provenance: versions and commit that made it.
         snapshots: populations that were kept.
         columns: names of the trace's columns.
+        way: (k, 2) where the robot has gone, in map coordinates; empty where paths are only planned.
     """
 
     controller: str
@@ -94,6 +96,7 @@ class Run:
     provenance: Mapping[str, str]
     snapshots: tuple[Snapshot, ...] = field(default=())
     columns: tuple[str, ...] = HISTORY
+    way: Floats = field(default_factory=lambda: np.empty((0, 2)))
 
     def course(self, name: str) -> Floats:
         """(iterations + 1,) one column of the trace, by its name."""
@@ -140,7 +143,7 @@ class Results:
         key = (run.controller, run.scenario, run.seed)
         with self._connection as connection:
             connection.execute(
-                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     *key,
                     run.final_fitness,
@@ -151,6 +154,7 @@ class Results:
                     run.trace.tobytes(),
                     json.dumps(dict(run.provenance), sort_keys=True),
                     json.dumps(run.columns),
+                    run.way.tobytes(),
                 ),
             )
             connection.executemany(
@@ -240,11 +244,15 @@ class Results:
 
     def _check_columns(self) -> None:
         there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
-        if "columns" not in there:
-            raise ResultsError(
-                f"{self.path} was written by an earlier version, which did not store what the columns of the "
-                "traces are; use another --database, or delete the file"
-            )
+        for column, meaning in (
+            ("columns", "what the columns of the traces are"),
+            ("way", "where robots have gone"),
+        ):
+            if column not in there:
+                raise ResultsError(
+                    f"{self.path} was written by an earlier version, which did not store {meaning}; use "
+                    "another --database, or delete the file"
+                )
 
     def _adopt(self, configuration: Mapping[str, Any]) -> None:
         stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
@@ -260,7 +268,7 @@ class Results:
 
 
 def _run(row: tuple) -> Run:
-    *numbers, best_path, trace, provenance, columns = row
+    *numbers, best_path, trace, provenance, columns, way = row
     names = tuple(json.loads(columns))
     controller, scenario, seed, fitness, collision, evaluations, seconds = numbers
     return Run(
@@ -275,4 +283,5 @@ def _run(row: tuple) -> Run:
         np.frombuffer(trace).reshape(-1, len(names)),
         json.loads(provenance),
         columns=names,
+        way=np.frombuffer(way).reshape(-1, 2),
     )

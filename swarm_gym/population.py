@@ -45,6 +45,7 @@ class Swarms(NamedTuple):
     field: Floats  # (B, F) what it remembers of the places of a map
     walk: Floats  # (B, L, 2) points of a walk from the start, where members are not whole paths; map units
     best_walk: Integers  # (B,) how many of them are, straight on to the target, the best path so far
+    walked: Integers  # (B,) how many of them a robot has walked already
 
     @classmethod
     def allocate(
@@ -79,6 +80,7 @@ class Swarms(NamedTuple):
             field=np.zeros((num_swarms, field_size)),
             walk=np.zeros((num_swarms, walk_points, 2)),
             best_walk=np.zeros(num_swarms, dtype=np.int64),
+            walked=np.zeros(num_swarms, dtype=np.int64),
         )
 
 

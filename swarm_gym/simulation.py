@@ -30,6 +30,7 @@ HISTORY = (
     "repair_degree",
     "best_fitness",
     "evaluations",
+    "best_collision",
 )
 
 
@@ -232,6 +233,10 @@ class Simulation:
         """Best position so far of a swarm, (dimension,), a view."""
         return self.swarms.best_position[row, : self.dimension]
 
+    def way(self, row: int) -> Floats:
+        """(k, 2) where the robot of a swarm has gone, in map coordinates; empty where it only plans."""
+        return self.swarms.walk[row, : self.swarms.walked[row]].copy()
+
     def problem_of(self, row: int) -> Problem:
         """The problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
@@ -244,6 +249,7 @@ class Simulation:
         record[:, 2] = repair_degrees
         record[:, 3] = swarms.best_fitness
         record[:, 4] = swarms.evaluations
+        record[:, 5] = swarms.best_collision
         record[:, len(HISTORY) :] = knobs
         self.history[rows, self.iteration[rows]] = record[rows]
 

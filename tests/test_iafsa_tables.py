@@ -20,7 +20,8 @@ from experiments.tables import make_tables
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.iafsa import Function
 from experiments.tables.iafsa_convergence import convergence_iteration, iterations_to
-from experiments.tables.iafsa_routes import length_of, make_route
+from experiments.tables.iafsa_routes import make_route
+from experiments.ways import length_of
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.iafsa_routes import SITES

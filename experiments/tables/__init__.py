@@ -10,6 +10,7 @@ from experiments.outcomes import Outcomes
 from experiments.results import Results
 from experiments.suite import Suite
 from experiments.tables import paper
+from experiments.tables.brand_yu import count_tables, grid_tables
 from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
@@ -39,6 +40,8 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "iafsa-convergence": convergence_tables,
     "iafsa-shifted": shifted_tables,
     "iafsa-routes": route_tables,
+    "brand-yu-counts": count_tables,
+    "brand-yu-grids": grid_tables,
 }
 
 

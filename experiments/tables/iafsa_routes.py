@@ -20,6 +20,7 @@ from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.iafsa import AFSA, IAFSA
 from experiments.tables.table import Table, percent
+from experiments.ways import length_of
 from swarm_gym.problem.clearance import clearance
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
@@ -224,11 +225,6 @@ def _claims(routes: list[Route]) -> list[Claim]:
             for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
         ),
     ]
-
-
-def length_of(path: Floats) -> float:
-    """Length of a polyline, (k, 2)."""
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
 def _mean_cell(lengths: Floats) -> str:

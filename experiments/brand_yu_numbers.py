@@ -1,0 +1,27 @@
+"""Numbers printed by Brand and Yu, for comparison with ours.
+
+Source: Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, table 1: a
+grid of 500 x 500 with one obstacle. Where start, goal and obstacle are is in figures only; how many runs is
+not stated. Figures 8 and 9, length and time against the size of the grid, have no numbers in the text.
+"""
+
+from typing import NamedTuple
+
+
+class Printed(NamedTuple):
+    """A row of table 1: length of the path in cells, and seconds."""
+
+    length: float
+    seconds: float
+
+
+# By number of fireflies: one at the start, the others in a square.
+TABLE_1 = {
+    10: Printed(449.0, 14.2),
+    26: Printed(430.0, 14.3),
+    65: Printed(435.0, 18.0),
+    122: Printed(447.0, 49.8),
+    626: Printed(443.0, 1088.3),
+}
+# The obstacle of the dynamic example appears after this iteration; its path is shown after the second one.
+APPEARS, SHOWN = 70, 173
