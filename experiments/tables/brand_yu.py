@@ -166,8 +166,9 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         Table(
             f"{suite.name}-lengths",
             "Length and time against the size of the grid (figures 8 and 9): means [95 % intervals] of the "
-            "way that the robot of the glowworms went and of the best path of the ants; above the shortest path "
-            "at any angle, and above the shortest one in steps to eight neighbours; processor time of a run",
+            "way that the robot of the glowworms went and of the best path of the ants; above the shortest "
+            "path at any angle, and above the shortest one in steps to eight neighbours; processor time "
+            "of a run",
             ("grid", "method", "arrived", "mean length", "above shortest path", "against octile", "seconds"),
             rows,
         ),
