@@ -11,15 +11,16 @@ import shapely
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.population import Swarms, make_workspace
-from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem
+from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, WalkProblem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.random_stream import seed_stream
-from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario
+from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario, rasterised
 
 CASES = ("case1", "case2", "case3")
 MEAN_WEIGHT = 0.1
 UNLIMITED = 10**9
+COARSE = 20.0  # cells of the analytic cases for walks: fifty columns
 
 
 def random_polygon(rng, centre, size):
@@ -76,6 +77,36 @@ def small_grid_problem(encoding="bezier", num_points=3, seed=0, **geometry):
 
 def function_problem(name):
     return FunctionProblem(make_scenario(name))
+
+
+def walk_problem(source, seed=3, **geometry):
+    """A case of the paper, made of coarse cells, or a small random grid."""
+    if source == "random":
+        return WalkProblem(random_grid_scenario(seed, **geometry))
+    return WalkProblem(rasterised(make_scenario(source), COARSE))
+
+
+def is_walker(optimizer):
+    """Whether members of an optimizer are points of a walk, and not whole paths."""
+    return "walk" in get_optimizer(optimizer).encodings
+
+
+def problem_for(optimizer, source, num_waypoints, seed=3):
+    """A case of the paper by name, or a random one, as that optimizer can have it."""
+    return walk_problem(source, seed) if is_walker(optimizer) else problem_of(source, num_waypoints, seed)
+
+
+def options_for(optimizer, **options):
+    """Options of an environment, but for an encoding that the optimizer cannot have."""
+    known = get_optimizer(optimizer).encodings
+    return {name: value for name, value in options.items() if name != "encoding" or value in known}
+
+
+def walked(swarms, b=0):
+    """Length of the best walk so far, up to the best position; 0 where members are no points of walks."""
+    dimension = swarms.walk.shape[2]
+    walk = [*swarms.walk[b, : swarms.best_walk[b]], swarms.best_position[b, :dimension]]
+    return float(np.linalg.norm(np.diff(walk, axis=0), axis=1).sum())
 
 
 def turned(scenario, angle, shift=(0.0, 0.0)):
@@ -156,9 +187,16 @@ def begin(optimizer, problems, size, capacity=32, budget=UNLIMITED, iterations=1
     """
     num, cls = len(problems), get_optimizer(optimizer)
     dimension = problems[0].dimension
-    memory, registers = cls.memory_columns(dimension), cls.num_registers(capacity)
-    swarms = Swarms.allocate(num, capacity, dimension, memory, registers)
     tables = stack([problem.table for problem in problems])
+    swarms = Swarms.allocate(
+        num,
+        capacity,
+        dimension,
+        cls.memory_columns(dimension),
+        cls.num_registers(capacity),
+        cls.field_size(tables),
+        cls.walk_points(tables, iterations),
+    )
     swarms.problem[:], swarms.budget[:], swarms.iterations[:] = np.arange(num), budget, iterations
     for b in range(num):
         swarms.stream[b] = seed_stream(np.random.SeedSequence(seed + b))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from builders import options_for
 from trainings import make_policy
 
 from agents import make_controller
@@ -21,7 +22,9 @@ all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
 def test_the_schedule_decides_by_the_collision_that_it_sees(optimizer, kind):
     schedule = make_controller("spsfa-tip")
     schedule.reset(2)
-    envs = SwarmVectorEnv(2, optimizer, iterations=6, **schedule.env_options(), **MAPS[kind])
+    envs = SwarmVectorEnv(
+        2, optimizer, iterations=6, **schedule.env_options(), **options_for(optimizer, **MAPS[kind])
+    )
     observations, _ = envs.reset(seed=3)
     sizes = []
     for _ in range(6):
@@ -38,7 +41,7 @@ def test_the_schedule_decides_by_the_collision_that_it_sees(optimizer, kind):
 @all_optimizers
 def test_a_policy_drives_it_alike_in_every_run(optimizer, kind, tmp_path):
     path = make_policy(tmp_path / "policy.safetensors", np.random.default_rng(0), optimizer=optimizer)
-    options = {"iterations": 6, **MAPS[kind]}
+    options = {"iterations": 6, **options_for(optimizer, **MAPS[kind])}
     scenario = options.pop("scenario")
     runs = [
         run_episodes(make_controller(f"learned:{path}"), scenario, range(3), optimizer, **options)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import options_for
 from gymnasium.vector import AutoresetMode
 
 from swarm_gym.env import SwarmEnv
@@ -86,7 +87,7 @@ def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
     ids=["deep", "pickle"],
 )
 def test_after_copying_in_mid_episode(duplicate, optimizer, maps):
-    env = SwarmEnv(optimizer, **{**OPTIONS, **maps})
+    env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
     env.reset(seed=SEED)
     decisions = actions(SEED)
     for action in decisions[:4]:

@@ -9,10 +9,15 @@ from builders import (
     assert_same_as_oracle,
     begin,
     function_problem,
+    is_walker,
     make_problem,
+    options_for,
     oracle_twin,
+    problem_for,
     problem_of,
     small_grid_problem,
+    walk_problem,
+    walked,
 )
 
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -21,6 +26,7 @@ from swarm_gym.registration import environment_id
 
 all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
 with_an_oracle = pytest.mark.parametrize("optimizer", naive_optimizers.NAIVE)
+ADOPTING = [name for name in OPTIMIZERS if get_optimizer(name).adopts]
 
 # (size, repair degree) of steps: growing and shrinking, within regions of MOA and across them.
 PLAN = [(7, 0.0), (7, 1.0), (12, 0.0), (15, 0.4), (6, 0.4), (5, 0.0), (2, 1.0), (9, 0.0)]
@@ -28,7 +34,13 @@ PLAN = [(7, 0.0), (7, 1.0), (12, 0.0), (15, 0.4), (6, 0.4), (5, 0.0), (2, 1.0), 
 BUDGETS = (3, 7, 9, 14, 22, 47)
 
 
-def problems():
+def problems(optimizer):
+    if is_walker(optimizer):
+        return {
+            "cells": walk_problem("random", 4),
+            "metres": walk_problem("random", 5, resolution=0.05, origin=(-1.0, 2.0), y_up=True),
+            "raster": walk_problem("case1"),
+        }
     return {
         "analytic": make_problem("case1", 9),
         "one waypoint": problem_of("random", 1),
@@ -48,7 +60,7 @@ def on_all_kinds(optimizers):
         if kind in {"function", "plain"} and "fish" not in name
         else (name, kind)
         for name in optimizers
-        for kind in problems()
+        for kind in problems(name)
     ]
     return pytest.mark.parametrize(("optimizer", "kind"), cases)
 
@@ -89,20 +101,20 @@ def spent_to_begin(optimizer, problem, size):
 @on_all_kinds(naive_optimizers.NAIVE)
 def test_episodes_are_the_naive_ones(optimizer, kind):
     knobs = tries(optimizer, 1) if kind == "curve" else {}
-    run(optimizer, problems()[kind], knobs=knobs, size=7, iterations=len(PLAN))
+    run(optimizer, problems(optimizer)[kind], knobs=knobs, size=7, iterations=len(PLAN))
 
 
 @pytest.mark.parametrize("seed", range(4))
 @with_an_oracle
 def test_episodes_of_several_seeds_are_the_naive_ones(optimizer, seed):
     plan = [(10, seed / 3), (14, 0.0), (9, 1.0), (9, 0.0), (20, 0.5)]
-    run(optimizer, problem_of("random", 6, seed), plan, size=10, seed=seed, iterations=5)
+    run(optimizer, problem_for(optimizer, "random", 6, seed), plan, size=10, seed=seed, iterations=5)
 
 
 @pytest.mark.parametrize("left", BUDGETS)
 @with_an_oracle
 def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
-    plan, problem = [(7, 0.0), (12, 0.5), *[(12, 0.0)] * 60], make_problem("case2", 9)
+    plan, problem = [(7, 0.0), (12, 0.5), *[(12, 0.0)] * 60], problem_for(optimizer, "case2", 9)
     budget = spent_to_begin(optimizer, problem, 7) + left
     swarms, _ = run(optimizer, problem, plan, size=7, budget=budget, iterations=len(plan))
     assert swarms.evaluations[0] == budget
@@ -111,16 +123,16 @@ def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
 @with_an_oracle
 def test_episodes_of_all_budgets_are_the_naive_ones(optimizer):
     """Wherever they end: in the first population, a growth, or an iteration."""
-    plan, problem = [(4, 1.0), (7, 0.5), (5, 0.0)], problem_of("random", 3)
+    plan, problem = [(4, 1.0), (7, 0.5), (5, 0.0)], problem_for(optimizer, "random", 3)
     for budget in range(4, 90):
         run(optimizer, problem, plan, tries(optimizer, 2), size=4, budget=budget, iterations=len(plan))
 
 
 @pytest.mark.parametrize("size", [2, 3, 5, 8, 14])
-@with_an_oracle
+@pytest.mark.parametrize("optimizer", [name for name in ADOPTING if name in naive_optimizers.NAIVE])
 def test_given_populations_are_taken_as_naive(optimizer, size):
-    problem = make_problem("case1", 9)
-    population = np.random.default_rng(size).uniform(*problem.bounds, (size, 9))
+    problem = problem_for(optimizer, "case1", 9)
+    population = np.random.default_rng(size).uniform(*problem.bounds, (size, problem.dimension))
     swarms, tables = begin(optimizer, [problem], size, populations=[population])
     twin = oracle_twin(optimizer, problem, size, population=population)
     assert_same_as_oracle(swarms, twin)
@@ -134,7 +146,8 @@ def test_given_populations_are_taken_as_naive(optimizer, size):
 
 def batch(optimizer, num, **options):
     kinds = ("case1", "case2", "case3", "random")
-    return begin(optimizer, [problem_of(kinds[b % 4], 9) for b in range(num)], size=8, **options)
+    problems = [problem_for(optimizer, kinds[b % 4], 9) for b in range(num)]
+    return begin(optimizer, problems, size=8, **options)
 
 
 def sizes_of(num, step):
@@ -188,8 +201,11 @@ def test_only_the_chosen_swarms_take_part(optimizer):
 
 @on_all_kinds(OPTIMIZERS)
 def test_what_is_stored_is_true_at_every_step(optimizer, kind):
-    """Members lie inside the bounds and cost what is stored; the best so far is and was never worse."""
-    problem = problems()[kind]
+    """Members lie inside the bounds and cost what is stored; the best so far is and was never worse.
+
+    The best walk costs its length besides, and members are where none may ever have walked to.
+    """
+    problem = problems(optimizer)[kind]
     n, (low, high) = problem.dimension, problem.bounds
     swarms, tables = begin(optimizer, [problem], size=9)
     best = np.inf
@@ -201,17 +217,22 @@ def test_what_is_stored_is_true_at_every_step(optimizer, kind):
             assert (low <= position).all()
             assert (position <= high).all()
             assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(position)
-        found = swarms.best_fitness[0], swarms.best_collision[0]
-        assert found == problem.evaluate(swarms.best_position[0, :n])
-        assert found[0] <= min(best, swarms.fitness[0, : swarms.size[0]].min())
-        best = found[0]
+        fitness, collision = problem.evaluate(swarms.best_position[0, :n])
+        if is_walker(optimizer):
+            assert swarms.best_fitness[0] == pytest.approx(walked(swarms) + fitness, rel=1e-12)
+        else:
+            assert swarms.best_fitness[0] == fitness
+            best = min(best, swarms.fitness[0, : swarms.size[0]].min())
+        assert swarms.best_collision[0] == collision
+        assert swarms.best_fitness[0] <= best
+        best = swarms.best_fitness[0]
 
 
 @pytest.mark.parametrize("left", [0, *BUDGETS])
 @all_optimizers
 def test_a_budget_is_spent_exactly(optimizer, left):
-    budget = spent_to_begin(optimizer, problem_of("case1", 9), 8) + left
-    swarms, tables = batch(optimizer, 4, budget=budget)
+    budget = spent_to_begin(optimizer, problem_for(optimizer, "case1", 9), 8) + left
+    swarms, tables = batch(optimizer, 4, budget=budget, iterations=40)
     for step in range(20):
         run_batch(optimizer, swarms, tables, steps=1)
         advance(optimizer, swarms, tables, 20, 0.0)
@@ -243,7 +264,7 @@ def test_a_new_episode_forgets_the_one_before(optimizer):
 
 @all_optimizers
 def test_a_swarm_gets_better_in_the_long_run(optimizer):
-    swarms, tables = begin(optimizer, [make_problem("case1", 9)], size=20, iterations=20)
+    swarms, tables = begin(optimizer, [problem_for(optimizer, "case1", 9)], size=20, iterations=20)
     begun = swarms.best_fitness[0]
     for _ in range(20):
         advance(optimizer, swarms, tables, 20, 0.0)
@@ -254,15 +275,16 @@ def test_a_swarm_gets_better_in_the_long_run(optimizer):
 
 
 @pytest.mark.parametrize("scenario", ["case1", "rooms:0"])
-@all_optimizers
+@pytest.mark.parametrize("optimizer", ADOPTING)
 def test_given_populations_grow_and_shrink_in_environments(optimizer, scenario):
-    options = {} if scenario == "case1" else {"encoding": "bezier", **tries(optimizer, 1)}
+    options = {} if scenario == "case1" else options_for(optimizer, encoding="bezier", **tries(optimizer, 1))
     env = gymnasium.make(environment_id(optimizer), scenario=scenario, iterations=6, **options)
     problem = env.unwrapped.simulation.problems[0]
     population = np.random.default_rng(0).uniform(*problem.bounds, (5, problem.dimension))
     observation, info = env.reset(seed=1, options={"initial_population": population})
     assert observation in env.observation_space
-    assert info["best_fitness"] == min(problem.evaluate(vector)[0] for vector in population)
+    begun = [problem.scenario.start] if is_walker(optimizer) else population
+    assert info["best_fitness"] == min(problem.evaluate(vector)[0] for vector in begun)
     assert info["evaluations"] == info["population_size"] == 5
     smallest = get_optimizer(optimizer).smallest_population
     for size in (9, 3, 20, 2, 14, 14):
