@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.problem.layout import pad
-from swarm_gym.problem.traversal import blocked_share
+from swarm_gym.problem.sight import share_blocked, tabulate_rooms
 from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ class WalkTable(NamedTuple):
     start: Floats  # (2,)
     target: Floats  # (2,)
     blocked: NDArray[np.bool_]  # (H, W)
-    room: NDArray[np.int16]  # (H, W) cells that are free around a cell on all sides; -1 where it is blocked
+    rooms: NDArray[np.int16]  # (H, W) how many cells around are like a cell, see `sight.tabulate_rooms`
     nearest: NDArray[np.int16]  # (H, W, 2) column and row of the nearest free cell
     free: NDArray[np.int16]  # (F, 2) column and row of the free cells, row by row
 
@@ -67,7 +67,7 @@ def select(tables: WalkTable, index: int) -> WalkTable:
         tables.start[index],
         tables.target[index],
         tables.blocked[index, :height, :width],
-        tables.room[index, :height, :width],
+        tables.rooms[index, :height, :width],
         tables.nearest[index, :height, :width],
         tables.free[index],
     )
@@ -75,11 +75,9 @@ def select(tables: WalkTable, index: int) -> WalkTable:
 
 def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
     """The table of a map, with lambda fitness per cell's length of a blocked way."""
-    from scipy.ndimage import distance_transform_cdt, distance_transform_edt
+    from scipy.ndimage import distance_transform_edt
 
     grid = scenario.map
-    ringed = np.pad(grid.blocked, 1, constant_values=True)
-    room = distance_transform_cdt(~ringed, "chessboard")[1:-1, 1:-1] - 1
     _, nearest = distance_transform_edt(grid.blocked, return_indices=True)
     row, column = np.nonzero(~grid.blocked)
     x_min, y_min, x_max, y_max = grid.extent
@@ -100,7 +98,7 @@ def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
         np.array(scenario.start),
         np.array(scenario.target),
         grid.blocked,
-        room.astype(np.int16),
+        tabulate_rooms(grid.blocked),
         np.ascontiguousarray(nearest[::-1].transpose(1, 2, 0).astype(np.int16)),
         np.stack([column, row], axis=-1).astype(np.int16),
     )
@@ -125,7 +123,7 @@ def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
     way = math.hypot(table.target[0] - x, table.target[1] - y)
     column, row = to_cells(table, x, y)
     to_column, to_row = to_cells(table, table.target[0], table.target[1])
-    collision = way * blocked_share(table.blocked, column, row, to_column, to_row, 1.0)
+    collision = way * share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
     return way + table.penalty * collision / table.resolution, collision
 
 
