@@ -71,7 +71,7 @@ class Settings:
     price: float | tuple[float, float] = 0.5
     reference_evaluations: int = 100_000
     max_evaluations: int | None = None
-    knobs: Mapping[str, float] = field(default_factory=dict)
+    knobs: Mapping[str, float | str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, dict.fromkeys(ENCODINGS))

@@ -24,6 +24,7 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "fish-swarm": ("swarm_gym.optimizers.fish_swarm", "FishSwarm"),
     "improved-fish-swarm": ("swarm_gym.optimizers.improved_fish_swarm", "ImprovedFishSwarm"),
     "hybrid-fish-swarm": ("swarm_gym.optimizers.hybrid_fish_swarm", "HybridFishSwarm"),
+    "glowworm": ("swarm_gym.optimizers.glowworm", "Glowworm"),
 }
 
 

@@ -1,12 +1,13 @@
 """What an optimizer offers to the simulation that drives it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.checks import require_number
+from swarm_gym.checks import look_up, require_number
 from swarm_gym.optimizers import driver
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import Table
@@ -15,7 +16,7 @@ from swarm_gym.threads import spread
 
 @dataclass(frozen=True)
 class Knob:
-    """A numeric parameter of an optimizer.
+    """A numeric parameter of an optimizer, or one that takes one of several names: see `choice`.
 
     Attributes:
         default: its value where nothing else is said.
@@ -25,6 +26,7 @@ class Knob:
         meaning: what it is, with its unit.
         decided: the range, both positive, that an extended action decides within at every iteration; None
             leaves the parameter as it is through an episode.
+        choices: the names that it takes; kernels, and the record of an episode, have the index instead.
     """
 
     default: float
@@ -33,6 +35,28 @@ class Knob:
     symbol: str
     meaning: str
     decided: tuple[float, float] | None = None
+    choices: tuple[str, ...] = ()
+
+    def number(self, name: str, value: object) -> float:
+        """The value as kernels know it.
+
+        Args:
+            name: of the parameter, for messages.
+            value: a number, or one of the choices.
+
+        Raises:
+            SettingError: if it is not a number in the range.
+            UnknownNameError: if it is none of the choices.
+        """
+        if self.choices:
+            return float(look_up(name, value, {choice: k for k, choice in enumerate(self.choices)}))
+        require_number(name, value, self.low, self.high)
+        return float(value)  # type: ignore[arg-type]
+
+
+def choice(meaning: str, *choices: str) -> Knob:
+    """A parameter that takes one of these names, the first where nothing else is said."""
+    return Knob(0.0, 0.0, len(choices) - 1.0, "", meaning, choices=choices)
 
 
 class Optimizer:
@@ -143,15 +167,15 @@ class Optimizer:
         return {place: knob for place, knob in enumerate(cls.knobs.values()) if knob.decided is not None}
 
     @classmethod
-    def knob_values(cls, chosen: dict[str, float]) -> NDArray[np.float64]:
-        """Parameters in order, the chosen ones in place of their defaults.
+    def knob_values(cls, chosen: Mapping[str, float | str]) -> NDArray[np.float64]:
+        """Parameters in order, the chosen ones in place of their defaults, names as their indices.
 
         Raises:
             SettingError: if a value is not a number in its range.
+            UnknownNameError: if it is none of the parameter's choices.
         """
-        values = []
-        for name, knob in cls.knobs.items():
-            value = chosen.get(name, knob.default)
-            require_number(name, value, knob.low, knob.high)
-            values.append(float(value))
+        values = [
+            knob.number(name, chosen[name]) if name in chosen else knob.default
+            for name, knob in cls.knobs.items()
+        ]
         return np.array(values)

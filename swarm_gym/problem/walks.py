@@ -116,6 +116,16 @@ def to_map(table: WalkTable, column: float, row: float) -> tuple[float, float]:
     return table.origin[0] + column / table.scale[0], table.origin[1] + row / table.scale[1]
 
 
+@inlined_kernel
+def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
+    """Column and row of the cell that a point of the map, in map units, lies in."""
+    column, row = to_cells(table, x, y)
+    return (
+        int(min(max(np.floor(column + 0.5), 0.0), table.num_columns - 1.0)),
+        int(min(max(np.floor(row + 0.5), 0.0), table.num_rows - 1.0)),
+    )
+
+
 @kernel
 def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
     """Fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
@@ -130,10 +140,8 @@ def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
 @inlined_kernel
 def repair(table: WalkTable, path: Floats, repair_degree: float) -> None:
     """Move the point `path[1:3]`, where it lies in a blocked cell, that share of the way to a free one."""
-    column, row = to_cells(table, path[1], path[2])
-    here = min(max(int(np.floor(column + 0.5)), 0), table.num_columns - 1)
-    there = min(max(int(np.floor(row + 0.5)), 0), table.num_rows - 1)
-    if table.blocked[there, here]:
-        x, y = to_map(table, float(table.nearest[there, here, 0]), float(table.nearest[there, here, 1]))
+    column, row = cell_of(table, path[1], path[2])
+    if table.blocked[row, column]:
+        x, y = to_map(table, float(table.nearest[row, column, 0]), float(table.nearest[row, column, 1]))
         path[1] += repair_degree * (x - path[1])
         path[2] += repair_degree * (y - path[2])

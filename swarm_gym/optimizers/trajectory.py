@@ -1,0 +1,98 @@
+"""The trajectory of a robot, which is the first member of its swarm, and the best path that it had so far.
+
+`Swarms.walk` holds the points of the trajectory, the first register how many they are. A path is the trajectory up
+to a point, and straight on to the target: the best so far is a shorter piece of the same trajectory.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import inner_kernel
+from swarm_gym.population import Swarms
+from swarm_gym.problem.sight import share_blocked
+from swarm_gym.problem.walks import WalkTable, to_cells
+
+Floats = NDArray[np.float64]
+
+ROBOT = 0
+POINTS = 0  # the register
+
+
+@inner_kernel
+def begin_trajectory(swarms: Swarms, b: int) -> None:
+    """Let the trajectory begin where the robot is."""
+    swarms.registers[b, POINTS] = 0
+    append_point(swarms, b)
+
+
+@inner_kernel
+def append_point(swarms: Swarms, b: int) -> None:
+    """Let the trajectory go on to where the robot is, if it is not there already, and remember the path."""
+    number = swarms.registers[b, POINTS]
+    x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
+    if number == 0 or swarms.walk[b, number - 1, 0] != x or swarms.walk[b, number - 1, 1] != y:
+        swarms.walk[b, number, 0], swarms.walk[b, number, 1] = x, y
+        swarms.registers[b, POINTS] = number + 1
+    remember_path(swarms, b)
+
+
+@inner_kernel
+def remember_path(swarms: Swarms, b: int) -> None:
+    """Remember the trajectory, and straight on from where the robot is, where it is the best path so far."""
+    number = swarms.registers[b, POINTS]
+    fitness = length_of_walk(swarms, b, number) + swarms.fitness[b, ROBOT]
+    if fitness < swarms.best_fitness[b]:
+        swarms.best_fitness[b] = fitness
+        swarms.best_collision[b] = swarms.collision[b, ROBOT]
+        swarms.best_walk[b] = number
+        for k in range(swarms.best_position.shape[1]):
+            swarms.best_position[b, k] = swarms.positions[b, ROBOT, k]
+
+
+@inner_kernel
+def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
+    """Length of the first points of the walk, in map units."""
+    walk, length = swarms.walk[b], 0.0
+    for k in range(1, number):
+        length += math.hypot(walk[k, 0] - walk[k - 1, 0], walk[k, 1] - walk[k - 1, 1])
+    return length
+
+
+@inner_kernel
+def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
+    """Put the robot at the target: nothing is left to be found, and the episode ends."""
+    swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1] = table.target[0], table.target[1]
+    swarms.fitness[b, ROBOT] = swarms.collision[b, ROBOT] = 0.0
+    append_point(swarms, b)
+    swarms.budget[b] = swarms.evaluations[b]
+
+
+@inner_kernel
+def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
+    """Evaluate the best path so far on a map that changed, all of it; the robot's takes its place where better.
+
+    Without an evaluation left for it, the robot's does.
+    """
+    swarms.best_fitness[b] = math.inf
+    if swarms.evaluations[b] < swarms.budget[b]:
+        swarms.evaluations[b] += 1
+        number, collision = swarms.best_walk[b], 0.0
+        for k in range(number):
+            end = swarms.walk[b, k + 1] if k + 1 < number else table.target
+            collision += _blocked_length(table, swarms.walk[b, k], end)
+        straight_on = swarms.walk[b, number - 1] - table.target
+        length = length_of_walk(swarms, b, number) + math.hypot(straight_on[0], straight_on[1])
+        swarms.best_fitness[b] = length + table.penalty * collision / table.resolution
+        swarms.best_collision[b] = collision
+    remember_path(swarms, b)
+
+
+@inner_kernel
+def _blocked_length(table: WalkTable, begin: Floats, end: Floats) -> float:
+    """Length of what of a segment is blocked; all in map units."""
+    column, row = to_cells(table, begin[0], begin[1])
+    to_column, to_row = to_cells(table, end[0], end[1])
+    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
+    return share * math.hypot(end[0] - begin[0], end[1] - begin[1])
