@@ -25,6 +25,7 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "improved-fish-swarm": ("swarm_gym.optimizers.improved_fish_swarm", "ImprovedFishSwarm"),
     "hybrid-fish-swarm": ("swarm_gym.optimizers.hybrid_fish_swarm", "HybridFishSwarm"),
     "glowworm": ("swarm_gym.optimizers.glowworm", "Glowworm"),
+    "ant-colony": ("swarm_gym.optimizers.ant_colony", "AntColony"),
 }
 
 
