@@ -21,7 +21,7 @@ from experiments.labels import label
 from experiments.results import Floats, Run, RunKey, Snapshot
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import AnyScenario, make_scenario
+from swarm_gym.scenarios import StaticScenario, make_scenario, world_at
 
 COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
 # Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
@@ -47,7 +47,7 @@ class Case:
         styles: by controller.
     """
 
-    scenario: AnyScenario
+    scenario: StaticScenario
     optimum: float
     runs: Mapping[str, list[Run]]
     styles: Mapping[str, Style]
@@ -69,7 +69,7 @@ def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
         controller, scenario, seed = key
         grid = block.subplots(num_rows, SNAPSHOT_COLUMNS, sharex=True, sharey=True, squeeze=False)
         for axes, snapshot in zip(grid.flat, kept, strict=False):
-            map_plot.draw_map(axes, make_scenario(scenario))
+            map_plot.draw_map(axes, world_at(make_scenario(scenario), snapshot.iteration))
             map_plot.draw_population(axes, snapshot)
         for axes in grid.flat[len(kept) :]:
             axes.set_axis_off()

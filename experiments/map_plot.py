@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from experiments.figure_style import BLUE, RED, Style
 from experiments.results import Floats, Run, Snapshot
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import AnyScenario, Circle, FunctionScenario, GridMap, Obstacle, Scenario
+from swarm_gym.scenarios import Circle, FunctionScenario, GridMap, Obstacle, Scenario, StaticScenario
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
 INK = "#222222"
@@ -27,7 +27,7 @@ COLLIDING: dict[str, Any] = {"color": RED, "linestyle": (0, (6, 3)), "linewidth"
 MARKER_EVERY = 7
 
 
-def draw_map(axes: Axes, scenario: AnyScenario) -> None:
+def draw_map(axes: Axes, scenario: StaticScenario) -> None:
     """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates.
 
     Of a test function, whose vectors are paths in parallel coordinates, draw the optimum among these.
@@ -57,7 +57,7 @@ def draw_map(axes: Axes, scenario: AnyScenario) -> None:
         )  # fmt: skip
 
 
-def proportions(scenario: AnyScenario) -> float:
+def proportions(scenario: StaticScenario) -> float:
     """Height of what `draw_map` draws, relative to its width."""
     if isinstance(scenario, FunctionScenario):
         return 0.5
@@ -65,7 +65,7 @@ def proportions(scenario: AnyScenario) -> float:
     return (y_max - y_min) / (x_max - x_min)
 
 
-def label_axes(axes: Axes, scenario: AnyScenario) -> None:
+def label_axes(axes: Axes, scenario: StaticScenario) -> None:
     """Say what the axes of `draw_map` are."""
     names = ("component", "value") if isinstance(scenario, FunctionScenario) else ("x", "y")
     axes.set(xlabel=names[0], ylabel=names[1])

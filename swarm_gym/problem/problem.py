@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from swarm_gym.checks import require_number
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate, repair
-from swarm_gym.scenarios import AnyScenario
+from swarm_gym.scenarios import StaticScenario
 
 Floats = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ class Problem(ABC):
         scenario: what is to be solved.
     """
 
-    scenario: AnyScenario
+    scenario: StaticScenario
 
     @property
     @abstractmethod

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import visibility
 from swarm_gym.reference.any_angle import AnyAnglePlanner
-from swarm_gym.scenarios import AnyScenario, FunctionScenario, GridMap, Scenario
+from swarm_gym.scenarios import AnyScenario, DynamicScenario, FunctionScenario, GridMap, Scenario
 
 
 def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
@@ -24,6 +24,8 @@ def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
     """
     if isinstance(scenario, FunctionScenario):
         raise ScenarioError(f"scenario {scenario.name!r} is a test function: there is no path")
+    if isinstance(scenario, DynamicScenario):
+        raise ScenarioError(f"scenario {scenario.name!r} is dynamic: a shortest path is one of its `worlds`'")
     if isinstance(scenario, Scenario):
         return visibility.shortest_path(scenario)
     grid = scenario.map

@@ -30,7 +30,7 @@ from swarm_gym.problem.collision import segment_collision
 from swarm_gym.problem.waypoints import WaypointTable
 from swarm_gym.reference.optima import digest, known_optimum, store_optimum
 from swarm_gym.reference.shortest import shortest_path
-from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic
+from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic, worlds_of
 
 Floats = NDArray[np.float64]
 
@@ -217,9 +217,10 @@ def main() -> None:
         return
     try:
         problems = [
-            AnalyticProblem(require_analytic(scenario), options.num_waypoints, options.length_weight)
+            AnalyticProblem(require_analytic(world.scenario), options.num_waypoints, options.length_weight)
             for name in options.names
             for scenario in make_scenarios(name)
+            for world in worlds_of(scenario)
         ]
         ensure_optima(problems, options.threads, _ProgressBar())
     except SwarmGymError as error:

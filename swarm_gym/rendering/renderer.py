@@ -11,7 +11,7 @@ from swarm_gym.rendering.map_view import MapView
 from swarm_gym.rendering.pen import DESIGN, OVERSAMPLING, Pen, require_pygame
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
-from swarm_gym.scenarios import AnyScenario, FunctionScenario
+from swarm_gym.scenarios import FunctionScenario, StaticScenario
 
 if TYPE_CHECKING:
     import pygame
@@ -74,7 +74,7 @@ class Renderer:
         return pygame.transform.smoothscale(pen.surface, self.size)
 
 
-def _view_of(scenario: AnyScenario, pen: Pen) -> View:
+def _view_of(scenario: StaticScenario, pen: Pen) -> View:
     if isinstance(scenario, FunctionScenario):
         return FunctionView(scenario, pen)
     return MapView(scenario, pen)

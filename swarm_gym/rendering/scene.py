@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.problem import FunctionProblem, Problem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios import AnyScenario
+from swarm_gym.scenarios import StaticScenario
 from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
@@ -20,7 +20,7 @@ MOST_SEGMENTS = 100
 class Scene:
     """What one picture shows of one swarm; lengths in map units, paths as in `Problem.points`."""
 
-    scenario: AnyScenario
+    scenario: StaticScenario
     paths: Floats  # (members, k, 2)
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
     best_path: Floats  # (k, 2) best so far

@@ -16,7 +16,7 @@ from swarm_gym.rendering.pen import (
     Pen,
 )
 from swarm_gym.rendering.scene import Scene
-from swarm_gym.scenarios import AnyScenario
+from swarm_gym.scenarios import StaticScenario
 
 Floats = NDArray[np.float64]
 Extent = tuple[float, float, float, float]
@@ -31,7 +31,7 @@ class View(ABC):
         border: the rectangle that it fills, in pixels.
     """
 
-    def __init__(self, scenario: AnyScenario, pen: Pen, extent: Extent, y_up: bool = True):
+    def __init__(self, scenario: StaticScenario, pen: Pen, extent: Extent, y_up: bool = True):
         self.scenario = scenario
         self.background = pen.surface
         self._extent, self._y_up = extent, y_up

@@ -2,7 +2,8 @@
 
 To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`. To add a family of maps,
 with names that go on after a colon: write a module like `random_fields` and enter its `Family` in `FAMILIES`.
-A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells, a `FunctionScenario` none.
+A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells, a `FunctionScenario` none. The
+map of a `DynamicScenario` changes: it is one scenario after the other, its worlds.
 """
 
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from collections.abc import Callable
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.scenarios import (
     block_scene,
+    dynamic,
     iafsa_routes,
     made_maps,
     moa_tasks,
@@ -19,7 +21,17 @@ from swarm_gym.scenarios import (
     ros_map,
     test_functions,
 )
-from swarm_gym.scenarios.family import AnyScenario, Family, MapScenario
+from swarm_gym.scenarios.dynamic_scenario import (
+    AnyScenario,
+    DynamicScenario,
+    MapScenario,
+    StaticScenario,
+    World,
+    world_at,
+    worlds_of,
+)
+from swarm_gym.scenarios.events import Appear, Disappear, Event, Move
+from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -30,21 +42,30 @@ __all__ = [
     "FAMILIES",
     "SCENARIOS",
     "AnyScenario",
+    "Appear",
     "Circle",
+    "Disappear",
+    "DynamicScenario",
+    "Event",
     "FunctionScenario",
     "GridMap",
     "GridScenario",
     "MapScenario",
+    "Move",
     "Obstacle",
     "Point",
     "Polygon",
     "Scenario",
+    "StaticScenario",
+    "World",
     "expand_name",
     "make_scenario",
     "make_scenarios",
     "rasterised",
     "require_analytic",
     "sample_names",
+    "world_at",
+    "worlds_of",
 ]
 
 
@@ -64,6 +85,7 @@ FAMILIES: dict[str, Family] = {
     "function": test_functions.FAMILY,
     block_scene.NAME: block_scene.FAMILY,
     iafsa_routes.NAME: iafsa_routes.FAMILY,
+    dynamic.NAME: dynamic.FAMILY,
 }
 
 
@@ -98,11 +120,12 @@ def require_analytic(scenario: AnyScenario) -> Scenario:
     """The scenario, if its map is one of circles and polygons.
 
     Raises:
-        ScenarioError: if it has a grid map, or none.
+        ScenarioError: if it has a grid map, or none, or several.
     """
     if not isinstance(scenario, Scenario):
-        other = "a grid map" if isinstance(scenario, GridScenario) else "a test function"
-        raise ScenarioError(f"scenario {scenario.name!r}: expected circles and polygons, not {other}")
+        raise ScenarioError(
+            f"scenario {scenario.name!r}: expected circles and polygons, not {_OTHERS[type(scenario)]}"
+        )
     return scenario
 
 
@@ -133,3 +156,10 @@ def _make(name: str) -> AnyScenario:
 
 def _family_of(name: object) -> Family | None:
     return FAMILIES.get(name.partition(":")[0]) if isinstance(name, str) else None
+
+
+_OTHERS: dict[type, str] = {
+    GridScenario: "a grid map",
+    FunctionScenario: "a test function",
+    DynamicScenario: "a map that changes (it has several `worlds`)",
+}

@@ -4,12 +4,7 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
-from swarm_gym.scenarios.function_scenario import FunctionScenario
-from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Scenario
-
-MapScenario = Scenario | GridScenario
-AnyScenario = MapScenario | FunctionScenario
+from swarm_gym.scenarios.dynamic_scenario import AnyScenario
 
 # The pattern of a number in a name: no sign and no leading zero, so that a scenario has one name.
 NUMBER = "(?:0|[1-9][0-9]{0,8})"

@@ -27,6 +27,10 @@ class Circle:
         """Whether a point lies in the open disc."""
         return math.hypot(point[0] - self.x, point[1] - self.y) < self.radius
 
+    def moved(self, by: Point) -> "Circle":
+        """The same disc elsewhere."""
+        return Circle(self.x + by[0], self.y + by[1], self.radius)
+
 
 @dataclass(frozen=True)
 class Polygon:
@@ -65,6 +69,10 @@ class Polygon:
     def contains(self, point: Point) -> bool:
         """Whether a point lies in the open polygon."""
         return all(_cross(a, b, point) > 0 for a, b in self.edges())
+
+    def moved(self, by: Point) -> "Polygon":
+        """The same polygon elsewhere."""
+        return Polygon(tuple((x + by[0], y + by[1]) for x, y in self.vertices))
 
     def _require_convex(self) -> None:
         corners = self.vertices
