@@ -149,6 +149,29 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
 
 
 @inner_kernel
+def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
+    """Evaluate the members of swarm `b` anew, in order; the best so far is the best of them afterwards.
+
+    Those that the budget does not suffice for are deleted.
+    """
+    swarms.best_fitness[b] = math.inf
+    swarms.best_collision[b] = math.inf
+    left = swarms.budget[b] - swarms.evaluations[b]
+    adopt_members(swarms, b, table, work, min(swarms.size[b], left))
+
+
+@inner_kernel
+def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floats) -> float:
+    """Fitness of a remembered position, (C,), which may be the best so far; infinite if nothing is left."""
+    if swarms.evaluations[b] >= swarms.budget[b]:
+        return math.inf
+    for k in range(position.shape[0]):
+        work.path[k + 1] = position[k]
+    fitness, _ = evaluate_path(swarms, b, table, work)
+    return fitness
+
+
+@inner_kernel
 def clear(swarms: Swarms, b: int) -> None:
     """Swarm `b` without members, evaluations or a best path."""
     swarms.size[b] = 0

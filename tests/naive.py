@@ -353,6 +353,16 @@ class Swarm:
         for i in sorted(doomed, reverse=True):
             del self.positions[i], self.fitness[i], self.collision[i]
 
+    def re_evaluate(self, scenario):
+        self.scenario, best, positions = scenario, self.best[2], self.positions
+        self.best = (math.inf, math.inf, None)
+        self.positions, self.fitness, self.collision = [], [], []
+        for position in positions:
+            if self.evaluations < self.budget:
+                self.append(position)
+        if self.evaluations < self.budget:
+            self.cost(best)
+
     def iterate(self, repair_degree, knobs):
         n = len(self.positions[0])
         lower, upper = bounds(self.scenario, n)

@@ -54,6 +54,17 @@ class ParticleSwarm(Swarm):
         super().resize(size)
         self.settle([member for member in self.members if member not in old])
 
+    def re_evaluate_members(self):
+        super().re_evaluate_members()
+        for member in self.members:
+            if self.is_spent():
+                own_fitness = math.inf
+            else:
+                own_fitness, _ = self.costs_now(member.own_best)
+            member.own_fitness = min(own_fitness, member.fitness)
+            if member.fitness < own_fitness:
+                member.own_best = list(member.position)
+
     def iterate(self, repair_degree, first_inertia, last_inertia, c1, c2, limit):
         progress = self.iteration / max(self.iterations - 1, 1)
         inertia = first_inertia * (1 - progress) + last_inertia * progress
@@ -196,6 +207,19 @@ class Multivariate(Swarm):
             if column.list and column.list[0].fitness < centre.fitness:
                 column.head = column.list.pop(0)
                 column.list.append(centre)
+                column.list.sort(key=by_fitness)
+        self.rank()
+
+    def re_evaluate_members(self):
+        self.members = self.stored()
+        super().re_evaluate_members()
+        alive = self.members
+        self.columns = [column for column in self.columns if column.head in alive]
+        for column in self.columns:
+            column.list = sorted((member for member in column.list if member in alive), key=by_fitness)
+            if column.list and column.list[0].fitness < column.head.fitness:
+                column.list.append(column.head)
+                column.head = column.list.pop(0)
                 column.list.sort(key=by_fitness)
         self.rank()
 

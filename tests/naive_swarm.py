@@ -113,6 +113,25 @@ class Swarm:
     def deletion_order(members):
         return naive.deletion_order([m.fitness for m in members], [m.collision for m in members])
 
+    def re_evaluate(self, problem):
+        """The problem is another one: all that is remembered is evaluated as long as the budget lasts."""
+        self.problem, best = problem, self.best[2]
+        self.best = (math.inf, math.inf, None)
+        self.re_evaluate_members()
+        if not self.is_spent():
+            self.member(best)
+
+    def re_evaluate_members(self):
+        for i, member in enumerate(self.members):
+            if self.is_spent():
+                del self.members[i:]
+                return
+            member.fitness, member.collision = self.costs_now(member.position)
+
+    def costs_now(self, position):
+        member = self.member(position)
+        return member.fitness, member.collision
+
     def stored(self):
         """All members in the order in which they are stored."""
         return self.members

@@ -18,6 +18,8 @@ from swarm_gym.population import (
     adopt_members,
     clear,
     make_workspace,
+    re_evaluate_members,
+    recall,
     resize,
     summarise,
 )
@@ -68,6 +70,20 @@ def adopt_population(
     adopt_members(swarms, b, table, work, size)
 
 
+@inner_kernel
+def re_evaluate_population(
+    rules: Any,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+) -> None:
+    """Evaluate anew, after the problem of swarm `b` has changed, its members and then the best so far."""
+    best = swarms.best_position[b].copy()
+    re_evaluate_members(swarms, b, table, work)
+    recall(swarms, b, table, work, best)
+
+
 class Kernels(NamedTuple):
     """What an optimizer does to one swarm.
 
@@ -77,17 +93,22 @@ class Kernels(NamedTuple):
         begin: draws a first population, see `draw_population`.
         adopt: takes given positions as the first population, see `adopt_population`.
         change_size: grows or shrinks a population, see `resize_population`.
+        re_evaluate: evaluates all that is remembered, members first, see `re_evaluate_population`; the budget
+            suffices for one of them at least.
     """
 
     iterate: Callable[..., None]
     begin: Callable[..., None] = draw_population
     adopt: Callable[..., None] = adopt_population
     change_size: Callable[..., None] = resize_population
+    re_evaluate: Callable[..., None] = re_evaluate_population
 
 
 _BY_RULES: dict[str, dict[type, Callable[..., None]]] = {name: {} for name in Kernels._fields}
 
-iterate, begin, adopt, change_size = (kernel_by_class(_BY_RULES[name]) for name in Kernels._fields)
+iterate, begin, adopt, change_size, re_evaluate = (
+    kernel_by_class(_BY_RULES[name]) for name in Kernels._fields
+)
 
 
 def enter(rules: type, kernels: Kernels) -> None:
@@ -143,4 +164,15 @@ def step_chosen(
             work = make_workspace(swarms.positions.shape[2])
             change_size(rules, swarms, b, table, work, sizes[b])
             iterate(rules, swarms, b, table, work, repair_degrees[b], knobs[b])
+            summarise(swarms, b, mean_weight)
+
+
+@kernel
+def re_evaluate_chosen(rules: Any, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float) -> None:
+    """Evaluate the chosen swarms anew, on problems that have changed, and summarise them."""
+    for b in range(chosen.shape[0]):
+        if chosen[b]:
+            table = select(tables, swarms.problem[b])
+            work = make_workspace(swarms.positions.shape[2])
+            re_evaluate(rules, swarms, b, table, work)
             summarise(swarms, b, mean_weight)

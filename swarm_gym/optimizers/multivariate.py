@@ -18,6 +18,7 @@ from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.optimizers.regions import (
     Regions,
+    cut_regions,
     drop_worst,
     make_regions,
     num_besides,
@@ -26,10 +27,19 @@ from swarm_gym.optimizers.regions import (
     offer_local,
     promote,
     read_regions,
+    sort_list,
     sort_regions,
     write_regions,
 )
-from swarm_gym.population import Swarms, Workspace, adopt_members, evaluate_path, span
+from swarm_gym.population import (
+    Swarms,
+    Workspace,
+    adopt_members,
+    evaluate_path,
+    re_evaluate_members,
+    recall,
+    span,
+)
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
@@ -210,6 +220,28 @@ def iterate(
     write_regions(regions, swarms, b)
 
 
+@inner_kernel
+def re_evaluate(
+    rules: MultivariateRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+) -> None:
+    """Evaluate heads and lists anew; sort the lists, make better ones of them heads, sort the regions."""
+    best = swarms.best_position[b].copy()
+    re_evaluate_members(swarms, b, table, work)
+    cut_regions(swarms, b)
+    regions = read_regions(swarms, b, swarms.registers[b, 0])
+    for column in range(regions.used[0]):
+        length = regions.length[column]
+        sort_list(regions, column)
+        promote(regions, column, length)
+    sort_regions(regions)
+    write_regions(regions, swarms, b)
+    recall(swarms, b, table, work, best)
+
+
 class Multivariate(Optimizer):
     """MOA with the radius printed in its paper; 65 members are 10 regions.
 
@@ -224,7 +256,7 @@ class Multivariate(Optimizer):
         ),
     }
     rules = MultivariateRules
-    kernels = driver.Kernels(iterate, begin, adopt, change_size)
+    kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def num_registers(capacity: int) -> int:

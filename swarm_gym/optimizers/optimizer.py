@@ -60,9 +60,9 @@ def choice(meaning: str, *choices: str) -> Knob:
 
 
 class Optimizer:
-    """Names, parameters and kernels of an optimizer, and the two calls that advance swarms by them.
+    """Names, parameters and kernels of an optimizer, and the calls that advance swarms by them.
 
-    All arrays have a leading swarm axis of length B. Both calls change `swarms` in place, and leave
+    All arrays have a leading swarm axis of length B. All calls change `swarms` in place, and leave
     E(P), mean and standard deviation of the collision and the feasible share in `swarms.summary`.
 
     Attributes:
@@ -133,6 +133,26 @@ class Optimizer:
 
         def run(part: NDArray[np.bool_]) -> None:
             driver.step_chosen(cls.rules(), swarms, tables, part, sizes, repair_degrees, knobs, mean_weight)
+
+        spread(run, chosen, num_threads)
+
+    @classmethod
+    def re_evaluate(
+        cls,
+        swarms: Swarms,
+        tables: Table,
+        chosen: NDArray[np.bool_],
+        mean_weight: float,
+        num_threads: int = 1,
+    ) -> None:
+        """Evaluate anew what the chosen swarms remember, since their problems have changed.
+
+        Members come first, in order; those that the budget does not suffice for are deleted, of which there
+        must be one evaluation left. The best so far stays only if it still is the best.
+        """
+
+        def run(part: NDArray[np.bool_]) -> None:
+            driver.re_evaluate_chosen(cls.rules(), swarms, tables, part, mean_weight)
 
         spread(run, chosen, num_threads)
 

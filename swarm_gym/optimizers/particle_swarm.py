@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_member
+from swarm_gym.population import Swarms, Workspace, evaluate_member, re_evaluate_members, recall
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
@@ -131,6 +131,27 @@ def iterate(
             memory[2 * width] = swarms.fitness[b, i]
 
 
+@inner_kernel
+def re_evaluate(
+    rules: ParticleSwarmRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: Table,
+    work: Workspace,
+) -> None:
+    """Evaluate anew where the particles are, then where each was best; the better one is its best now."""
+    width, best = swarms.positions.shape[2], swarms.best_position[b].copy()
+    re_evaluate_members(swarms, b, table, work)
+    for i in range(swarms.size[b]):
+        memory = swarms.memory[b, i]
+        memory[2 * width] = recall(swarms, b, table, work, memory[width : 2 * width])
+        if swarms.fitness[b, i] < memory[2 * width]:
+            for k in range(width):
+                memory[width + k] = swarms.positions[b, i, k]
+            memory[2 * width] = swarms.fitness[b, i]
+    recall(swarms, b, table, work, best)
+
+
 class ParticleSwarm(Optimizer):
     """PSO-w of the MOA paper, with the parameters printed there."""
 
@@ -145,7 +166,7 @@ class ParticleSwarm(Optimizer):
         ),
     }
     rules = ParticleSwarmRules
-    kernels = driver.Kernels(iterate, begin, adopt, change_size)
+    kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def memory_columns(dimension: int) -> int:

@@ -114,6 +114,28 @@ def _copy_out(regions: Regions, column: int, entry: int, swarms: Swarms, b: int,
 
 
 @inner_kernel
+def cut_regions(swarms: Swarms, b: int) -> None:
+    """Let the registers of swarm `b` speak of the members that are left, after the last ones were deleted."""
+    registers = swarms.registers[b]
+    registers[0] = min(registers[0], swarms.size[b])
+    left = swarms.size[b] - registers[0]
+    for i in range(registers[0]):
+        registers[1 + i] = min(registers[1 + i], left)
+        left -= registers[1 + i]
+
+
+@inner_kernel
+def sort_list(regions: Regions, column: int) -> None:
+    """Order a list by fitness; equals keep their order."""
+    length = regions.length[column]
+    regions.length[column] = 0
+    for entry in range(1, length + 1):
+        position = regions.position[column, entry].copy()
+        fitness, collision = regions.fitness[column, entry], regions.collision[column, entry]
+        offer_local(regions, column, length, position, fitness, collision)
+
+
+@inner_kernel
 def sort_regions(regions: Regions) -> None:
     """Order the columns by the fitness of their heads; equals keep their order."""
     for place in range(1, regions.used[0]):
