@@ -79,14 +79,14 @@ class SwarmBatch:
         decisions = self._action.decode(actions, chosen, simulation)
         evaluations = simulation.swarms.evaluations.copy()
         gap_before = simulation.gap()
-        simulation.step(chosen, decisions)
+        gap_after = simulation.step(chosen, decisions)
         ended = chosen & ~simulation.running
         spent = simulation.swarms.evaluations - evaluations
         reward = self._reward(
             Transition(
                 simulation.initial_gap,
                 gap_before,
-                simulation.gap(),
+                gap_after,
                 simulation.price * spent / self.settings.reference_evaluations,
                 ended,
                 simulation.optimality_gap,

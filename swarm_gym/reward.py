@@ -18,9 +18,9 @@ Floats = NDArray[np.float64]
 class Transition(NamedTuple):
     """One iteration of B swarms; every array has shape (B,)."""
 
-    initial_gap: Floats
+    initial_gap: Floats  # as if the map had been what it is when the iteration is done
     gap_before: Floats
-    gap_after: Floats
+    gap_after: Floats  # before anything happens on the map
     cost: Floats  # price of the evaluations spent
     ended: NDArray[np.bool_]
     # Best fitness so far above the known optimum, relative to it; called by the reward that needs it.

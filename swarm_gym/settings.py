@@ -17,8 +17,12 @@ from swarm_gym.scenarios import (
     FunctionScenario,
     GridScenario,
     Scenario,
+    StaticScenario,
+    World,
     make_scenarios,
     rasterised,
+    world_at,
+    worlds_of,
 )
 
 
@@ -123,16 +127,22 @@ class Settings:
             raise SettingError("scenario: the list of scenarios is empty")
         return scenarios
 
+    @cached_property
+    def worlds(self) -> tuple[World, ...]:
+        """The worlds of one of these scenarios after the other; episodes begin in those of iteration 0."""
+        return tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
+
     def problems(self) -> list[Problem]:
-        """The problems of these scenarios, all of one kind and dimension.
+        """The problems of all worlds of these scenarios, all of one kind and dimension.
 
         Raises:
             SettingError: if there is none, if they differ in kind or dimension, or if the encoding needs
                 another kind.
             ScenarioError: if a map cannot be made of cells of this size.
         """
-        first, kind = self.scenarios[0], _kind_of(self.scenarios[0])
-        for scenario in self.scenarios:
+        scenarios = [world.scenario for world in self.worlds]
+        first, kind = scenarios[0], _kind_of(scenarios[0])
+        for scenario in scenarios:
             if (other := _kind_of(scenario)) is not kind:
                 raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
         if self.encoding not in kind.options:
@@ -140,7 +150,7 @@ class Settings:
                 f"encoding {self.encoding!r} is for {_names_of_kinds(self.encoding)}; scenario "
                 f"{first.name!r} is one of the {kind.name}"
             )
-        problems = [kind.problem(self, scenario) for scenario in self.scenarios]
+        problems = [kind.problem(self, scenario) for scenario in scenarios]
         dimension = problems[0].dimension
         for problem in problems:
             if problem.dimension != dimension:
@@ -151,7 +161,7 @@ class Settings:
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
         """Refuse options that say something about another kind of scenario or encoding."""
-        kind = _kind_of(self.scenarios[0])
+        kind = _kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
             if not any(name in options for options in kind.options.values()):
                 raise SettingError(f"option {name!r} says nothing about {kind.name}; it would change nothing")
@@ -248,11 +258,11 @@ def _names_of_kinds(encoding: str) -> str:
     return " or ".join(kind.name for kind in KINDS.values() if encoding in kind.options)
 
 
-def _kind_of(scenario: AnyScenario) -> Kind:
+def _kind_of(scenario: StaticScenario) -> Kind:
     return next(kind for scenarios, kind in KINDS.items() if isinstance(scenario, scenarios))
 
 
-def _clash(first: AnyScenario, second: AnyScenario, what: str, one: object, other: object) -> str:
+def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object, other: object) -> str:
     return (
         f"scenario: {first.name!r} and {second.name!r} cannot be in one environment: they are of different "
         f"{what}, {one} and {other}"
@@ -262,9 +272,12 @@ def _clash(first: AnyScenario, second: AnyScenario, what: str, one: object, othe
 def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
     """The problem of an environment of that scenario and these options of `Settings`.
 
+    Where the map changes, that is the problem at the end of an episode, of which its results are.
+
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.
     """
     settings = Settings(scenario=scenario, **options)
     settings._refuse_unused(options)
-    return settings.problems()[0]
+    last = world_at(settings.scenarios[0], settings.iterations - 1)
+    return _kind_of(last).problem(settings, last)

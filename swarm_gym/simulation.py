@@ -49,7 +49,9 @@ class Simulation:
     of threads. All public arrays have B as their first axis and are changed in place.
 
     Attributes:
-        problems: the distinct problems that episodes draw from.
+        problems: of all worlds of the scenarios that episodes draw from, one scenario after the other.
+        first_worlds: (scenarios,) where in these those of the scenarios begin.
+        next_event: (problems,) the iteration after which the next world comes into force; 0 if none does.
         dimension: length of a decision vector.
         swarms: the state that the kernels work on.
         iteration: (B,) iterations done in this episode.
@@ -57,7 +59,8 @@ class Simulation:
         columns: what is recorded of every iteration: `HISTORY`, then the optimizer's parameters.
         history: (B, iterations + 1, number of columns) the record.
         knobs: (B, number of knobs) parameters of the optimizer where no action decides them.
-        initial_gap: (B,) best fitness of the first population above the lower bound.
+        initial_gap: (B,) best fitness of the first population above the lower bound; where the map has
+            changed since, times what that did to the gap.
         price: (B,) what `reference_evaluations` evaluations cost in this episode.
     """
 
@@ -78,6 +81,10 @@ class Simulation:
         self.num_threads = num_threads or most
         self.problems = settings.problems()
         self.dimension = self.problems[0].dimension
+        begins = np.array([world.iteration for world in settings.worlds])
+        self.first_worlds = np.flatnonzero(begins == 0)
+        self.next_event = np.roll(begins, -1)
+        self._is_dynamic = bool(begins.any())
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.gap_units = np.array([problem.gap_unit for problem in self.problems])
         self.optima = np.array([known_optimum(problem) for problem in self.problems])
@@ -100,6 +107,11 @@ class Simulation:
         self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
         self.initial_gap = np.ones(num_swarms)
         self.price = np.zeros(num_swarms)
+
+    @property
+    def scenario_names(self) -> list[str]:
+        """What episodes draw from."""
+        return [self.problems[number].scenario.name for number in self.first_worlds]
 
     @property
     def num_swarms(self) -> int:
@@ -130,8 +142,8 @@ class Simulation:
         for row, seed in zip(rows, seeds, strict=True):
             scenario_seed, stream_seed = seed.spawn(2)
             generator = np.random.default_rng(scenario_seed)
-            draw = generator.integers(len(self.problems))
-            swarms.problem[row] = draw if scenario is None else scenario
+            draw = generator.integers(len(self.first_worlds))
+            swarms.problem[row] = self.first_worlds[draw if scenario is None else scenario]
             self.price[row] = self.settings.draw_price(generator)
             swarms.stream[row] = seed_stream(stream_seed)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
@@ -148,20 +160,39 @@ class Simulation:
         self._record(rows, np.zeros(self.num_swarms), self.knobs)
         self.initial_gap[rows] = self.gap()[rows]
 
-    def step(self, chosen: Flags, decisions: Decisions) -> None:
-        """Advance the chosen swarms by one iteration as decided."""
+    def step(self, chosen: Flags, decisions: Decisions) -> Floats:
+        """Advance the chosen swarms by one iteration as decided; then happens on their maps what follows it.
+
+        Returns:
+            (B,) the gap that the iteration led to, before anything happened.
+        """
         self.advance(chosen, decisions)
         rows = np.flatnonzero(chosen)
         self.iteration[rows] += 1
+        reached, ended = self.gap(), self._ended()
+        if self._is_dynamic:
+            due = chosen & ~ended & (self.iteration == self.next_event[self.swarms.problem])
+            if due.any():
+                self._change_worlds(due, reached)
+                ended = self._ended()
         self._record(rows, decisions.repair_degrees, decisions.knobs)
-        ended = (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
         self.running[rows] = ~ended[rows]
+        return reached
 
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """The compiled part of a step."""
         self.optimizer.step(
             self.swarms, self.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
         )
+
+    def _change_worlds(self, due: Flags, reached: Floats) -> None:
+        """Go on in the next worlds, where what is remembered costs something else; (B,) each."""
+        self.swarms.problem[due] += 1
+        self.optimizer.re_evaluate(self.swarms, self.tables, due, self.settings.mean_weight, self.num_threads)
+        self.initial_gap[due] *= self.gap()[due] / reached[due]
+
+    def _ended(self) -> Flags:
+        return (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
 
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i of the B, a copy of swarm rows[i]: state, random stream and record."""
@@ -259,7 +290,7 @@ class Simulation:
                 raise UnknownNameError("reset option", name, RESET_OPTIONS)
         scenario = None
         if "scenario" in options:
-            names = [problem.scenario.name for problem in self.problems]
+            names = self.scenario_names
             if options["scenario"] not in names:
                 raise UnknownNameError("scenario of this environment", options["scenario"], names)
             scenario = names.index(options["scenario"])
