@@ -21,7 +21,6 @@ from swarm_gym.scenarios import (
     World,
     make_scenarios,
     rasterised,
-    world_at,
     worlds_of,
 )
 
@@ -279,5 +278,5 @@ def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
     """
     settings = Settings(scenario=scenario, **options)
     settings._refuse_unused(options)
-    last = world_at(settings.scenarios[0], settings.iterations - 1)
-    return _kind_of(last).problem(settings, last)
+    reached = [world for world in worlds_of(settings.scenarios[0]) if world.iteration < settings.iterations]
+    return settings.problems()[len(reached) - 1]

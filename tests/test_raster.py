@@ -10,7 +10,7 @@ from builders import random_circle, random_polygon, random_scenario
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, Polygon, Scenario, make_scenario, rasterised
-from swarm_gym.scenarios.raster import covered_cells
+from swarm_gym.scenarios.obstacle_cells import cells_of
 
 
 def empty_map(resolution=1.0, origin=(0.0, 0.0), y_up=False, shape=(14, 17)):
@@ -38,7 +38,7 @@ def test_covered_are_the_cells_that_an_obstacle_reaches_into(make, seed, geometr
     grid, rng = empty_map(**geometry), np.random.default_rng(seed)
     x_min, y_min, x_max, y_max = grid.extent
     obstacle = make(rng, np.array([rng.uniform(x_min, x_max), rng.uniform(y_min, y_max)]), rng.uniform(1, 6))
-    covered = covered_cells(grid, obstacle)
+    covered = cells_of(obstacle, grid)
     for (row, column), given in np.ndenumerate(covered):
         deep = depth(obstacle, square(grid, column, row))
         # What is hardly touched may be one or the other, by rounding.
@@ -47,12 +47,12 @@ def test_covered_are_the_cells_that_an_obstacle_reaches_into(make, seed, geometr
 
 def test_an_obstacle_along_grid_lines_covers_no_cell_beside_it():
     grid = empty_map()
-    covered = covered_cells(grid, Polygon.rectangle(2.5, 3.5, 5.5, 4.5))
+    covered = cells_of(Polygon.rectangle(2.5, 3.5, 5.5, 4.5), grid)
     assert np.argwhere(covered).tolist() == [[4, 3], [4, 4], [4, 5]]
 
 
 def test_a_circle_that_touches_a_corner_of_a_cell_does_not_cover_it():
-    covered = covered_cells(empty_map(), Circle(4.0, 4.0, math.hypot(0.5, 0.5)))
+    covered = cells_of(Circle(4.0, 4.0, math.hypot(0.5, 0.5)), empty_map())
     assert covered.sum() == 5
     assert not covered[3, 3]
 

@@ -54,15 +54,6 @@ def test_repair_moves_a_point_out_of_a_blocked_cell_by_its_degree(geometry):
     assert problem.repaired(start, 1.0).tolist() == start.tolist()
 
 
-def test_room_says_how_many_cells_around_are_free():
-    problem = walk_problem(2)
-    blocked = np.pad(problem.scenario.map.blocked, 40, constant_values=True)
-    for (row, column), room in np.ndenumerate(problem.table.room):
-        for size in range(room + 2):
-            window = blocked[row + 40 - size : row + 41 + size, column + 40 - size : column + 41 + size]
-            assert window.any() == (size > room)
-
-
 def test_problems_of_maps_of_different_sizes_are_stacked_and_selected_again():
     problems = [walk_problem(3), walk_problem(4, shape=(30, 11))]
     tables = stack([problem.table for problem in problems])

@@ -83,7 +83,7 @@ FAMILIES: dict[str, Family] = {
     "den400d": moa_tasks.FAMILY,
     "ros": ros_map.FAMILY,
     "function": test_functions.FAMILY,
-    block_scene.NAME: block_scene.FAMILY,
+    **block_scene.FAMILIES,
     iafsa_routes.NAME: iafsa_routes.FAMILY,
     dynamic.NAME: dynamic.FAMILY,
 }

@@ -1,9 +1,10 @@
-"""One block between start and target on a square grid: the scenarios `block:<side>`.
+"""One block between start and target on a square grid, or none: scenarios `block:<side>`, `open:<side>`.
 
 Source: Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013. The paper
 shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000, as figures without coordinates.
-These are ours, chosen so that the shortest path on `block:500`, about 431, is near the paper's lengths. Map
-coordinates are cells: x is the column, y the row, which grows downwards.
+These are ours, chosen so that the shortest path on `block:500`, about 431, is near the paper's lengths. On the
+open grid an obstacle may appear, see `dynamic`. Map coordinates are cells: x is the column, y the row, which
+grows downwards.
 """
 
 import re
@@ -15,32 +16,37 @@ from swarm_gym.scenarios.family import NUMBER, Family
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 
-NAME = "block"
-USAGE = f"{NAME}:<side>"
+BLOCK, OPEN = "block", "open"
 SMALLEST, LARGEST = 20, 4000
 
 
-def expand(name: str) -> tuple[str, ...]:
-    """The name itself; a range would be of maps of different sizes.
+def _family(kind: str, height: int) -> Family:
+    """The family of that name, with a block of that height in per cent of the side."""
+    usage = f"{kind}:<side>"
 
-    Raises:
-        ScenarioError: if it has not the form of these names, or the side is out of range.
-    """
-    match = re.fullmatch(f"{NAME}:({NUMBER})", name)
-    if not match or not SMALLEST <= int(match[1]) <= LARGEST:
-        raise ScenarioError(
-            f"scenario {name!r}: expected {USAGE}, a number of cells from {SMALLEST} to {LARGEST}"
-        )
-    return (name,)
+    def expand(name: str) -> tuple[str, ...]:
+        """The name itself; a range would be of maps of different sizes.
+
+        Raises:
+            ScenarioError: if it has not the form of these names, or the side is out of range.
+        """
+        match = re.fullmatch(f"{kind}:({NUMBER})", name)
+        if not match or not SMALLEST <= int(match[1]) <= LARGEST:
+            raise ScenarioError(
+                f"scenario {name!r}: expected {usage}, a number of cells from {SMALLEST} to {LARGEST}"
+            )
+        return (name,)
+
+    def make(name: str) -> GridScenario:
+        """The scene of that name."""
+        side = int(name.removeprefix(f"{kind}:"))
+        blocked = np.zeros((side, side), np.bool_)
+        top, bottom = (side * (100 + sign * height) // 200 for sign in (-1, 1))
+        blocked[top:bottom, side * 35 // 100 : side * 65 // 100] = True
+        column, row = side // 2, side // 10
+        return GridScenario(name, GridMap(name, blocked), (column, row), (column, side - row))
+
+    return Family(usage, (f"{kind}:50",), expand, make)
 
 
-def make(name: str) -> GridScenario:
-    """The scene of that name."""
-    side = int(name.removeprefix(f"{NAME}:"))
-    blocked = np.zeros((side, side), np.bool_)
-    blocked[side * 44 // 100 : side * 56 // 100, side * 35 // 100 : side * 65 // 100] = True
-    column, row = side // 2, side // 10
-    return GridScenario(name, GridMap(name, blocked), (column, row), (column, side - row))
-
-
-FAMILY = Family(USAGE, (f"{NAME}:50", f"{NAME}:500"), expand, make)
+FAMILIES = {BLOCK: _family(BLOCK, 12), OPEN: _family(OPEN, 0)}

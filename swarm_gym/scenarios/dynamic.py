@@ -38,6 +38,8 @@ EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
     "case3": {"block": (Appear(0, Polygon.rectangle(560, 270, 620, 330)),)},
     # 109.46 to 124.40: the door from the corridor to the room of the target; another room leads there, too.
     "rooms:0": {"block": (Appear(0, Polygon.rectangle(103.5, 55.5, 111.5, 57.5)),)},
+    # Brand and Yu's: 400.00 to 433.47, and 463.45 for a robot that has gone straight on for 175 by then.
+    "open:500": {"block": (Appear(0, Polygon.rectangle(174.5, 269.5, 324.5, 329.5)),)},
 }
 
 
