@@ -9,6 +9,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from experiments import parameter_study
+from experiments.brand_yu_suites import BRAND_YU
 from experiments.iafsa_suites import IAFSA_PAPER
 from experiments.moa_numbers import METHODS
 from experiments.suite import FRESH_SEEDS, Family, Suite
@@ -251,13 +252,39 @@ MOA_PAPER = Suite(
     figures=("maps",),
 )
 
+# An obstacle closes the corridor that the population has settled in, in the middle of an episode.
+DYNAMIC = Suite(
+    name="dynamic",
+    controllers=(
+        *FIXED_SIZES,
+        "spsfa",
+        "spsfa-tip",
+        "tuned:three-cases",
+        "open-loop:three-cases",
+        *HEADLINE_LEARNED,
+        *HEADLINE_EXTENDED,
+        "random",
+    ),
+    scenarios=tuple(f"dynamic:{case}-gate@50" for case in CASES),
+    num_seeds=50,
+    baseline="spsfa-tip",
+    duels=(("learned:three-cases/*@1", "open-loop:three-cases"), ("spsfa-tip", "fixed:80")),
+    first_seed=FRESH_SEEDS,
+    tables=("recovery", "differences", "duels"),
+    figures=("cases",),
+)
+
 ALL = (
     PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS, MOA_PAPER, *IAFSA_PAPER,
+    *BRAND_YU, DYNAMIC,
 )  # fmt: skip
 SUITES = {suite.name: suite for suite in ALL}
 
 # Suites that one name stands for, each with options, seeds, tables and a database of its own.
-COLLECTIONS = {"iafsa-paper": tuple(suite.name for suite in IAFSA_PAPER)}
+COLLECTIONS = {
+    "iafsa-paper": tuple(suite.name for suite in IAFSA_PAPER),
+    "brand-yu": tuple(suite.name for suite in BRAND_YU),
+}
 
 
 def get_suite(name: str) -> Suite:

@@ -19,6 +19,7 @@ from experiments.tables.iafsa_convergence import convergence_tables
 from experiments.tables.iafsa_routes import route_tables
 from experiments.tables.moa import moa_tables
 from experiments.tables.parameters import parameter_tables
+from experiments.tables.recovery import recovery_tables
 from experiments.tables.table import Table
 from swarm_gym.checks import look_up
 
@@ -40,6 +41,7 @@ TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
     "iafsa-convergence": convergence_tables,
     "iafsa-shifted": shifted_tables,
     "iafsa-routes": route_tables,
+    "recovery": recovery_tables,
     "brand-yu-counts": count_tables,
     "brand-yu-grids": grid_tables,
 }

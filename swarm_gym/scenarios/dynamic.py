@@ -19,8 +19,9 @@ NAME = "dynamic"
 USAGE = f"{NAME}:<base>-<event>@<iteration>"
 
 # By base and name, with iterations counted from the one in the scenario's name. A block closes the corridor
-# that the shortest path takes; above each stand the lengths of the shortest path and, for maps of circles and
-# polygons, the least fitness with 31 waypoints and mu = 0.3, before and after.
+# that the shortest path takes, a gate the one that populations of fireflies have settled in by iteration 50;
+# above each stand the lengths of the shortest path and, for maps of circles and polygons, the least fitness
+# with 31 waypoints and mu = 0.3, before and after.
 EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
     "case1": {
         # 994.23 to 1005.43, 299.00 to 302.43: over the circle at (680, 280), no longer below it.
@@ -31,11 +32,21 @@ EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
             *(Move(iteration, 14, (0, 30)) for iteration in (5, 10, 15, 20, 25)),
             Disappear(30, 14),
         ),
+        # 994.23 and 299.00 as before: in the other corridor, over the circle at (680, 280).
+        "gate": (Appear(0, Polygon.rectangle(690, 290, 730, 400)),),
     },
     # 1053.55 to 1071.78, 316.63 to 325.17: through the middle, no longer below all obstacles.
-    "case2": {"block": (Appear(0, Polygon.rectangle(600, 60, 640, 200)),)},
+    # 1053.55 and 316.63 as before: the gap between the obstacles at x = 600 is closed.
+    "case2": {
+        "block": (Appear(0, Polygon.rectangle(600, 60, 640, 200)),),
+        "gate": (Appear(0, Polygon.rectangle(600, 220, 640, 400)),),
+    },
     # 997.45 to 1011.18, 300.27 to 303.74: below the circle at (530, 240), no longer over it.
-    "case3": {"block": (Appear(0, Polygon.rectangle(560, 270, 620, 330)),)},
+    # 997.45 to 1019.62, 300.27 to 306.52: the wall at x = 600 becomes longer.
+    "case3": {
+        "block": (Appear(0, Polygon.rectangle(560, 270, 620, 330)),),
+        "gate": (Appear(0, Polygon.rectangle(600, 180, 640, 350)),),
+    },
     # 109.46 to 124.40: the door from the corridor to the room of the target; another room leads there, too.
     "rooms:0": {"block": (Appear(0, Polygon.rectangle(103.5, 55.5, 111.5, 57.5)),)},
     # Brand and Yu's: 400.00 to 433.47, and 463.45 for a robot that has gone straight on for 175 by then.
