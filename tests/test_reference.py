@@ -13,6 +13,7 @@ from builders import CASES, make_problem, random_scenario, turned
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from swarm_gym import settings as settings_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
@@ -285,7 +286,7 @@ def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(t
         assert new.keys() == old.keys()
         for length in ("fitness", "shortest_path"):
             assert new[length] == pytest.approx(old[length], abs=2e-6)
-        assert known_optimum(make_problem(old["name"])) == old["fitness"]
+        assert known_optimum(settings_of.make_problem(old["name"])) == old["fitness"]
         assert old["length_weight"] * old["shortest_path"] < old["fitness"]
 
 

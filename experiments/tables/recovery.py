@@ -91,10 +91,10 @@ def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         Table(
             "recovery",
             "An obstacle closes the corridor that the population has settled in: runs whose best path was "
-            "feasible before that, right after it, and at some time until the end; iterations and evaluations "
-            "from there to a feasible path, median [quartiles] of all runs; the same of paths with "
-            f"a degree of collision up to {GRAZING:g}, which graze obstacles; mean final gap to the optimum of "
-            "the changed map [95 % interval]",
+            "feasible before that, right after it, and at some time until the end; iterations and "
+            "evaluations from there to a feasible path, median [quartiles] of all runs; the same of paths "
+            f"with a degree of collision up to {GRAZING:g}, which graze obstacles; mean final gap to the "
+            "optimum of the changed map [95 % interval]",
             columns,
             rows,
         )

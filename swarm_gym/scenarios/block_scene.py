@@ -1,9 +1,9 @@
 """One block between start and target on a square grid, or none: scenarios `block:<side>`, `open:<side>`.
 
 Source: Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013. The paper
-shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000, as figures without numbers.
-These are ours, chosen so that the shortest path on `block:500`, about 431, is near the paper's lengths. On the
-open grid an obstacle may appear, see `dynamic`. Map coordinates are cells: x is the column, y the row, which
+shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000, as figures without numbers. These
+are ours, chosen so that the shortest path on `block:500`, about 431, is near the paper's lengths. On the open
+grid an obstacle may appear, see `dynamic`. Map coordinates are cells: x is the column, y the row, which
 grows downwards.
 """
 
