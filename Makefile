@@ -8,7 +8,7 @@ SEEDS ?= 20
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install study study-full test test-slow test-checked test-lowest check format benchmark benchmark-peers \
-    docs-results docs-study docs-moa docs-iafsa clean
+    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -113,6 +113,14 @@ docs-moa: $(INSTALLED) ## regenerate docs/moa-paper.md; needs the map den400d (t
 docs-iafsa: $(INSTALLED) ## regenerate docs/iafsa-paper.md; needs the maps turtlebot3_world and playground (15 minutes)
 	$(BIN)/python -m experiments.evaluate --suite iafsa-paper --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/iafsa-paper docs/iafsa-paper.md
+
+docs-brand-yu: $(INSTALLED) ## regenerate docs/brand-yu-paper.md
+	$(BIN)/python -m experiments.evaluate --suite brand-yu --output results/docs
+	$(BIN)/python -m experiments.publish_suite results/docs/brand-yu docs/brand-yu-paper.md
+
+docs-dynamic: $(INSTALLED) ## regenerate docs/dynamic.md
+	$(BIN)/python -m experiments.evaluate --suite dynamic --output results/docs
+	$(BIN)/python -m experiments.publish_suite results/docs/dynamic docs/dynamic.md
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
