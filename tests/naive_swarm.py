@@ -10,6 +10,7 @@ import math
 import naive
 import naive_functions
 import naive_grid
+import naive_walks
 
 
 class Analytic:
@@ -33,6 +34,7 @@ ORACLES = {
     "AnalyticProblem": Analytic,
     "GridProblem": naive_grid.Problem,
     "FunctionProblem": naive_functions.Problem,
+    "WalkProblem": naive_walks.Problem,
 }
 
 
