@@ -180,10 +180,21 @@ def make_twins(problem, population, seed, capacity=32, budget=UNLIMITED):
     return swarms, tables, twin
 
 
-def begin(optimizer, problems, size, capacity=32, budget=UNLIMITED, iterations=10, populations=None, seed=0):
+def begin(
+    optimizer,
+    problems,
+    size,
+    capacity=32,
+    budget=UNLIMITED,
+    iterations=10,
+    populations=None,
+    seed=0,
+    knobs=None,
+):
     """Swarms of an optimizer, one per problem, seeded by number from `seed` on; and their stacked tables.
 
-    First populations are drawn, or given, (members, dimension) for each problem.
+    First populations are drawn, or given, (members, dimension) for each problem; by parameters, where the
+    optimizer has some that matter to begin with.
     """
     num, cls = len(problems), get_optimizer(optimizer)
     dimension = problems[0].dimension
@@ -203,7 +214,8 @@ def begin(optimizer, problems, size, capacity=32, budget=UNLIMITED, iterations=1
         if populations is not None:
             swarms.positions[b, :size] = padded(populations[b])
     everyone, sizes = np.full(num, True), np.full(num, size)
-    cls.initialise(swarms, tables, everyone, sizes, MEAN_WEIGHT, given=populations is not None)
+    values = np.tile(cls.knob_values(knobs or {}), (num, 1))
+    cls.initialise(swarms, tables, everyone, sizes, MEAN_WEIGHT, populations is not None, values)
     return swarms, tables
 
 
@@ -225,11 +237,15 @@ def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, num_thre
     return values
 
 
-def oracle_twin(optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0):
-    """The first swarm of `begin` in plain Python."""
+def oracle_twin(
+    optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0, knobs=None
+):
+    """The first swarm of `begin` in plain Python; of those that begin by parameters, with these."""
     stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
     oracle = naive_swarm.oracle_of(problem)
     twin = naive_optimizers.NAIVE[optimizer](oracle, stream, iterations, budget)
+    if knobs:
+        twin.knobs = type(twin.knobs)(*get_optimizer(optimizer).knob_values(knobs))
     if population is None:
         twin.begin(size)
     else:
@@ -238,7 +254,10 @@ def oracle_twin(optimizer, problem, size, budget=UNLIMITED, iterations=10, popul
 
 
 def assert_same_as_oracle(swarms, twin):
-    """Members in order, best so far, count of evaluations and random stream are those of the oracle."""
+    """Members in order, best so far, count of evaluations and random stream are those of the oracle.
+
+    Of walks the best one is: where on its last piece the robot was is the same way.
+    """
     members, n = twin.stored(), twin.problem.dimension
     close = {"rtol": 1e-10, "atol": 1e-9}
     assert swarms.evaluations[0] == twin.evaluations
@@ -251,7 +270,20 @@ def assert_same_as_oracle(swarms, twin):
     np.testing.assert_allclose(swarms.collision[0, stored], [m.collision for m in members], **close)
     np.testing.assert_allclose(swarms.best_fitness[0], twin.best[0], **close)
     np.testing.assert_allclose(swarms.best_collision[0], twin.best[1], **close)
-    np.testing.assert_allclose(swarms.best_position[0, :n], twin.best[2], **close)
+    if swarms.walk.shape[1] > 0:
+        way = [*swarms.walk[0, : swarms.best_walk[0]], twin.problem.target]
+        expected = along([*twin.best_way, twin.problem.target])
+        np.testing.assert_allclose(along(way), expected, **close)
+    else:
+        np.testing.assert_allclose(swarms.best_position[0, :n], twin.best[2], **close)
+
+
+def along(way, num_points=200):
+    """Points at even distances along a polyline."""
+    points = np.asarray(way)
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0.0, lengths[-1], num_points)
+    return np.stack([np.interp(at, lengths, coordinates) for coordinates in points.T], axis=-1)
 
 
 def assert_same_swarm(swarms, twin, b=0):

@@ -57,8 +57,9 @@ class AntColony(Walkers):
         self.num_ants = size
 
     def iterate(self, repair_degree, *knobs):
-        self.walk_all()
-        self.lay_trails()
+        if not self.is_spent():
+            self.walk_all()
+            self.lay_trails()
 
     def re_evaluate(self, problem):
         """On a map that changed: ants walk, but lay no trails."""
@@ -87,7 +88,7 @@ class AntColony(Walkers):
     def walk(self):
         problem = self.problem
         target, most = problem.cell_of(problem.target), 4 * (problem.width + problem.height)
-        way, numbers = [problem.cell_of(problem.start)], self.block()
+        way, numbers = [problem.cell_of(problem.start)], []
         visited = set(way)
         for _ in range(most):
             if way[-1] == target:

@@ -63,7 +63,7 @@ class Glowworm(Walkers):
         if not self.is_spent():
             member = self.seen(self.problem.drawn(self.block()) if point is None else point)
             member.luciferin = self.knobs.first_luciferin if luciferin is None else luciferin
-            member.range = self.full_range()
+            member.range = math.inf
             self.members.append(member)
 
     def full_range(self):
@@ -99,10 +99,8 @@ class Glowworm(Walkers):
         self.shine(here, sight)
         glowing = [member.luciferin for member in self.members]
         for i in range(len(here)):
-            if self.is_spent():
-                break
             there = self.next_place(i, here, glowing, sight[i])
-            if there != here[i]:
+            if there != here[i] and not self.is_spent():
                 self.move(i, there)
         self.arrive()
 
@@ -127,14 +125,14 @@ class Glowworm(Walkers):
         beacon = self.knobs.gain / self.knobs.decay if self.knobs.decay > 0 else math.inf
         places, levels = [*here, self.problem.target], [*glowing, beacon]
         member, own = self.members[i], here[i]
-        reach = member.range if self.is_adaptive() else self.full_range()
+        reach = min(member.range, self.full_range())
         near = [
             k
             for k, place in enumerate(places)
             if k != i and levels[k] > glowing[i] and math.dist(own, place) < reach and seen[k]
         ]
-        if self.is_adaptive():
-            wider = member.range + 0.08 / 0.03 * eta * (5 - len(near))
+        if RANGE_RULES[int(self.knobs.range_rule)] == "adaptive":
+            wider = reach + 0.08 / 0.03 * eta * (5 - len(near))
             member.range = min(max(wider, 0.0), self.full_range())
         if not near:
             angle = 2 * math.pi * self.block()[0]
@@ -145,9 +143,6 @@ class Glowworm(Walkers):
         if distance <= eta:
             return list(goal)
         return [a + eta * (b - a) / distance for a, b in zip(own, goal, strict=True)]  # eq. 4
-
-    def is_adaptive(self):
-        return RANGE_RULES[int(self.knobs.range_rule)] == "adaptive"
 
     def chosen(self, near, levels, own_level, distances):
         is_proportional = SELECTIONS[int(self.knobs.selection)] == "proportional"

@@ -6,7 +6,9 @@ At the end, those of all optimizers by name.
 import math
 
 import naive
+from naive_ants import AntColony
 from naive_fish import FishSwarm, HybridFishSwarm, ImprovedFishSwarm
+from naive_glowworm import Glowworm
 from naive_swarm import Swarm, scaled
 
 
@@ -236,4 +238,6 @@ NAIVE = {
     "fish-swarm": FishSwarm,
     "improved-fish-swarm": ImprovedFishSwarm,
     "hybrid-fish-swarm": HybridFishSwarm,
+    "glowworm": Glowworm,
+    "ant-colony": AntColony,
 }
