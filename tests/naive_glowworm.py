@@ -6,6 +6,9 @@ from typing import NamedTuple
 from naive_walkers import Walkers, spin
 from naive_walks import length_of
 
+# The share of a step that rounding may be, of one away and back.
+ROUNDING = 1e-9
+
 GLOWS = ("relay", "sight", "distance")
 SELECTIONS = ("brightest", "proportional")
 LEVELS = ("raw", "differences")
@@ -140,7 +143,7 @@ class Glowworm(Walkers):
             return there if self.problem.sees(own, there) else own
         goal = places[self.chosen(near, levels, glowing[i], [math.dist(own, places[k]) for k in near])]
         distance = math.dist(own, goal)
-        if distance <= eta:
+        if distance <= eta * (1 + ROUNDING):
             return list(goal)
         return [a + eta * (b - a) / distance for a, b in zip(own, goal, strict=True)]  # eq. 4
 
@@ -178,7 +181,8 @@ class Glowworm(Walkers):
     def arrive(self):
         """The robot steps onto the target once it is near enough and sees it; then the episode is over."""
         robot, target = self.members[0], self.problem.target
-        near = math.dist(robot.position, target) <= self.knobs.step * self.problem.side
+        eta = self.knobs.step * self.problem.side
+        near = math.dist(robot.position, target) <= eta * (1 + ROUNDING)
         if near and self.problem.sees(robot.position, target):
             if robot.position != target:
                 self.trajectory.append(list(target))

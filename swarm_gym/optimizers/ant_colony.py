@@ -41,6 +41,9 @@ from swarm_gym.problem.walks import WalkTable, to_map
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# The share of a fitness by which another one has to be less to be better: many ways are equally long, and rounding
+# must not choose the one that the elite lays its trail on.
+_MARGIN = 1e-12
 # In the registers: how many ants walk in the next iteration, and whether the best so far arrived.
 _NEXT_SIZE, _BEST_ARRIVED = range(2)
 
@@ -124,7 +127,7 @@ def _send_ants(
         for k in range(swarms.positions.shape[2]):
             swarms.positions[b, i, k] = path[k + 1]
         swarms.size[b] = i + 1
-        if swarms.fitness[b, i] < swarms.best_fitness[b]:
+        if swarms.fitness[b, i] < swarms.best_fitness[b] * (1.0 - _MARGIN):
             swarms.best_fitness[b] = swarms.fitness[b, i]
             swarms.best_collision[b] = swarms.collision[b, i]
             swarms.best_position[b] = swarms.positions[b, i]

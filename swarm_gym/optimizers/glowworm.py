@@ -30,6 +30,7 @@ from swarm_gym.optimizers.trajectory import (
     arrive,
     begin_trajectory,
     revise_best,
+    sees_target,
 )
 from swarm_gym.population import Swarms, Workspace, shrink
 from swarm_gym.problem.sight import sees
@@ -41,6 +42,9 @@ Floats = NDArray[np.float64]
 
 # What is remembered of a member: its luciferin, and its decision range in map units.
 LUCIFERIN, RANGE = 0, 1
+# The share of a step that rounding may be: who goes a step away and comes back is where it was, and does not have
+# another move of nearly no length before it.
+MARGIN = 1e-9
 # Until the first luciferin is known, with the parameters of the next iteration.
 UNLIT = -1.0
 # Named options, by their index in `Knob.choices`.
@@ -233,7 +237,7 @@ def decide(
     if chosen < 0:
         return wander(swarms, b, table, work, x, y, step)
     way = distance(sight, i, chosen)
-    if way <= step:
+    if way <= step * (1.0 + MARGIN):
         work.path[1], work.path[2] = sight.x[chosen], sight.y[chosen]
     else:
         work.path[1] = x + step * (sight.x[chosen] - x) / way  # eq. 4
@@ -273,7 +277,7 @@ def iterate(
     """One iteration of swarm `b`: all shine, and go by what they see, all at once.
 
     Nobody is ever in an obstacle, so that there is nothing to repair. Where the evaluation budget is spent, the
-    others stay. The episode ends when the robot is at the target.
+    others stay. The episode ends when the robot is at the target, which a step may not lead to through a wall.
     """
     side = map_side(table)
     step = knobs[3] * side
@@ -284,7 +288,7 @@ def iterate(
             evaluate_member(swarms, b, i, table, work)
     append_point(swarms, b)
     dx, dy = table.target[0] - swarms.positions[b, ROBOT, 0], table.target[1] - swarms.positions[b, ROBOT, 1]
-    if math.hypot(dx, dy) <= step:
+    if math.hypot(dx, dy) <= step * (1.0 + MARGIN) and sees_target(swarms, b, table):
         arrive(swarms, b, table)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import inner_kernel
 from swarm_gym.population import Swarms
-from swarm_gym.problem.sight import share_blocked
+from swarm_gym.problem.sight import sees, share_blocked
 from swarm_gym.problem.walks import WalkTable, to_cells
 
 Floats = NDArray[np.float64]
@@ -58,6 +58,14 @@ def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
     for k in range(1, number):
         length += math.hypot(walk[k, 0] - walk[k - 1, 0], walk[k, 1] - walk[k - 1, 1])
     return length
+
+
+@inner_kernel
+def sees_target(swarms: Swarms, b: int, table: WalkTable) -> bool:
+    """Whether the robot does."""
+    column, row = to_cells(table, swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1])
+    to_column, to_row = to_cells(table, table.target[0], table.target[1])
+    return sees(table.blocked, table.rooms, column, row, to_column, to_row)
 
 
 @inner_kernel
