@@ -67,12 +67,15 @@ def on_all_kinds(optimizers):
 
 def run(optimizer, problem, plan=PLAN, knobs=None, **options):
     """Swarms and their oracle along a plan; held against each other after every step."""
+    if is_walker(optimizer):
+        options["knobs"] = knobs
     swarms, tables = begin(optimizer, [problem], **options)
+    of_twin = ("budget", "iterations", "seed", "knobs")
     twin = oracle_twin(
         optimizer,
         problem,
         options["size"],
-        **{name: value for name, value in options.items() if name in ("budget", "iterations", "seed")},
+        **{name: value for name, value in options.items() if name in of_twin},
     )
     assert_same_as_oracle(swarms, twin)
     for size, repair_degree in plan:

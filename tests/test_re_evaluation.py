@@ -11,6 +11,7 @@ from builders import (
     assert_same_as_oracle,
     assert_same_swarm,
     begin,
+    is_walker,
     make_twins,
     oracle_twin,
     random_grid_scenario,
@@ -19,7 +20,7 @@ from builders import (
 from test_optimizers import spent_to_begin, tries
 
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.problem import AnalyticProblem, GridProblem
+from swarm_gym.problem import AnalyticProblem, GridProblem, WalkProblem
 from swarm_gym.problem.tables import stack
 from swarm_gym.reference import optimum
 from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario, worlds_of
@@ -33,8 +34,14 @@ with_an_oracle_on_both_maps = pytest.mark.parametrize(
 PLAN = [(7, 0.0), (9, 0.5), (9, 0.0), (4, 1.0)]
 
 
-def problems(kind):
-    """Before, and after something has come and something gone."""
+def problems(optimizer, kind):
+    """Before, and after something has come and something gone; walkers have grids of both kinds of axes."""
+    if is_walker(optimizer):
+        geometry = {} if kind == "grid" else {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
+        base = random_grid_scenario(4, **geometry)
+        x, y = base.map.to_map((13.0, 8.0))
+        event = Appear(1, Circle(x, y, 2.5 * base.map.resolution))
+        return [WalkProblem(world.scenario) for world in worlds_of(DynamicScenario("", base, [event]))]
     if kind == "analytic":
         block = Polygon.rectangle(500, 150, 600, 330)
         events = [Appear(1, block), Disappear(1, 10)]
@@ -64,7 +71,7 @@ def assert_same_memory(optimizer, swarms, twin):
 
 def run(optimizer, kind, plan, knobs=None, budget=UNLIMITED, size=7):
     """An episode on maps that alternate, held against the oracle after every step and every change."""
-    both = problems(kind)
+    both = problems(optimizer, kind)
     options = {"budget": budget, "iterations": len(plan)}
     swarms, _ = begin(optimizer, both[:1], size, **options)
     tables = stack([problem.table for problem in both])
@@ -93,14 +100,14 @@ def test_episodes_on_a_map_that_changes_are_the_naive_ones(optimizer, kind):
 @with_an_oracle
 def test_episodes_of_all_budgets_on_a_map_that_changes_are_the_naive_ones(optimizer):
     """Wherever they end: among the members, in what else is remembered, or at the best so far."""
-    first = spent_to_begin(optimizer, problems("analytic")[0], 5)
+    first = spent_to_begin(optimizer, problems(optimizer, "analytic")[0], 5)
     for budget in range(first, first + 40):
         run(optimizer, "analytic", [(5, 0.0), (7, 0.5)], tries(optimizer, 1), budget, size=5)
 
 
 @pytest.mark.parametrize("budget", [UNLIMITED, *range(8, 60, 3)])
 def test_fireflies_on_a_map_that_changes_are_the_naive_ones(budget):
-    both = problems("analytic")
+    both = problems("firefly", "analytic")
     population = random_population(np.random.default_rng(1), both[0], 6)
     swarms, _, twin = make_twins(both[0], population, seed=1, budget=budget)
     tables = stack([problem.table for problem in both])
@@ -118,7 +125,7 @@ def test_fireflies_on_a_map_that_changes_are_the_naive_ones(budget):
 
 
 def test_a_best_so_far_that_got_worse_gives_way_to_the_best_member():
-    free, blocked = problems("analytic")
+    free, blocked = problems("firefly", "analytic")
     rng = np.random.default_rng(0)
     inside = rng.uniform(*free.initial_bounds, (400, 9))
     worse = max(inside, key=lambda vector: blocked.evaluate(vector)[0] - free.evaluate(vector)[0])
@@ -132,7 +139,7 @@ def test_a_best_so_far_that_got_worse_gives_way_to_the_best_member():
 
 
 def test_a_best_so_far_that_no_member_is_at_stays_where_it_is_still_the_best():
-    free, blocked = problems("analytic")
+    free, blocked = problems("firefly", "analytic")
     best = optimum(blocked, coarse_step=20.0)[1]
     population = [*random_population(np.random.default_rng(0), free, 5), best]
     swarms, tables = begin("firefly", [free], 6, populations=[population])
@@ -146,7 +153,7 @@ def test_a_best_so_far_that_no_member_is_at_stays_where_it_is_still_the_best():
 
 def test_regions_stay_sorted_when_the_map_changes():
     """Heads by fitness, none worse than its list, which is sorted, too, and no longer than there is room."""
-    both = problems("analytic")
+    both = problems("multivariate", "analytic")
     swarms, _ = begin("multivariate", both[:1], 20)
     tables = stack([problem.table for problem in both])
     for step in range(1, 9):

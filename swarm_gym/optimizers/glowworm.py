@@ -29,6 +29,7 @@ from swarm_gym.optimizers.trajectory import (
     append_point,
     arrive,
     begin_trajectory,
+    remember_path,
     revise_best,
     sees_target,
 )
@@ -190,8 +191,9 @@ def re_evaluate(
             draw_place(swarms, b, table, work)
         evaluate_member(swarms, b, i, table, work)
         kindle(swarms, b, i, UNLIT)
-    revise_best(swarms, b, table)
+    # Before the best so far is known on this map, the robot's path is not held against it.
     append_point(swarms, b)
+    revise_best(swarms, b, table)
 
 
 @inner_kernel
@@ -287,6 +289,7 @@ def iterate(
         if decide(swarms, b, i, table, work, sight, glow, step, knobs) and not is_spent(swarms, b):
             evaluate_member(swarms, b, i, table, work)
     append_point(swarms, b)
+    remember_path(swarms, b)
     dx, dy = table.target[0] - swarms.positions[b, ROBOT, 0], table.target[1] - swarms.positions[b, ROBOT, 1]
     if math.hypot(dx, dy) <= step * (1.0 + MARGIN) and sees_target(swarms, b, table):
         arrive(swarms, b, table)
@@ -320,7 +323,7 @@ class Glowworm(Optimizer):
         "range_rule": choice("whether ranges adapt to the number of neighbours", "fixed", "adaptive"),
     }
     rules = GlowwormRules
-    kernels = driver.Kernels(iterate, begin, adopt, change_size)
+    kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004

@@ -25,17 +25,17 @@ def begin_trajectory(swarms: Swarms, b: int) -> None:
     """Let the trajectory begin where the robot is."""
     swarms.registers[b, POINTS] = 0
     append_point(swarms, b)
+    remember_path(swarms, b)
 
 
 @inner_kernel
 def append_point(swarms: Swarms, b: int) -> None:
-    """Let the trajectory go on to where the robot is, if it is not there already, and remember the path."""
+    """Let the trajectory go on to where the robot is, if it is not there already."""
     number = swarms.registers[b, POINTS]
     x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
     if number == 0 or swarms.walk[b, number - 1, 0] != x or swarms.walk[b, number - 1, 1] != y:
         swarms.walk[b, number, 0], swarms.walk[b, number, 1] = x, y
         swarms.registers[b, POINTS] = number + 1
-    remember_path(swarms, b)
 
 
 @inner_kernel
@@ -74,6 +74,7 @@ def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
     swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1] = table.target[0], table.target[1]
     swarms.fitness[b, ROBOT] = swarms.collision[b, ROBOT] = 0.0
     append_point(swarms, b)
+    remember_path(swarms, b)
     swarms.budget[b] = swarms.evaluations[b]
 
 
