@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, inner_kernel
-from swarm_gym.optimizers.relay import Sight, distance, in_sight, relay_lengths
+from swarm_gym.lanes import NUM_LANES, bits, load
+from swarm_gym.optimizers.relay import Sight, distance, in_sight, inert, relay_lengths
 from swarm_gym.population import Workspace
+from swarm_gym.problem.sight import is_in_shadow
 from swarm_gym.problem.walks import WalkTable
 from swarm_gym.random_stream import fill_uniform
 
@@ -23,12 +25,14 @@ Floats = NDArray[np.float64]
 RELAY, SIGHT, DISTANCE = range(3)
 RATIONAL, EXPONENTIAL = range(2)
 RAW, DIFFERENCES = range(2)
+# By how much, relative to it, a light may be off.
+ROUNDING = 1e-12
 
 
 class Glow(NamedTuple):
     """How bright everybody is now, and how light fades on its way."""
 
-    luciferin: Floats  # (n + 1,) of the members, and of the target
+    luciferin: Floats  # (N,) of the members, and of the target; then -1, which nobody follows
     absorption: float  # gamma, per map unit
     dimming: int  # RATIONAL or EXPONENTIAL
 
@@ -36,20 +40,21 @@ class Glow(NamedTuple):
 @inner_kernel
 def qualities(table: WalkTable, sight: Sight, glow: int, absorption: float) -> Floats:
     """(n,) J of the members' places, from 0 to 1: the nearer to the target, the higher."""
-    size = sight.x.shape[0] - 1
-    quality = np.zeros(size)
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
+    size = known.shape[0] - 1
+    quality, lengths = np.zeros(size), inert(size, math.inf)
     if glow == DISTANCE:
         diagonal = table.resolution * math.hypot(float(table.num_columns), float(table.num_rows))
         for i in range(size):
-            quality[i] = 1.0 - distance(sight, i, size) / diagonal
+            quality[i] = 1.0 - distance(x, y, i, size) / diagonal
         return quality
-    lengths = np.full(size, math.inf)
     if glow == RELAY:
-        lengths = relay_lengths(table, sight)
+        lengths = relay_lengths(sight)
     else:
         for i in range(size):
-            if in_sight(table, sight, i, size):
-                lengths[i] = distance(sight, i, size)
+            if in_sight(blocked, rooms, columns, rows, known, shadow, i, size):
+                lengths[i] = distance(x, y, i, size)
     for i in range(size):
         if lengths[i] < math.inf:
             quality[i] = 1.0 / (1.0 + absorption * lengths[i])
@@ -65,32 +70,56 @@ def perceived(glow: Glow, luciferin: float, way: float) -> float:
 
 
 @inner_kernel
-def count_neighbours(table: WalkTable, sight: Sight, glow: Glow, i: int, reach: float) -> int:
+def count_neighbours(sight: Sight, glow: Glow, i: int, reach: float) -> int:
     """How many are brighter than member i, in sight and nearer than its range; with the target."""
-    luciferin, count = glow.luciferin, 0
-    for k in range(luciferin.shape[0]):
-        if luciferin[k] > luciferin[i] and distance(sight, i, k) < reach and in_sight(table, sight, i, k):
-            count += 1
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
+    count = 0
+    for k in range(known.shape[0]):
+        if luciferin[k] > luciferin[i] and distance(x, y, i, k) < reach:
+            count += in_sight(blocked, rooms, columns, rows, known, shadow, i, k)
     return count
 
 
 @inner_kernel
-def find_brightest(table: WalkTable, sight: Sight, glow: Glow, i: int, reach: float) -> int:
-    """The neighbour that member i sees shine brightest, the first of equals; -1 if it has none."""
-    luciferin, brightest, most = glow.luciferin, -1, -1.0
-    for k in range(luciferin.shape[0]):
-        # Nobody is seen brighter than it is.
-        if luciferin[k] > luciferin[i] and luciferin[k] > most:
-            way = distance(sight, i, k)
-            light = perceived(glow, luciferin[k], way)
-            if way < reach and light > most and in_sight(table, sight, i, k):
-                brightest, most = k, light
+def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -> int:
+    """The neighbour that member i sees shine brightest, the first of equals; -1 if it has none.
+
+    Args:
+        sight: who is where, and sees whom.
+        glow: how bright they are.
+        i: who looks.
+        reach: how far it looks, in map units.
+        guess: who it may be: the better, the fewer others have to be looked for.
+    """
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
+    own, brightest, most = luciferin[i], -1, 0.0
+    if luciferin[guess] > own and distance(x, y, i, guess) < reach:
+        if in_sight(blocked, rooms, columns, rows, known, shadow, i, guess):
+            brightest, most = guess, perceived(glow, luciferin[guess], distance(x, y, i, guess))
+    for block in range(0, x.shape[0], NUM_LANES):
+        # Whose light is as bright by eq. 3, and so, perhaps, by eq. 2; squared, without roots and quotients.
+        across, along = load(x, block) - x[i], load(y, block) - y[i]
+        level, least = load(luciferin, block), most * (1.0 - ROUNDING)
+        more, fading = level - least, least * glow.absorption * (1.0 - ROUNDING)
+        squares = across * across + along * along
+        if bits((level > own) & (more >= 0.0) & (more * more >= fading * fading * squares)) == 0:
+            continue
+        for k in range(block, block + NUM_LANES):
+            way = distance(x, y, i, k)
+            if luciferin[k] > own and way < reach:
+                light = perceived(glow, luciferin[k], way)
+                is_brighter = light > most or (light == most and (k < brightest or brightest < 0))
+                # What hid the last one often hides this one, too.
+                if is_brighter and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k]):
+                    if in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
+                        brightest, most = k, light
     return brightest
 
 
 @inner_kernel
 def draw_neighbour(
-    table: WalkTable,
     sight: Sight,
     glow: Glow,
     i: int,
@@ -100,12 +129,13 @@ def draw_neighbour(
     work: Workspace,
 ) -> int:
     """A neighbour of member i, drawn in proportion to its light (eq. 1); -1, and no draw, if it has none."""
-    luciferin, last, total = glow.luciferin, -1, 0.0
-    shares = np.zeros(luciferin.shape[0])
-    for k in range(luciferin.shape[0]):
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
+    shares, last, total = np.zeros(known.shape[0]), -1, 0.0
+    for k in range(known.shape[0]):
         if luciferin[k] > luciferin[i]:
-            way = distance(sight, i, k)
-            if way < reach and in_sight(table, sight, i, k):
+            way = distance(x, y, i, k)
+            if way < reach and in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
                 level = luciferin[k] - luciferin[i] if levels == DIFFERENCES else luciferin[k]
                 shares[k] = perceived(glow, level, way)
                 total += shares[k]

@@ -23,7 +23,7 @@ from swarm_gym.optimizers.glow import (
     qualities,
 )
 from swarm_gym.optimizers.optimizer import Knob, Optimizer, choice
-from swarm_gym.optimizers.relay import Sight, distance, look_around
+from swarm_gym.optimizers.relay import Sight, distance, inert, look_around
 from swarm_gym.optimizers.trajectory import (
     ROBOT,
     append_point,
@@ -41,8 +41,8 @@ from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
-# What is remembered of a member: its luciferin, and its decision range in map units.
-LUCIFERIN, RANGE = 0, 1
+# What is remembered of a member: its luciferin, its decision range in map units, and whom it followed.
+LUCIFERIN, RANGE, FOLLOWED = range(3)
 # The share of a step that rounding may be: who goes a step away and comes back is where it was, and does not have
 # another move of nearly no length before it.
 MARGIN = 1e-9
@@ -87,6 +87,7 @@ def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luc
 def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
     """Let member i shine like this, and look as far as it may."""
     swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
+    swarms.memory[b, i, FOLLOWED] = 0.0
 
 
 @inner_kernel
@@ -202,7 +203,7 @@ def shine(swarms: Swarms, b: int, table: WalkTable, sight: Sight, absorption: fl
     decay, gain, glow, dimming = knobs[0], knobs[1], int(knobs[6]), int(knobs[9])
     quality = qualities(table, sight, glow, absorption)
     size = swarms.size[b]
-    luciferin = np.empty(size + 1)
+    luciferin = inert(size, -1.0)
     for i in range(size):
         before = swarms.memory[b, i, LUCIFERIN]
         if before == UNLIT:
@@ -229,16 +230,18 @@ def decide(
     longest = knobs[5] * map_side(table)
     reach = min(swarms.memory[b, i, RANGE], longest)
     if knobs[7] == BRIGHTEST:
-        chosen = find_brightest(table, sight, glow, i, reach)
+        guess = min(int(swarms.memory[b, i, FOLLOWED]), swarms.size[b])
+        chosen = find_brightest(sight, glow, i, reach, guess)
+        swarms.memory[b, i, FOLLOWED] = max(chosen, 0)
     else:
-        chosen = draw_neighbour(table, sight, glow, i, reach, int(knobs[8]), swarms.stream[b], work)
+        chosen = draw_neighbour(sight, glow, i, reach, int(knobs[8]), swarms.stream[b], work)
     if knobs[10] == ADAPTIVE:
-        missing = NEIGHBOURS - count_neighbours(table, sight, glow, i, reach)
+        missing = NEIGHBOURS - count_neighbours(sight, glow, i, reach)
         swarms.memory[b, i, RANGE] = min(max(reach + ADAPTATION * step * missing, 0.0), longest)
     x, y = sight.x[i], sight.y[i]
     if chosen < 0:
         return wander(swarms, b, table, work, x, y, step)
-    way = distance(sight, i, chosen)
+    way = distance(sight.x, sight.y, i, chosen)
     if way <= step * (1.0 + MARGIN):
         work.path[1], work.path[2] = sight.x[chosen], sight.y[chosen]
     else:
@@ -327,8 +330,8 @@ class Glowworm(Optimizer):
 
     @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
-        """Luciferin and range."""
-        return 2
+        """Luciferin, range, and whom it followed."""
+        return 3
 
     @staticmethod
     def num_registers(capacity: int) -> int:  # noqa: ARG004

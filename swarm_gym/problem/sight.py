@@ -17,6 +17,7 @@ from swarm_gym.problem.traversal import blocked_share, segment_is_free
 
 Rooms = NDArray[np.int16]
 Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 # How far inside the cells of one kind, in cells, a jump ends: clear of the edges and corners that decide.
 CLEAR = 0.25
@@ -24,6 +25,8 @@ CLEAR = 0.25
 DEEP = 1e-6
 # Of steps, in cells, where cells of both kinds meet.
 STEP = 0.5
+# Points of a segment that are looked at first: one of them is in it, where a broad obstacle hides the other end.
+PROBES = 7
 
 
 def tabulate_rooms(blocked: Flags) -> Rooms:
@@ -54,7 +57,24 @@ def sees(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: floa
         x1: column of the other end.
         y1: its row.
     """
+    return hidden_at(blocked, rooms, x0, y0, x1, y1) < 0.0
+
+
+@kernel
+def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> float:
+    """Where a segment is in a blocked cell, or about to enter one, as a share of it; -1 if it is free.
+
+    Args are those of `sees`.
+    """
     dx, dy = x1 - x0, y1 - y0
+    broadest, found = -1, -1.0
+    for k in range(PROBES):
+        at = (k + 1.0) / (PROBES + 1.0)
+        room = rooms[_cell(y0 + at * dy, rooms.shape[0]), _cell(x0 + at * dx, rooms.shape[1])]
+        if room < broadest:
+            broadest, found = room, at
+    if found > 0.0:
+        return found
     per_column, per_row, step = _paces(dx, dy)
     # Shares of the segment: how far it is known, and from where on it is near blocked cells, if it is now.
     share, near = 0.0, -1.0
@@ -65,16 +85,46 @@ def sees(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: floa
         if room > 0:
             if near >= 0.0:
                 if not segment_is_free(blocked, x0 + near * dx, y0 + near * dy, x, y):
-                    return False
+                    return near
                 near = -1.0
             share = _leave(column, row, room, x0, y0, dx, dy, per_column, per_row)
         elif room < 0 and max(abs(x - column), abs(y - row)) < 0.5 - DEEP:
-            return False
+            return share
         else:
             if near < 0.0:
                 near = share
             share += step
-    return near < 0.0 or segment_is_free(blocked, x0 + near * dx, y0 + near * dy, x1, y1)
+    if near < 0.0 or segment_is_free(blocked, x0 + near * dx, y0 + near * dy, x1, y1):
+        return -1.0
+    return near
+
+
+@inlined_kernel
+def cast_shadow(rooms: Rooms, x: float, y: float, shadow: Floats) -> None:
+    """Find a square of blocked cells around a point: whoever looks through it sees nothing.
+
+    Args:
+        rooms: of the cells of the grid.
+        x: column of the point.
+        y: its row.
+        shadow: (3,) becomes column and row of the middle and half the side of the square. It is a little
+            smaller, clear of the edges; half the side is negative where the point is in a free cell.
+    """
+    column, row = _cell(x, rooms.shape[1]), _cell(y, rooms.shape[0])
+    shadow[0], shadow[1], shadow[2] = column, row, -0.5 - DEEP - rooms[row, column]
+
+
+@inlined_kernel
+def is_in_shadow(shadow: Floats, x0: float, y0: float, x1: float, y1: float) -> bool:
+    """Whether the point of a segment that is closest to the middle of such a square is in it.
+
+    Then the segment is not free; else it may be or not.
+    """
+    column, row = shadow[0], shadow[1]
+    dx, dy = x1 - x0, y1 - y0
+    share = ((column - x0) * dx + (row - y0) * dy) / max(dx * dx + dy * dy, DEEP)
+    share = min(max(share, 0.0), 1.0)
+    return max(abs(x0 + share * dx - column), abs(y0 + share * dy - row)) < shadow[2]
 
 
 @kernel
@@ -126,7 +176,7 @@ def _paces(dx: float, dy: float) -> tuple[float, float, float]:
 @inlined_kernel
 def _cell(position: float, number: int) -> int:
     """The cell of 0 to `number` - 1 that a coordinate is in, or next to."""
-    return int(min(max(np.floor(position + 0.5), 0.0), number - 1.0))
+    return min(max(int(position + 0.5), 0), number - 1)
 
 
 @inlined_kernel
