@@ -64,15 +64,22 @@ def test_whole_episodes_up_to_the_arrival_are_the_naive_ones(seed):
     assert path_is_free(problem.scenario.map.blocked, way_of(swarms, problem))
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_the_best_way_is_free_where_it_says_so(seed):
-    """On maps whose walls are thinner than a step, behind which the target may be."""
-    problem = walk_problem("random", seed, shape=(9, 14))
-    swarms, tables = begin("glowworm", [problem], 10, iterations=60, seed=seed)
-    while swarms.iteration[0] < 60 and swarms.evaluations[0] < swarms.budget[0]:
-        advance("glowworm", swarms, tables, 10, 0.0, {"step": 0.2})
-    free = path_is_free(problem.scenario.map.blocked, way_of(swarms, problem))
-    assert free == (swarms.best_collision[0] == 0.0)
+WALL = (
+    ".......",
+    ".......",
+    "######.",
+    ".......",
+    ".......",
+)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_step_that_is_longer_than_a_wall_is_thick_leads_nobody_through_it(seed):
+    blocked = np.array([[character == "#" for character in row] for row in WALL])
+    problem = WalkProblem(GridScenario("wall", GridMap("wall", blocked), (1.0, 1.0), (1.0, 3.0)))
+    options = {"size": 5, "seed": seed, "iterations": 12}
+    swarms, _ = run("glowworm", problem, [(5, 0.0)] * 12, {"step": 0.3}, **options)
+    assert path_is_free(blocked, way_of(swarms, problem)) == (swarms.best_collision[0] == 0.0)
 
 
 def with_obstacle(scenario, point):
@@ -118,3 +125,25 @@ def test_a_robot_in_a_new_obstacle_goes_on_beside_it_as_naive(geometry):
         robots = np.linalg.norm(np.diff(walked, axis=0), axis=1).sum() + swarms.fitness[0, 0]
         assert swarms.best_fitness[0] <= robots * (1 + 1e-9)
         go_on(2)
+
+
+def test_the_way_out_of_a_new_obstacle_is_part_of_the_path():
+    """Of the robot's, which is the best where the way there is blocked for others."""
+    before = np.zeros((9, 30), dtype=np.bool_)
+    after = before.copy()
+    problem = WalkProblem(GridScenario("open", GridMap("open", before), (2.0, 4.0), (27.0, 4.0)))
+    options, knobs = {"size": 5, "iterations": 40}, {"step": 0.03}
+    swarms, tables = begin("glowworm", [problem], **options)
+    twin = oracle_twin("glowworm", problem, **options, knobs=knobs)
+    while swarms.positions[0, 0, 0] < 8.0:
+        values = advance("glowworm", swarms, tables, 5, 0.0, knobs)
+        twin.step(5, 0.0, values.tolist())
+    column, row = problem.scenario.map.cell_of(swarms.positions[0, 0, :2].tolist())
+    after[row - 1 : row + 2, 4 : column + 1] = True
+    other = WalkProblem(GridScenario("blocked", GridMap("blocked", after), (2.0, 4.0), (27.0, 4.0)))
+    change("glowworm", swarms, stack([problem.table, other.table]), 1)
+    twin.re_evaluate(naive_swarm.oracle_of(other))
+    assert_same_as_oracle(swarms, twin)
+    assert (swarms.best_position[0, :2] == swarms.positions[0, 0, :2]).all()
+    assert swarms.best_walk[0] == swarms.registers[0, 0]
+    assert swarms.best_collision[0] == 0.0
