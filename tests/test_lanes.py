@@ -71,12 +71,13 @@ def roundings(a, b, c):
 
 def numbers(a, b, c):
     """The same functions on single numbers, and masks as bits."""
-    out = np.empty((4, 8))
+    out = np.empty((5, 8))
     for k in range(8):
         out[0, k] = maximum(a[k], b[k])
         out[1, k] = minimum(a[k], b[k])
         out[2, k] = where((a[k] > b[k]) & (b[k] < c[k]), a[k], c[k])
         out[3, k] = bits(load(a, 0) > load(b, 0))
+        out[4, k] = floor(c[k])
     return out
 
 

@@ -12,9 +12,11 @@ from naive_functions import FUNCTIONS as NAIVE
 from naive_swarm import oracle_of
 
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
+from swarm_gym.jit import kernel
+from swarm_gym.lanes import load, store
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem, FunctionProblem
-from swarm_gym.problem.functions import NUMBERS, values_in_plane
+from swarm_gym.problem.functions import NUMBERS, squared_sine, values_in_plane
 from swarm_gym.problem.tables import evaluate, select, stack
 from swarm_gym.reference import ensure_optima, gap_to_optimum, known_optimum, shortest_path
 from swarm_gym.scenarios import FunctionScenario, expand_name, make_scenario, make_scenarios
@@ -87,6 +89,41 @@ def test_no_value_is_below_0(function, data):
     scale = 10.0 ** data.draw(st.integers(-12, 0))
     optimum = np.array(problem.scenario.optimum)
     assert problem.evaluate(optimum + scale * rng.uniform(-1.0, 1.0, len(optimum)))[0] >= 0.0
+
+
+@kernel
+def squared_sines(angles):
+    """Of lanes, and of one number after the other."""
+    out = np.empty((2, len(angles)))
+    for k in range(0, len(angles), 8):
+        store(out[0], k, squared_sine(load(angles, k)))
+        for lane in range(k, k + 8):
+            out[1, lane] = squared_sine(angles[lane])
+    return out
+
+
+def test_the_squared_sine_is_exact_to_a_few_last_bits_near_its_zeros_too():
+    """Held against one of more bits, at whole half turns and something, small or not."""
+    rng = np.random.default_rng(0)
+    parts = np.concatenate(
+        [rng.uniform(-0.5, 0.5, 397), [0.25, 0.5, -0.5], 10.0 ** rng.uniform(-12, -1, 400)]
+    )
+    angles = rng.integers(-20, 21, len(parts)) + parts
+    remainders = (angles - np.round(angles)).astype(np.longdouble)
+    more_of_pi = np.longdouble(math.pi) + np.longdouble(1.2246467991473532e-16)
+    of_lanes, of_numbers = squared_sines(angles)
+    np.testing.assert_allclose(of_lanes, np.sin(more_of_pi * remainders) ** 2, rtol=2e-15)
+    np.testing.assert_array_equal(of_lanes, of_numbers)
+    assert squared_sines(np.array([0.0, 1.0, -7.0, 0.5, 2.5, -1.5, 4.0, 1e15]))[0].tolist() == [
+        0,
+        0,
+        0,
+        1,
+        1,
+        1,
+        0,
+        0,
+    ]
 
 
 def test_values_known_from_the_literature():

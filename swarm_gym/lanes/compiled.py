@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -282,6 +283,7 @@ def _of_floats(name: str) -> Any:
 
 _compile(square_root, _of_floats("sqrt"), _are(FLOATS))
 _compile(floor, _of_floats("floor"), _are(FLOATS))
+_compile(floor, lambda values: np.floor(values), lambda kind: kind == types.float64)
 
 
 @intrinsic

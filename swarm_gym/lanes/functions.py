@@ -58,9 +58,9 @@ def square_root(lanes: Lanes) -> Lanes:
     return np.sqrt(lanes)
 
 
-def floor(lanes: Lanes) -> Lanes:
-    """The largest whole numbers that are no larger."""
-    return np.floor(lanes)
+def floor(values: Any) -> Any:
+    """The largest whole numbers that are no larger than lanes or a number, as floats."""
+    return np.floor(values)
 
 
 def look_up(values: NDArray[np.uint8], indices: Lanes) -> Lanes:
