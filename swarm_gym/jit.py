@@ -14,7 +14,9 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
+from numba.core import types
 from numba.core.registry import CPUDispatcher
+from numba.core.types.containers import BaseTuple
 from numba.extending import overload
 
 from swarm_gym.files import digest_of_sources, user_cache
@@ -72,6 +74,20 @@ def merged_kernel(function: Function) -> Function:
     return _called_by_kernels(_compile(function, no_cpython_wrapper=True, inline="always"))
 
 
+def borrowing_kernel(function: Function) -> Function:
+    """Like `inner_kernel`, for what only borrows arrays from its callers: references to them are not counted.
+
+    Where the last use of an array depends on a branch, Numba counts it while the kernel runs, atomically, and
+    a NamedTuple array by array: that took a fish more time than all its arithmetic. Only a kernel that owns
+    no array may go without: one that allocates one (Numba refuses it) or returns one (refused here) cannot,
+    and one that calls a kernel which returns one must not, since nobody would free it.
+    """
+    dispatcher = _compile(function, no_cpython_wrapper=True, _nrt=False)
+    if isinstance(dispatcher, CPUDispatcher):
+        dispatcher.__class__ = _BorrowingDispatcher
+    return dispatcher
+
+
 def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
     """The kernel that belongs to the class of its first argument, a NamedTuple; inlined into its callers.
 
@@ -81,17 +97,40 @@ def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., An
     def call(table: Any, *arguments: Any) -> Any:
         return kernels[type(table)](table, *arguments)
 
-    def choose(table: Any, *_: Any) -> Callable[..., Any] | None:
-        chosen = kernels.get(getattr(table, "instance_class", type(None)))
-        return getattr(chosen, "py_func", chosen)
+    def choose(counted: bool) -> Callable[..., Callable[..., Any] | None]:
+        def chosen(table: Any, *_: Any) -> Callable[..., Any] | None:
+            kernel = kernels.get(getattr(table, "instance_class", type(None)))
+            borrows = isinstance(kernel, _BorrowingDispatcher)
+            return None if borrows is counted else getattr(kernel, "py_func", kernel)
 
-    overload(call, strict=False, jit_options={"forceinline": True, "error_model": "numpy"})(choose)
+        return chosen
+
+    for counted in (True, False):
+        options = {"forceinline": True, "error_model": "numpy", "_nrt": counted}
+        overload(call, strict=False, jit_options=options)(choose(counted))
     return call
 
 
 class _InnerDispatcher(CPUDispatcher):
     def __call__(self, *arguments: Any) -> Any:
         return self.py_func(*arguments)
+
+
+class _BorrowingDispatcher(_InnerDispatcher):
+    def compile(self, arguments: Any) -> Any:
+        entry_point = super().compile(arguments)
+        returned = self.overloads[arguments].signature.return_type
+        if _holds_array(returned):
+            raise TypeError(
+                f"{self.py_func.__qualname__} returns {returned}, but kernels that borrow arrays return none"
+            )
+        return entry_point
+
+
+def _holds_array(kind: Any) -> bool:
+    if isinstance(kind, BaseTuple):
+        return any(_holds_array(part) for part in kind)
+    return isinstance(kind, types.Array)
 
 
 def _called_by_kernels(dispatcher: Any) -> Any:
@@ -107,7 +146,8 @@ def _compile(function: Function, **options: Any) -> Function:
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        options |= {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-        return numba.njit(**options)(function)
+        always = {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        # Whether references are counted is said of every kernel: else it goes by who calls it first.
+        return numba.njit(**{"_nrt": True, **always, **options})(function)
     finally:
         numba.config.CACHE_DIR = previous

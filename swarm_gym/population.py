@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel, merged_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel, merged_kernel
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
@@ -95,6 +95,12 @@ class Workspace(NamedTuple):
 def make_workspace(num_columns: int) -> Workspace:
     """Scratch arrays for positions of C columns."""
     return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
+
+
+@borrowing_kernel
+def is_spent(swarms: Swarms, b: int) -> bool:
+    """Whether swarm `b` may evaluate nothing more."""
+    return swarms.evaluations[b] >= swarms.budget[b]
 
 
 @merged_kernel

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_member
+from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
@@ -49,7 +49,7 @@ def iterate(
     wheel, best = _wheel(fitness), int(np.argmin(fitness))
     num_children = int(np.floor(crossover * (size - 1) + 0.5))
     for i in range(size):
-        if swarms.evaluations[b] >= swarms.budget[b]:
+        if is_spent(swarms, b):
             break
         first = second = best
         cut = width

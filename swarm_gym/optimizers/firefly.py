@@ -20,6 +20,7 @@ from swarm_gym.population import (
     Swarms,
     Workspace,
     evaluate_path,
+    is_spent,
 )
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
@@ -81,7 +82,7 @@ def iterate(
             work.path[k + 1] = positions[i, k]
         for j in range(size):
             if fitness[j] < fitness[i]:
-                if swarms.evaluations[b] >= swarms.budget[b]:
+                if is_spent(swarms, b):
                     break
                 fill_uniform(stream, work.noise)
                 move_towards(table, work, positions[j], alpha, beta0, gamma)

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
-from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.population import Swarms, Workspace, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table, evaluate, repair, unit_length
 from swarm_gym.random_stream import fill_uniform
 
@@ -38,6 +38,8 @@ class School(NamedTuple):
     extent: Floats  # (C,) ranges of the components
     scale: Floats  # (C,) their inverses; 0 where a range is 0
     centre: Floats  # (C,) mean of members
+    seen: Floats  # (C,) what a fish that preys goes to
+    start: Floats  # (C,) where it looks around from
     candidate: Floats  # (C,) where the fish may go at the end of its turn
     outcome: Floats  # (2,) fitness and collision there; infinite while there is no candidate
 
@@ -69,34 +71,30 @@ def gather(
         scale,
         np.zeros(width),
         np.zeros(width),
+        np.zeros(width),
+        np.zeros(width),
         np.full(2, math.inf),
     )
 
 
-@inner_kernel
-def is_spent(swarms: Swarms, b: int) -> bool:
-    """Whether swarm `b` may evaluate nothing more."""
-    return swarms.evaluations[b] >= swarms.budget[b]
-
-
-@inner_kernel
-def square(school: School, position: Floats, other: Floats) -> float:
+@borrowing_kernel
+def square(scale: Floats, position: Floats, other: Floats) -> float:
     """Squared Euclidean distance of two positions, in ranges."""
     squares = broadcast(0.0)
     for k in range(0, position.shape[0], NUM_LANES):
-        difference = (load(other, k) - load(position, k)) * load(school.scale, k)
+        difference = (load(other, k) - load(position, k)) * load(scale, k)
         squares = squares + difference * difference
     return total(squares)
 
 
-@inner_kernel
+@borrowing_kernel
 def are_companions(school: School, position: Floats, other: Floats) -> bool:
     """Whether two positions lie within sight of each other; the same place does not count."""
-    squared, reach = square(school, position, other), school.visual * school.unit
-    return 0.0 < squared < reach * reach
+    reach = school.visual * school.unit
+    return 0.0 < square(school.scale, position, other) < reach * reach
 
 
-@inner_kernel
+@borrowing_kernel
 def count_companions(school: School, swarms: Swarms, b: int, position: Floats) -> int:
     """How many members of swarm `b` are within sight of a position."""
     count = 0
@@ -106,20 +104,20 @@ def count_companions(school: School, swarms: Swarms, b: int, position: Floats) -
     return count
 
 
-@inner_kernel
+@borrowing_kernel
 def is_roomy(school: School, swarms: Swarms, b: int, companions: int) -> bool:
     """Whether a place with so many companions is not crowded."""
     return companions / swarms.size[b] < school.crowding
 
 
-@inner_kernel
+@borrowing_kernel
 def draw(swarms: Swarms, b: int, work: Workspace) -> float:
     """A number uniform in [0, 1)."""
     fill_uniform(swarms.stream[b], work.noise)
     return work.noise[0]
 
 
-@inner_kernel
+@borrowing_kernel
 def go_astray(
     school: School,
     swarms: Swarms,
@@ -138,7 +136,7 @@ def go_astray(
         store(work.path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-@inner_kernel
+@borrowing_kernel
 def go_towards(
     school: School,
     table: Table,
@@ -149,7 +147,7 @@ def go_towards(
     kept: float = 1.0,
 ) -> None:
     """Let `work.path` be a step from a share of a position in the direction of a target (eq. 3, 5, 7)."""
-    distance = math.sqrt(square(school, position, target))
+    distance = math.sqrt(square(school.scale, position, target))
     share = length * school.unit / distance if distance > 0.0 else 0.0
     for k in range(0, position.shape[0], NUM_LANES):
         here = load(position, k)
@@ -158,28 +156,49 @@ def go_towards(
         store(work.path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-@inner_kernel
+@borrowing_kernel
+def go_to(work: Workspace, position: Floats) -> None:
+    """Let `work.path` be a position."""
+    for k in range(0, position.shape[0], NUM_LANES):
+        store(work.path, k + 1, load(position, k))
+
+
+@borrowing_kernel
+def take_down(work: Workspace, position: Floats) -> None:
+    """Let an array, (C,), hold the position of `work.path`."""
+    for k in range(0, position.shape[0], NUM_LANES):
+        store(position, k, load(work.path, k + 1))
+
+
+@borrowing_kernel
+def copy(position: Floats, other: Floats) -> None:
+    """Let another array, (C,), hold the same position."""
+    for k in range(0, position.shape[0], NUM_LANES):
+        store(other, k, load(position, k))
+
+
+@borrowing_kernel
 def empty_centre(school: School) -> None:
     """Begin to find the mean of some positions."""
-    for k in range(school.centre.shape[0]):
-        school.centre[k] = 0.0
+    for k in range(0, school.centre.shape[0], NUM_LANES):
+        store(school.centre, k, broadcast(0.0))
 
 
-@inner_kernel
+@borrowing_kernel
 def add_to_centre(school: School, position: Floats) -> None:
     """Add one of these positions."""
-    for k in range(school.centre.shape[0]):
-        school.centre[k] += position[k]
+    for k in range(0, position.shape[0], NUM_LANES):
+        store(school.centre, k, load(school.centre, k) + load(position, k))
 
 
-@inner_kernel
+@borrowing_kernel
 def finish_centre(school: School, count: int) -> None:
     """Divide the sum by the number of positions."""
-    for k in range(school.centre.shape[0]):
-        school.centre[k] /= count
+    for k in range(0, school.centre.shape[0], NUM_LANES):
+        store(school.centre, k, load(school.centre, k) / count)
 
 
-@inner_kernel
+@borrowing_kernel
 def look_at(swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     """Fitness of `work.path`, where no fish goes; counted, not remembered."""
     fitness, _ = evaluate(table, work.path)
@@ -187,7 +206,7 @@ def look_at(swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     return fitness
 
 
-@inner_kernel
+@borrowing_kernel
 def try_out(school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, repaired, where a fish may go."""
     if school.repair_degree > 0.0:
@@ -195,24 +214,39 @@ def try_out(school: School, swarms: Swarms, b: int, table: Table, work: Workspac
     return evaluate_path(swarms, b, table, work)
 
 
-@inner_kernel
+@borrowing_kernel
 def look_at_centre(school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     """Fitness of the centre."""
-    for k in range(school.centre.shape[0]):
-        work.path[k + 1] = school.centre[k]
+    go_to(work, school.centre)
     return look_at(swarms, b, table, work)
 
 
-@inner_kernel
+@borrowing_kernel
+def step_towards(
+    school: School,
+    swarms: Swarms,
+    b: int,
+    i: int,
+    table: Table,
+    work: Workspace,
+    target: Floats,
+    kept: float = 1.0,
+) -> tuple[float, float]:
+    """Try out a step of random length from a share of where member i is towards a target."""
+    length = school.step * draw(swarms, b, work)
+    go_towards(school, table, work, swarms.positions[b, i], target, length, kept)
+    return try_out(school, swarms, b, table, work)
+
+
+@borrowing_kernel
 def offer(school: School, work: Workspace, fitness: float, collision: float) -> None:
     """Let `work.path` be the candidate if it is better than the one before."""
     if fitness < school.outcome[0]:
         school.outcome[0], school.outcome[1] = fitness, collision
-        for k in range(school.candidate.shape[0]):
-            school.candidate[k] = work.path[k + 1]
+        take_down(work, school.candidate)
 
 
-@inner_kernel
+@borrowing_kernel
 def approach(
     school: School,
     swarms: Swarms,
@@ -224,13 +258,11 @@ def approach(
 ) -> None:
     """Offer a step of random length from member i towards a target."""
     if not is_spent(swarms, b):
-        length = school.step * draw(swarms, b, work)
-        go_towards(school, table, work, swarms.positions[b, i], target, length)
-        fitness, collision = try_out(school, swarms, b, table, work)
+        fitness, collision = step_towards(school, swarms, b, i, table, work, target)
         offer(school, work, fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def leap(school: School, swarms: Swarms, b: int, i: int, table: Table, work: Workspace) -> None:
     """Offer any point that member i sees."""
     if not is_spent(swarms, b):
@@ -239,11 +271,10 @@ def leap(school: School, swarms: Swarms, b: int, i: int, table: Table, work: Wor
         offer(school, work, fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def settle(school: School, swarms: Swarms, b: int, i: int) -> None:
     """End the turn of member i: it goes to the candidate, if there is one."""
     if school.outcome[0] < math.inf:
         swarms.fitness[b, i], swarms.collision[b, i] = school.outcome[0], school.outcome[1]
-        for k in range(school.candidate.shape[0]):
-            swarms.positions[b, i, k] = school.candidate[k]
+        copy(school.candidate, swarms.positions[b, i])
         school.outcome[0] = math.inf

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel, kernel_by_class, merged_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel, kernel_by_class
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.fish import (
     School,
@@ -25,14 +25,14 @@ from swarm_gym.optimizers.fish import (
     gather,
     go_astray,
     is_roomy,
-    is_spent,
     leap,
     look_at,
     look_at_centre,
     settle,
+    take_down,
 )
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace
+from swarm_gym.population import Swarms, Workspace, is_spent
 from swarm_gym.problem.tables import Table
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ class FishSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@borrowing_kernel
 def prey(
     rules: FishSwarmRules,  # noqa: ARG001
     school: School,
@@ -58,7 +58,8 @@ def prey(
             return
         go_astray(school, swarms, b, table, work, swarms.positions[b, i], school.visual)
         if look_at(swarms, b, table, work) < swarms.fitness[b, i]:
-            approach(school, swarms, b, i, table, work, work.path[1:].copy())
+            take_down(work, school.seen)
+            approach(school, swarms, b, i, table, work, school.seen)
             return
     leap(school, swarms, b, i, table, work)
 
@@ -68,7 +69,7 @@ PREY: dict[type, Any] = {FishSwarmRules: prey}
 prey_by_rules = kernel_by_class(PREY)
 
 
-@merged_kernel
+@borrowing_kernel
 def take_turns(rules: Any, school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
     """Every fish of swarm `b` takes its turn, while the evaluation budget lasts."""
     for i in range(swarms.size[b]):
@@ -80,7 +81,7 @@ def take_turns(rules: Any, school: School, swarms: Swarms, b: int, table: Table,
         settle(school, swarms, b, i)
 
 
-@inner_kernel
+@borrowing_kernel
 def look_around(school: School, swarms: Swarms, b: int, i: int) -> tuple[int, int]:
     """How many companions member i has, and which is the best one; their mean is the centre then."""
     count, best = 0, -1
@@ -96,7 +97,7 @@ def look_around(school: School, swarms: Swarms, b: int, i: int) -> tuple[int, in
     return count, best
 
 
-@merged_kernel
+@borrowing_kernel
 def swarm(
     rules: Any,
     school: School,
@@ -116,7 +117,7 @@ def swarm(
     prey_by_rules(rules, school, swarms, b, i, table, work)
 
 
-@merged_kernel
+@borrowing_kernel
 def follow(
     rules: Any,
     school: School,

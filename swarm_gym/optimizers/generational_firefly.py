@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_member
+from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
 
@@ -43,7 +43,7 @@ def iterate(
     before, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
     brightest = fitness.min()
     for i in range(size):
-        if swarms.evaluations[b] >= swarms.budget[b]:
+        if is_spent(swarms, b):
             break
         for k in range(columns):
             path[k + 1] = before[i, k]

@@ -16,23 +16,25 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.fish import (
     School,
     approach,
+    copy,
     draw,
     gather,
     go_astray,
-    is_spent,
+    go_to,
     leap,
     offer,
+    take_down,
     try_out,
 )
 from swarm_gym.optimizers.fish_swarm import CROWDING, PREY, STEP, TRIES, VISUAL, take_turns
 from swarm_gym.optimizers.improved_fish_swarm import SMALLEST_STEP, SMALLEST_VISUAL
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace
+from swarm_gym.population import Swarms, Workspace, is_spent
 from swarm_gym.problem.tables import Table
 
 Floats = NDArray[np.float64]
@@ -44,7 +46,7 @@ class HybridFishSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@borrowing_kernel
 def prey(
     rules: HybridFishSwarmRules,  # noqa: ARG001
     school: School,
@@ -55,7 +57,8 @@ def prey(
     work: Workspace,
 ) -> None:
     """Member i goes from one better point to the next; without one towards the best so far, or it leaps."""
-    here, best = swarms.positions[b, i].copy(), np.empty(swarms.positions.shape[2])
+    here, best = school.start, school.seen
+    copy(swarms.positions[b, i], here)
     fitness, collision = swarms.fitness[b, i], swarms.collision[b, i]
     for _ in range(ROUNDS):
         found, found_collision = math.inf, math.inf
@@ -66,16 +69,13 @@ def prey(
             tried, tried_collision = try_out(school, swarms, b, table, work)
             if tried < found:
                 found, found_collision = tried, tried_collision
-                for k in range(best.shape[0]):
-                    best[k] = work.path[k + 1]
+                take_down(work, best)
         if found >= fitness:
             break
         fitness, collision = found, found_collision
-        for k in range(best.shape[0]):
-            here[k] = best[k]
+        copy(best, here)
     if fitness < swarms.fitness[b, i]:
-        for k in range(here.shape[0]):
-            work.path[k + 1] = here[k]
+        go_to(work, here)
         offer(school, work, fitness, collision)
     elif not is_spent(swarms, b):
         if draw(swarms, b, work) < 0.5:
@@ -87,7 +87,7 @@ def prey(
 PREY[HybridFishSwarmRules] = prey
 
 
-@inner_kernel
+@borrowing_kernel
 def share_left(progress: float) -> float:
     """The share of sight and step that is left at a share of the iterations."""
     if progress < 1.0 / 3.0:

@@ -15,29 +15,27 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.fish import (
     School,
     add_to_centre,
     count_companions,
-    draw,
     empty_centre,
     finish_centre,
     gather,
     go_astray,
-    go_towards,
     is_roomy,
-    is_spent,
     leap,
     look_at_centre,
     offer,
     settle,
+    step_towards,
     try_out,
 )
 from swarm_gym.optimizers.fish_swarm import CROWDING, STEP, TRIES, VISUAL
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_path
+from swarm_gym.population import Swarms, Workspace, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table
 
 Floats = NDArray[np.float64]
@@ -73,7 +71,7 @@ def begin(
                 swarms.positions[b, i, k] = work.path[k + 1]
 
 
-@inner_kernel
+@borrowing_kernel
 def prey(
     school: School,
     swarms: Swarms,
@@ -95,7 +93,7 @@ def prey(
     leap(school, swarms, b, i, table, work)
 
 
-@inner_kernel
+@borrowing_kernel
 def advance(
     school: School,
     swarms: Swarms,
@@ -109,13 +107,34 @@ def advance(
     """Member i steps towards a target if it gets better by that (eq. 17, 18), or preys."""
     if is_spent(swarms, b):
         return
-    length = school.step * draw(swarms, b, work)
-    go_towards(school, table, work, swarms.positions[b, i], target, length, kept)
-    fitness, collision = try_out(school, swarms, b, table, work)
+    fitness, collision = step_towards(school, swarms, b, i, table, work, target, kept)
     if fitness < swarms.fitness[b, i]:
         offer(school, work, fitness, collision)
     else:
         prey(school, swarms, b, i, table, work, kept)
+
+
+@borrowing_kernel
+def take_turns(school: School, swarms: Swarms, b: int, table: Table, work: Workspace, kept: float) -> None:
+    """Every fish of swarm `b` takes its turn, while the evaluation budget lasts."""
+    if is_spent(swarms, b):
+        return
+    size = swarms.size[b]
+    empty_centre(school)
+    for i in range(size):
+        add_to_centre(school, swarms.positions[b, i])
+    finish_centre(school, size)
+    centre_fitness = look_at_centre(school, swarms, b, table, work)
+    room_at_centre = is_roomy(school, swarms, b, count_companions(school, swarms, b, school.centre))
+    for i in range(size):
+        if is_spent(swarms, b):
+            break
+        if room_at_centre and centre_fitness < swarms.fitness[b, i]:
+            advance(school, swarms, b, i, table, work, school.centre, kept)
+        else:
+            prey(school, swarms, b, i, table, work, kept)
+        advance(school, swarms, b, i, table, work, swarms.best_position[b], kept)
+        settle(school, swarms, b, i)
 
 
 @inner_kernel
@@ -135,24 +154,7 @@ def iterate(
     beta = knobs[4] - (knobs[4] - knobs[5]) * progress  # eq. 14
     kept = 1.0 - knobs[8] * beta
     school = gather(table, visual, beta * step, knobs[6], knobs[7], repair_degree)
-    if is_spent(swarms, b):
-        return
-    size = swarms.size[b]
-    empty_centre(school)
-    for i in range(size):
-        add_to_centre(school, swarms.positions[b, i])
-    finish_centre(school, size)
-    centre_fitness = look_at_centre(school, swarms, b, table, work)
-    room_at_centre = is_roomy(school, swarms, b, count_companions(school, swarms, b, school.centre))
-    for i in range(size):
-        if is_spent(swarms, b):
-            break
-        if room_at_centre and centre_fitness < swarms.fitness[b, i]:
-            advance(school, swarms, b, i, table, work, school.centre, kept)
-        else:
-            prey(school, swarms, b, i, table, work, kept)
-        advance(school, swarms, b, i, table, work, swarms.best_position[b], kept)
-        settle(school, swarms, b, i)
+    take_turns(school, swarms, b, table, work, kept)
 
 
 SMALLEST_VISUAL = Knob(0.01, 0.0, 1.0, "Visual_min", "least distance that a fish sees, in ranges")

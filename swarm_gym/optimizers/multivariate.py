@@ -36,6 +36,7 @@ from swarm_gym.population import (
     Workspace,
     adopt_members,
     evaluate_path,
+    is_spent,
     re_evaluate_members,
     recall,
     span,
@@ -65,7 +66,7 @@ def _search_anywhere(
 ) -> None:
     """Draw points uniform in [lower, upper], (C,), as heads of the best `limit` regions."""
     for _ in range(draws):
-        if swarms.evaluations[b] >= swarms.budget[b]:
+        if is_spent(swarms, b):
             return
         fill_uniform(swarms.stream[b], work.noise)
         for k in range(lower.shape[0]):
@@ -92,7 +93,7 @@ def _search_around(
         # A region that fell back in rank keeps the best of its list.
         regions.length[column] = min(regions.length[column], count - i)
         for _ in range(count - i):
-            if swarms.evaluations[b] >= swarms.budget[b]:
+            if is_spent(swarms, b):
                 break
             fill_uniform(swarms.stream[b], work.noise)
             for k in range(centre.shape[0]):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, evaluate_member, re_evaluate_members, recall
+from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent, re_evaluate_members, recall
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, repair
 from swarm_gym.random_stream import fill_uniform
@@ -105,7 +105,7 @@ def iterate(
     width, path = swarms.positions.shape[2], work.path
     swarm_best, own_share = swarms.best_position[b].copy(), np.empty(width)
     for i in range(swarms.size[b]):
-        if swarms.evaluations[b] >= swarms.budget[b]:
+        if is_spent(swarms, b):
             break
         position, memory = swarms.positions[b, i], swarms.memory[b, i]
         fill_uniform(swarms.stream[b], own_share)
