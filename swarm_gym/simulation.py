@@ -1,6 +1,7 @@
 """Swarms in time: episodes of an optimizer, many at once, on one or several problems."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numba
@@ -250,11 +251,15 @@ class Simulation:
 
     def _best_walks(self) -> Floats:
         num_points = self.swarms.walk.shape[1]
-        targets = np.array([problem.points(np.zeros(2))[-1] for problem in self.problems])
-        paths = np.repeat(targets[self.swarms.problem][:, None], num_points + 1, axis=1)
+        paths = np.repeat(self._targets[self.swarms.problem][:, None], num_points + 1, axis=1)
         walked = np.arange(num_points) < self.swarms.best_walk[:, None]
         paths[:, :-1][walked] = self.swarms.walk[walked]
         return paths
+
+    @cached_property
+    def _targets(self) -> Floats:
+        """(number of problems, 2) where walks lead to."""
+        return np.array([problem.points(np.zeros(2))[-1] for problem in self.problems])
 
     def positions(self, row: int) -> Floats:
         """Positions of the living members of a swarm, (size, dimension), a view."""

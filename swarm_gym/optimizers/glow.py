@@ -1,8 +1,8 @@
 """How bright the members of a glowworm swarm shine, and whom one of them follows.
 
-Source: C. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3 and 5,
-after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines too, as bright as a member
-that stays where it is brightest.
+Source: C. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3
+and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines too, as bright as
+a member that stays where it is brightest.
 """
 
 import math
@@ -95,9 +95,10 @@ def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
     own, brightest, most = luciferin[i], -1, 0.0
-    if luciferin[guess] > own and distance(x, y, i, guess) < reach:
-        if in_sight(blocked, rooms, columns, rows, known, shadow, i, guess):
-            brightest, most = guess, perceived(glow, luciferin[guess], distance(x, y, i, guess))
+    way = distance(x, y, i, guess)
+    is_neighbour = luciferin[guess] > own and way < reach
+    if is_neighbour and in_sight(blocked, rooms, columns, rows, known, shadow, i, guess):
+        brightest, most = guess, perceived(glow, luciferin[guess], way)
     for block in range(0, x.shape[0], NUM_LANES):
         # Whose light is as bright by eq. 3, and so, perhaps, by eq. 2; squared, without roots and quotients.
         across, along = load(x, block) - x[i], load(y, block) - y[i]
@@ -112,9 +113,12 @@ def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -
                 light = perceived(glow, luciferin[k], way)
                 is_brighter = light > most or (light == most and (k < brightest or brightest < 0))
                 # What hid the last one often hides this one, too.
-                if is_brighter and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k]):
-                    if in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
-                        brightest, most = k, light
+                if (
+                    is_brighter
+                    and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k])
+                    and in_sight(blocked, rooms, columns, rows, known, shadow, i, k)
+                ):
+                    brightest, most = k, light
     return brightest
 
 

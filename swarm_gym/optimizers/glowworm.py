@@ -1,10 +1,10 @@
 """Glowworm swarm: points that walk towards what shines brighter in sight; the first of them is the robot.
 
-Sources: K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local optima
-of multimodal functions", Swarm Intelligence 3:87-124, 2009; in the form of C. Brand, X.-H. Yu, "Autonomous robot path
-optimization using firefly algorithm", ICMLC 2013, eq. 1-5. A member is a place on a grid map, and the path is the
-trajectory of the robot, from the start until it is at the target. What makes a place bright is not printed, nor
-are most parameters; readings are in docs/readings.md.
+Sources: K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local
+optima of multimodal functions", Swarm Intelligence 3:87-124, 2009; in the form of C. Brand, X.-H. Yu,
+"Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-5. A member is a place on a grid
+map, and the path is the trajectory of the robot, from the start until it is at the target. What makes a place
+bright is not printed, nor are most parameters; readings are in docs/readings.md.
 """
 
 import math
@@ -22,32 +22,32 @@ from swarm_gym.optimizers.glow import (
     find_brightest,
     qualities,
 )
+from swarm_gym.optimizers.glowworm_members import (
+    FOLLOWED,
+    LUCIFERIN,
+    RANGE,
+    UNLIT,
+    adopt,
+    begin,
+    change_size,
+    evaluate_member,
+    is_spent,
+    re_evaluate,
+)
 from swarm_gym.optimizers.optimizer import Knob, Optimizer, choice
 from swarm_gym.optimizers.relay import Sight, distance, inert, look_around
-from swarm_gym.optimizers.trajectory import (
-    ROBOT,
-    append_point,
-    arrive,
-    begin_trajectory,
-    remember_path,
-    revise_best,
-    sees_target,
-)
-from swarm_gym.population import Swarms, Workspace, shrink
+from swarm_gym.optimizers.trajectory import ROBOT, append_point, arrive, remember_path, sees_target
+from swarm_gym.population import Swarms, Workspace
 from swarm_gym.problem.sight import sees
-from swarm_gym.problem.tables import Table, evaluate, repair
-from swarm_gym.problem.walks import WalkTable, cell_of, to_cells, to_map
+from swarm_gym.problem.tables import Table
+from swarm_gym.problem.walks import WalkTable, to_cells
 from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
-# What is remembered of a member: its luciferin, its decision range in map units, and whom it followed.
-LUCIFERIN, RANGE, FOLLOWED = range(3)
-# The share of a step that rounding may be: who goes a step away and comes back is where it was, and does not have
-# another move of nearly no length before it.
+# The share of a step that rounding may be: who goes a step away and comes back is where it was, and does not
+# have another move of nearly no length before it.
 MARGIN = 1e-9
-# Until the first luciferin is known, with the parameters of the next iteration.
-UNLIT = -1.0
 # Named options, by their index in `Knob.choices`.
 BRIGHTEST, PROPORTIONAL = range(2)
 FIXED, ADAPTIVE = range(2)
@@ -57,144 +57,6 @@ NEIGHBOURS, ADAPTATION = 5, 0.08 / 0.03
 
 class GlowwormRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
-
-
-@inlined_kernel
-def is_spent(swarms: Swarms, b: int) -> bool:
-    """Whether the evaluation budget is."""
-    return swarms.evaluations[b] >= swarms.budget[b]
-
-
-@inner_kernel
-def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace) -> None:
-    """Evaluate the point of `work.path`, and make it that of member i."""
-    swarms.fitness[b, i], swarms.collision[b, i] = evaluate(table, work.path)
-    swarms.evaluations[b] += 1
-    for k in range(swarms.positions.shape[2]):
-        swarms.positions[b, i, k] = work.path[k + 1]
-
-
-@inner_kernel
-def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luciferin: float) -> None:
-    """Append the point of `work.path` as a member that shines like this and looks as far as it may."""
-    i = swarms.size[b]
-    evaluate_member(swarms, b, i, table, work)
-    kindle(swarms, b, i, luciferin)
-    swarms.size[b] += 1
-
-
-@inlined_kernel
-def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
-    """Let member i shine like this, and look as far as it may."""
-    swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
-    swarms.memory[b, i, FOLLOWED] = 0.0
-
-
-@inner_kernel
-def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
-    """Draw `work.path`, a point uniform in the free cells."""
-    fill_uniform(swarms.stream[b], work.noise)
-    number = int(work.noise[0] * table.num_free)
-    column = table.free[number, 0] + work.noise[1] - 0.5
-    row = table.free[number, 1] + work.noise[2] - 0.5
-    work.path[1], work.path[2] = to_map(table, column, row)
-
-
-@inner_kernel
-def begin(
-    rules: GlowwormRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
-    knobs: Floats,  # noqa: ARG001
-) -> None:
-    """Begin with the robot at the start, and the others on a square lattice as far as it goes."""
-    work.path[1], work.path[2] = table.start[0], table.start[1]
-    append_member(swarms, b, table, work, UNLIT)
-    begin_trajectory(swarms, b)
-    side = int(math.sqrt(size - 1.0))
-    for number in range(size - 1):
-        if is_spent(swarms, b):
-            return
-        if number < side * side:
-            for k in range(2):
-                share = ((number // side if k == 0 else number % side) + 0.5) / side
-                work.path[k + 1] = table.lower[k] + share * (table.upper[k] - table.lower[k])
-        column, row = cell_of(table, work.path[1], work.path[2])
-        if number >= side * side or table.blocked[row, column]:
-            draw_place(swarms, b, table, work)
-        append_member(swarms, b, table, work, UNLIT)
-
-
-@inner_kernel
-def adopt(
-    rules: GlowwormRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
-) -> None:
-    """Begin with given places; but the robot is at the start, and nobody in a blocked cell."""
-    for i in range(size):
-        place = table.start if i == ROBOT else swarms.positions[b, i]
-        work.path[1], work.path[2] = place[0], place[1]
-        repair(table, work.path, 1.0)
-        append_member(swarms, b, table, work, UNLIT)
-    begin_trajectory(swarms, b)
-
-
-@inner_kernel
-def change_size(
-    rules: GlowwormRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
-) -> None:
-    """Grow anywhere in free cells, since a swarm that goes one way is a line, or shrink; the robot stays."""
-    before = swarms.size[b]
-    if size > before:
-        luciferin = 0.0
-        for i in range(before):
-            luciferin += swarms.memory[b, i, LUCIFERIN]
-        for _ in range(min(size - before, swarms.budget[b] - swarms.evaluations[b])):
-            draw_place(swarms, b, table, work)
-            append_member(swarms, b, table, work, luciferin / before)
-    elif size < before:
-        fitness, collision = swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT]
-        swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT] = -math.inf, 0.0
-        shrink(swarms, b, size)
-        swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT] = fitness, collision
-
-
-@inner_kernel
-def re_evaluate(
-    rules: GlowwormRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-) -> None:
-    """Begin anew from where the robot is, on a map that changed: a swarm that goes one way lights nothing else."""
-    size = swarms.size[b]
-    for i in range(size):
-        if is_spent(swarms, b):
-            swarms.size[b] = i
-            break
-        if i == ROBOT:
-            work.path[1], work.path[2] = swarms.positions[b, i, 0], swarms.positions[b, i, 1]
-            repair(table, work.path, 1.0)
-        else:
-            draw_place(swarms, b, table, work)
-        evaluate_member(swarms, b, i, table, work)
-        kindle(swarms, b, i, UNLIT)
-    # Before the best so far is known on this map, the robot's path is not held against it.
-    append_point(swarms, b)
-    revise_best(swarms, b, table)
 
 
 @inner_kernel
@@ -281,8 +143,9 @@ def iterate(
 ) -> None:
     """One iteration of swarm `b`: all shine, and go by what they see, all at once.
 
-    Nobody is ever in an obstacle, so that there is nothing to repair. Where the evaluation budget is spent, the
-    others stay. The episode ends when the robot is at the target, which a step may not lead to through a wall.
+    Nobody is ever in an obstacle, so that there is nothing to repair. Where the evaluation budget is spent,
+    the others stay. The episode ends when the robot is at the target, which a step may not lead to through a
+    wall.
     """
     side = map_side(table)
     step = knobs[3] * side
@@ -314,8 +177,8 @@ class Glowworm(Optimizer):
             2.0, 0.0, 10.0, "r", "how far a member looks, in sides of the map", (0.02, 2.0)
         ),
         "glow": choice(
-            "what makes a place bright: the way to the target from one to the next in sight, the straight one "
-            "where the target is in sight, or the distance of the target",
+            "what makes a place bright: a short way to the target from one to the next in sight, a short "
+            "straight one where the target is in sight, or a target that is near",
             "relay",
             "sight",
             "distance",
@@ -332,11 +195,6 @@ class Glowworm(Optimizer):
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
         """Luciferin, range, and whom it followed."""
         return 3
-
-    @staticmethod
-    def num_registers(capacity: int) -> int:  # noqa: ARG004
-        """The number of points of the trajectory."""
-        return 1
 
     @staticmethod
     def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004

@@ -148,7 +148,10 @@ def _shortest(sight: Sight, lengths: Floats, i: int, guess: int) -> tuple[float,
         for k in range(block, block + NUM_LANES):
             over = lengths[k] + distance(x, y, i, k)
             # What hid the last one often hides this one, too.
-            if over < least and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k]):
-                if in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
-                    least, guess = over, k
+            if (
+                over < least
+                and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k])
+                and in_sight(blocked, rooms, columns, rows, known, shadow, i, k)
+            ):
+                least, guess = over, k
     return least, guess

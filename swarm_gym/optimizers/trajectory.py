@@ -1,7 +1,7 @@
-"""The trajectory of a robot, which is the first member of its swarm, and the best path that it had so far.
+"""The trajectory of a robot, which is the first member of its swarm, and its best path so far.
 
-`Swarms.walk` holds the points of the trajectory, the first register how many they are. A path is the trajectory up
-to a point, and straight on to the target: the best so far is a shorter piece of the same trajectory.
+`Swarms.walk` holds the points of the trajectory, `Swarms.walked` how many they are. A path is the
+trajectory up to a point, and straight on to the target: the best so far is a shorter piece of the same one.
 """
 
 import math
@@ -17,13 +17,12 @@ from swarm_gym.problem.walks import WalkTable, to_cells
 Floats = NDArray[np.float64]
 
 ROBOT = 0
-POINTS = 0  # the register
 
 
 @inner_kernel
 def begin_trajectory(swarms: Swarms, b: int) -> None:
     """Let the trajectory begin where the robot is."""
-    swarms.registers[b, POINTS] = 0
+    swarms.walked[b] = 0
     append_point(swarms, b)
     remember_path(swarms, b)
 
@@ -31,17 +30,17 @@ def begin_trajectory(swarms: Swarms, b: int) -> None:
 @inner_kernel
 def append_point(swarms: Swarms, b: int) -> None:
     """Let the trajectory go on to where the robot is, if it is not there already."""
-    number = swarms.registers[b, POINTS]
+    number = swarms.walked[b]
     x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
     if number == 0 or swarms.walk[b, number - 1, 0] != x or swarms.walk[b, number - 1, 1] != y:
         swarms.walk[b, number, 0], swarms.walk[b, number, 1] = x, y
-        swarms.registers[b, POINTS] = number + 1
+        swarms.walked[b] = number + 1
 
 
 @inner_kernel
 def remember_path(swarms: Swarms, b: int) -> None:
     """Remember the trajectory, and straight on from where the robot is, where it is the best path so far."""
-    number = swarms.registers[b, POINTS]
+    number = swarms.walked[b]
     fitness = length_of_walk(swarms, b, number) + swarms.fitness[b, ROBOT]
     if fitness < swarms.best_fitness[b]:
         swarms.best_fitness[b] = fitness
@@ -80,9 +79,9 @@ def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
 
 @inner_kernel
 def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
-    """Evaluate the best path so far on a map that changed, all of it; the robot's takes its place where better.
+    """Evaluate the best path so far, all of it, on a map that changed.
 
-    Without an evaluation left for it, the robot's does.
+    The robot's takes its place where that is better, or no evaluation is left.
     """
     swarms.best_fitness[b] = math.inf
     if swarms.evaluations[b] < swarms.budget[b]:

@@ -1,8 +1,8 @@
 """What a straight way meets on a grid map: as `traversal` says, many times faster where there is room.
 
-Swarms of points ask who sees whom for hundreds of thousands of pairs. Where all cells around a point are of one
-kind, free or blocked, a segment leaves them somewhere and has met nothing else; only what of it is close to
-where cells of both kinds meet is looked at in earnest.
+Swarms of points ask who sees whom for hundreds of thousands of pairs. Where all cells around a point are of
+one kind, free or blocked, a segment leaves them somewhere and has met nothing else; only what of it is close
+to where cells of both kinds meet is looked at in earnest.
 
 Points are finite and, as in `traversal`, (column, row) in cells.
 """
@@ -25,7 +25,7 @@ CLEAR = 0.25
 DEEP = 1e-6
 # Of steps, in cells, where cells of both kinds meet.
 STEP = 0.5
-# Points of a segment that are looked at first: one of them is in it, where a broad obstacle hides the other end.
+# Points of a segment that are looked at first: what hides one end from the other is often broad.
 PROBES = 7
 
 
@@ -64,7 +64,7 @@ def sees(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: floa
 def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> float:
     """Where a segment is in a blocked cell, or about to enter one, as a share of it; -1 if it is free.
 
-    Args are those of `sees`.
+    The arguments are those of `sees`.
     """
     dx, dy = x1 - x0, y1 - y0
     broadest, found = -1, -1.0
