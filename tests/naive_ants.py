@@ -9,10 +9,10 @@ from naive_walks import length_of
 
 class AntKnobs(NamedTuple):
     trail_weight: float = 1.0
-    sight_weight: float = 5.0
-    evaporation: float = 0.5
-    deposit: float = 1.0
-    elite_weight: float = 1.0
+    sight_weight: float = 0.25
+    evaporation: float = 0.2
+    deposit: float = 0.02
+    elite_weight: float = 10.0
 
 
 # Columns and rows of the moves of ants, in order.
@@ -105,7 +105,19 @@ class AntColony(Walkers):
                 break
             else:
                 way.pop()
-        return Ant(way, way[-1] == target, problem)
+        return Ant(self.without_loops(way), way[-1] == target, problem)
+
+    def without_loops(self, way):
+        """From every cell on to the last one that a move leads to."""
+        kept, rest = [way[0]], way[1:]
+        while rest:
+            column, row = kept[-1]
+            moves = [k for k in range(len(MOVES)) if self.is_allowed(column, row, k, ())]
+            reached = {(column + MOVES[k][0], row + MOVES[k][1]) for k in moves}
+            last = max(i for i, cell in enumerate(rest) if cell in reached)
+            kept.append(rest[last])
+            rest = rest[last + 1 :]
+        return kept
 
     def is_allowed(self, column, row, k, visited):
         is_free, (by_column, by_row) = self.problem.is_free, MOVES[k]
@@ -117,7 +129,8 @@ class AntColony(Walkers):
         by_column, by_row = MOVES[k]
         distance = math.dist((column + by_column, row + by_row), target)
         trail = self.trails[row][column][k]
-        return trail**self.knobs.trail_weight * (1 / (NEAREST + distance)) ** self.knobs.sight_weight
+        exponent = self.knobs.sight_weight * math.dist(self.problem.cell_of(self.problem.start), target)
+        return trail**self.knobs.trail_weight * (1 / (NEAREST + distance)) ** exponent
 
     def lay_trails(self):
         for row in self.trails:

@@ -256,7 +256,7 @@ def test_ants_find_the_octile_optimum_of_a_small_map(geometry):
 def test_an_ant_in_a_dead_end_steps_back_and_its_walk_has_no_loops():
     rows = ("......", ".####.", "....#.", ".####.", "......")
     problem = walk_problem(*rows, start=(0, 2), target=(5, 2))
-    twin = twin_of(AntColony, problem, sight_weight=20.0)
+    twin = twin_of(AntColony, problem, sight_weight=4.0)
     twin.begin(5)
     for ant in twin.members:
         assert ant.arrived
@@ -265,11 +265,22 @@ def test_an_ant_in_a_dead_end_steps_back_and_its_walk_has_no_loops():
         assert ant.length == ant.fitness == pytest.approx(9.0)
 
 
+def test_where_a_walk_comes_back_beside_itself_the_loop_is_cut_out():
+    problem = walk_problem("....", "....", ".#..", start=(0, 0), target=(3, 2))
+    twin = twin_of(AntColony, problem)
+    # (0, 2) is beside (1, 1), but behind a corner of the blocked cell.
+    way = [(0, 0), (1, 0), (2, 0), (3, 0), (3, 1), (2, 1), (1, 1), (0, 1), (0, 2)]
+    assert twin.without_loops(way) == [(0, 0), (0, 1), (0, 2)]
+    assert twin.without_loops(way[::-1]) == [(0, 2), (0, 1), (0, 0)]
+    assert twin.without_loops(way[2:]) == [(2, 0), (1, 1), (0, 1), (0, 2)]
+    assert twin.without_loops(way[:1]) == way[:1]
+
+
 def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
     """In a corridor to and fro, which is longer than ants may walk."""
     walls = ("#" * 19 + ".", "." + "#" * 19)
     rows = [row for k in range(9) for row in ("." * 20, walls[k % 2])] + ["." * 20]
-    twin = twin_of(AntColony, walk_problem(*rows, start=(0, 0), target=(19, 18)))
+    twin = twin_of(AntColony, walk_problem(*rows, start=(0, 0), target=(19, 18)), evaporation=0.5)
     twin.begin(2)
     for ant in twin.members:
         assert not ant.arrived
@@ -284,7 +295,7 @@ def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
 
 def test_trails_evaporate_and_ants_that_arrived_lay_theirs_and_the_best_once_more():
     problem = walk_problem("....", start=(0.25, 0), target=(2.75, 0))
-    twin = twin_of(AntColony, problem, elite_weight=3.0)
+    twin = twin_of(AntColony, problem, evaporation=0.5, deposit=1.0, elite_weight=3.0)
     twin.begin(2)
     laid = twin.trails[0]
     assert twin.best[0] == 2.5

@@ -1,15 +1,16 @@
 """Ant colony optimization on a grid: ants that walk from start to target, by trails and by sight.
 
-Source: M. Dorigo, T. Stuetzle, "Ant Colony Optimization", MIT Press 2004, sections 3.3.1 (Ant System) and 3.3.2
-(elitist). Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, compare with an
-ant colony and print nothing of it: all parameters are readings, see docs/readings.md.
+Source: M. Dorigo, V. Maniezzo, A. Colorni, "Ant System: optimization by a colony of cooperating agents", IEEE
+Trans. Syst. Man Cybern. B 26(1):29-41, 1996, with elitist ants (section V.D). Brand and Yu, "Autonomous robot
+path optimization using firefly algorithm", ICMLC 2013, compare with an ant colony and print nothing of it:
+all parameters are readings, see docs/readings.md.
 
-A member is an ant, and its position the point where it ended: the target, if it arrived. An iteration is a cohort
-of as many ants as the population size says; they remember nothing of the ones before but the trails.
+A member is an ant, and its position the point where it ended: the target, if it arrived. An iteration is a
+cohort of as many ants as the population size says; of the ones before they find nothing but the trails.
 """
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +20,16 @@ from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.ant_walk import (
     PATIENCE,
     Ants,
-    cell_at,
-    look_at,
+    learn_map,
+    make_ants,
     most_steps,
     places_size,
+    set_weights,
     walk,
 )
+from swarm_gym.optimizers.best_walk import re_evaluate_walk
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.optimizers.trails import (
-    NUM_MOVES,
     begin_trails,
     evaporate,
     lay_on_way,
@@ -35,14 +37,14 @@ from swarm_gym.optimizers.trails import (
     trails_size,
 )
 from swarm_gym.population import Swarms, Workspace
-from swarm_gym.problem.tables import Table, evaluate
-from swarm_gym.problem.walks import WalkTable, to_map
+from swarm_gym.problem.tables import evaluate
+from swarm_gym.problem.walks import WalkTable, cell_of, to_map
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# The share of a fitness by which another one has to be less to be better: many ways are equally long, and rounding
-# must not choose the one that the elite lays its trail on.
+# The share of a fitness by which another one has to be less to be better: many ways are equally long, and
+# rounding must not choose the one that the elite lays its trail on.
 _MARGIN = 1e-12
 # In the registers: how many ants walk in the next iteration, and whether the best so far arrived.
 _NEXT_SIZE, _BEST_ARRIVED = range(2)
@@ -61,7 +63,7 @@ class Ways(NamedTuple):
     cells: NDArray[np.int32]  # (N, 2) columns and rows, one way after the other
     ends: Integers  # (number of ants + 1,) where a way begins, and the one before ends
     lengths: Floats  # (number of ants,) in map units
-    count: Integers  # (1,) how many there are
+    number: Integers  # (1,) how many there are
 
 
 @inner_kernel
@@ -78,7 +80,7 @@ def _make_ants(swarms: Swarms, b: int, work: Workspace) -> Ants:
     common = trails_size(0) + places_size(0)
     num_cells = (swarms.field.shape[1] - common) // (trails_size(1) + places_size(1) - common)
     trails, places = swarms.field[b, : trails_size(num_cells)], swarms.field[b, trails_size(num_cells) :]
-    return Ants(trails, places, work.noise, np.empty(NUM_MOVES), np.empty(NUM_MOVES, np.int64))
+    return make_ants(trails, places, work.noise)
 
 
 @inlined_kernel
@@ -97,13 +99,13 @@ def _send_ants(
     work: Workspace,
     ants: Ants,
     size: int,
-    trail_weight: float,
 ) -> Ways:
     """Let a cohort of up to `size` ants walk, while the budget lasts; they lay nothing yet."""
+    learn_map(ants.places, table)
     ways, path = _make_ways(size, most_steps(table) + 1), work.path
     for i in range(min(size, swarms.budget[b] - swarms.evaluations[b])):
-        first = ways.ends[ways.count[0]]
-        num_cells, arrived = walk(ants, table, swarms.stream[b], ways.cells, first, trail_weight)
+        first = ways.ends[ways.number[0]]
+        num_cells, arrived = walk(ants, table, swarms.stream[b], ways.cells, first)
         # The target takes the place of its cell, but not of the start, where both are in one cell.
         num_points = max(num_cells - 1, 1) if arrived else num_cells
         x, y = _point_of(table, ways.cells, first, 0)
@@ -116,9 +118,9 @@ def _send_ants(
             length += math.hypot(table.target[0] - x, table.target[1] - y)
             path[1], path[2] = table.target[0], table.target[1]
             swarms.fitness[b, i], swarms.collision[b, i] = length, 0.0
-            ways.lengths[ways.count[0]] = length
-            ways.count[0] += 1
-            ways.ends[ways.count[0]] = first + num_cells
+            ways.lengths[ways.number[0]] = length
+            ways.number[0] += 1
+            ways.ends[ways.number[0]] = first + num_cells
         else:
             path[1], path[2] = x, y
             left, swarms.collision[b, i] = evaluate(table, path)
@@ -140,14 +142,14 @@ def _send_ants(
 
 @inner_kernel
 def _best_way(swarms: Swarms, b: int, table: WalkTable) -> NDArray[np.int32]:
-    """The cells of the best way so far, if that arrived, (its length, 2); else none."""
-    if swarms.registers[b, _BEST_ARRIVED] == 0:
+    """The cells of the best way so far, if that arrived and is still free, (its length, 2); else none."""
+    if swarms.registers[b, _BEST_ARRIVED] == 0 or swarms.best_collision[b] > 0.0:
         return np.empty((0, 2), np.int32)
     num_points = swarms.best_walk[b]
     cells = np.empty((num_points + 1, 2), np.int32)
     for k in range(num_points):
-        cells[k, 0], cells[k, 1] = cell_at(table, swarms.walk[b, k, 0], swarms.walk[b, k, 1])
-    cells[num_points, 0], cells[num_points, 1] = cell_at(table, table.target[0], table.target[1])
+        cells[k, 0], cells[k, 1] = cell_of(table, swarms.walk[b, k, 0], swarms.walk[b, k, 1])
+    cells[num_points, 0], cells[num_points, 1] = cell_of(table, table.target[0], table.target[1])
     return cells
 
 
@@ -157,12 +159,12 @@ def _renew_trails(swarms: Swarms, b: int, table: WalkTable, ants: Ants, ways: Wa
     trails, width, cells = ants.trails, table.num_columns, ways.cells
     best = _best_way(swarms, b, table)
     straight = math.hypot(table.target[0] - table.start[0], table.target[1] - table.start[1])
-    evaporate(trails, knobs[2])  # eq. 3.2
-    for i in range(ways.count[0]):
-        amount = knobs[3] * straight / ways.lengths[i]  # eq. 3.3
+    evaporate(trails, knobs[2])
+    for i in range(ways.number[0]):
+        amount = knobs[3] * straight / ways.lengths[i]  # eq. 3
         lay_on_way(trails, width, cells[ways.ends[i] : ways.ends[i + 1]], amount)
-    lay_on_way(trails, width, best, knobs[4] * (knobs[3] * straight / swarms.best_fitness[b]))  # eq. 3.5
-    settle_way(trails, width, cells[: ways.ends[ways.count[0]]])
+    lay_on_way(trails, width, best, knobs[4] * (knobs[3] * straight / swarms.best_fitness[b]))
+    settle_way(trails, width, cells[: ways.ends[ways.number[0]]])
     settle_way(trails, width, best)
 
 
@@ -210,9 +212,27 @@ def iterate(
     if swarms.evaluations[b] >= swarms.budget[b]:
         return
     ants = _make_ants(swarms, b, work)
-    look_at(ants.places, table, knobs[1])
-    ways = _send_ants(swarms, b, table, work, ants, swarms.registers[b, _NEXT_SIZE], knobs[0])
+    set_weights(ants.places, knobs[0], knobs[1])
+    ways = _send_ants(swarms, b, table, work, ants, swarms.registers[b, _NEXT_SIZE])
     _renew_trails(swarms, b, table, ants, ways, knobs)
+
+
+@inner_kernel
+def re_evaluate(
+    rules: AntColonyRules,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: WalkTable,
+    work: Workspace,
+) -> None:
+    """Send as many ants again, on a map that changed, by the trails that are there; they lay nothing."""
+    size = swarms.size[b]
+    if swarms.budget[b] - swarms.evaluations[b] > size:
+        re_evaluate_walk(swarms, b, table)
+    else:
+        # It would come after the ants, who forget its walk.
+        swarms.best_fitness[b] = math.inf
+    _send_ants(swarms, b, table, work, _make_ants(swarms, b, work), size)
 
 
 class AntColony(Optimizer):
@@ -229,18 +249,23 @@ class AntColony(Optimizer):
             1.0, 0.0, 10.0, "alpha", "exponent of the trail in a move's weight", (0.1, 10.0)
         ),
         "sight_weight": Knob(
-            5.0, 0.0, 20.0, "beta", "exponent of the nearness of the target in a move's weight", (0.1, 20.0)
+            0.25,
+            0.0,
+            10.0,
+            "beta",
+            "exponent of a cell's nearness to the target, for each cell of the straight line",
+            (0.01, 2.0),
         ),
         "evaporation": Knob(
-            0.5, 0.0, 1.0, "rho", "share of all trails that evaporates in an iteration", (0.01, 1.0)
+            0.2, 0.0, 1.0, "rho", "share of all trails that evaporates in an iteration", (0.01, 1.0)
         ),
         "deposit": Knob(
-            1.0, 0.0, 1e3, "Q", "laid on each move of a way that is as long as the straight line"
+            0.02, 0.0, 1e3, "Q", "laid on each move of a way that is as long as the straight line"
         ),
-        "elite_weight": Knob(1.0, 0.0, 100.0, "e", "how many ants the best way so far counts as besides"),
+        "elite_weight": Knob(10.0, 0.0, 1e3, "e", "how many ants the best way so far counts as besides"),
     }
     rules = AntColonyRules
-    kernels = driver.Kernels(iterate, begin, change_size=change_size)
+    kernels = driver.Kernels(iterate, begin, change_size=change_size, re_evaluate=re_evaluate)
 
     @staticmethod
     def num_registers(capacity: int) -> int:  # noqa: ARG004
@@ -248,13 +273,13 @@ class AntColony(Optimizer):
         return 2
 
     @staticmethod
-    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
-        """As many as an ant has patience for."""
+    def walk_points(tables: Any, iterations: int) -> int:  # noqa: ARG004
+        """As many as the way of an ant can have."""
         height, width = tables.blocked.shape[-2:]
         return PATIENCE * (height + width) + 1
 
     @staticmethod
-    def field_size(tables: Table) -> int:
+    def field_size(tables: Any) -> int:
         """Trails, and what is remembered of places."""
         height, width = tables.blocked.shape[-2:]
         return trails_size(height * width) + places_size(height * width)

@@ -1,16 +1,17 @@
 """Pheromone on the moves of a grid, which evaporates only where somebody looks.
 
-Source: M. Dorigo, T. Stuetzle, "Ant Colony Optimization", MIT Press 2004, eq. 3.2 (evaporation), 3.3 (what ants
-lay) and 3.5 (elitist weight); limits after T. Stuetzle, H. H. Hoos, "MAX-MIN Ant System", FGCS 16, 2000.
+Source: M. Dorigo, V. Maniezzo, A. Colorni, "Ant System: optimization by a colony of cooperating agents", IEEE
+Trans. Syst. Man Cybern. B 26(1):29-41, 1996, eq. 1 to 3, where rho is what stays; here it is what evaporates.
+Limits after T. Stuetzle, H. H. Hoos, "MAX-MIN Ant System", Future Gener. Comput. Syst. 16:889-914, 2000.
 
 A round is tau <- (1 - rho) tau everywhere, then what is laid, then tau <- clip(tau). Ants walk along a few
-thousand moves of the millions that a map has, so a cell remembers in which round its eight moves were last
-brought up to date, and makes up for the rounds since then when it is looked at: multiplied and clipped one round
-after the other, which gives the bits that rounds over all cells would give. Cells where nothing was ever laid
-have one value in common, and their memory is never touched.
+thousand moves of the millions that a map has. So a cell remembers in which round its eight moves were last
+brought up to date, and makes up for the rounds since then when it is looked at: multiplied and clipped one
+round after the other, which gives the bits that rounds over all cells would give. Cells where nothing was
+laid yet have one tau in common, and their memory is never touched.
 
-Trails are an array of numbers: a head of `NUM_COMMON`, then for each cell, row by row, its last round and tau of
-its moves in the eight directions `STEP_COLUMNS`, `STEP_ROWS`. Zeros are trails too, which have to be begun.
+Trails are an array of numbers: a head of `NUM_COMMON`, then for each cell, row by row, its last round and tau
+of its moves in the directions `STEP_COLUMNS`, `STEP_ROWS`. Zeros are trails too, which have to be begun.
 """
 
 import numpy as np
@@ -29,10 +30,11 @@ MOVE_BY_STEP = np.array([[5, 6, 7], [4, -1, 0], [3, 2, 1]])  # [rows + 1, column
 
 FIRST_TRAIL, LEAST_TRAIL, MOST_TRAIL = 1.0, 1e-4, 10.0
 
-# In the head: the round that it is, the one that the episode began with, the share that a round leaves, tau of
-# moves where nothing was laid in the episode, and the same as it was before it was clipped in this round.
-NUM_COMMON = 5
-_ROUND, _BEGUN, _KEPT, _UNTOUCHED, _UNCLIPPED = range(NUM_COMMON)
+# In the head: the round that it is, the one that the episode began with, the share that a round leaves, and
+# of the moves of a cell where nothing was laid in the episode tau before it was clipped in this round, and
+# all eight tau.
+_ROUND, _BEGUN, _KEPT, _UNCLIPPED, _UNTOUCHED = range(5)
+NUM_COMMON = _UNTOUCHED + NUM_MOVES
 _PER_CELL = 1 + NUM_MOVES
 
 
@@ -47,33 +49,18 @@ def begin_trails(trails: Floats) -> None:
     """The first tau on all moves; rounds go on being counted, so that no cell seems to be up to date."""
     trails[_ROUND] += 1.0
     trails[_BEGUN] = trails[_ROUND]
-    trails[_UNTOUCHED] = FIRST_TRAIL
+    trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = FIRST_TRAIL
 
 
 @inlined_kernel
-def untouched(trails: Floats) -> float:
-    """Tau of all moves of cells where nothing was laid in this episode."""
-    return trails[_UNTOUCHED]
-
-
-@inlined_kernel
-def update_cell(trails: Floats, cell: int) -> bool:
-    """Bring the moves of a cell up to date; whether anything was laid on one of them in this episode.
-
-    If not, their tau is `untouched`, and not written down.
-    """
+def current_trails(trails: Floats, cell: int) -> int:
+    """Where tau of the moves of a cell lies in `trails`, up to date."""
     place = NUM_COMMON + _PER_CELL * cell
     if trails[place] < trails[_BEGUN]:
-        return False
+        return _UNTOUCHED
     if trails[place] < trails[_ROUND]:
         _catch_up(trails, place, trails[_ROUND])
-    return True
-
-
-@inlined_kernel
-def trail(trails: Floats, cell: int, move: int) -> float:
-    """Tau of a move of a cell that `update_cell` is true of."""
-    return trails[NUM_COMMON + _PER_CELL * cell + 1 + move]
+    return place + 1
 
 
 @inner_kernel
@@ -83,11 +70,11 @@ def evaporate(trails: Floats, evaporation: float) -> None:
     if kept != trails[_KEPT] and trails[_ROUND] > trails[_BEGUN]:
         # The rounds that cells have not made up for were of another share.
         for cell in range((trails.shape[0] - NUM_COMMON) // _PER_CELL):
-            update_cell(trails, cell)
+            current_trails(trails, cell)
     trails[_KEPT] = kept
     trails[_ROUND] += 1.0
     trails[_UNCLIPPED] = kept * trails[_UNTOUCHED]
-    trails[_UNTOUCHED] = _clipped(trails[_UNCLIPPED])
+    trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = _clipped(trails[_UNCLIPPED])
 
 
 @inner_kernel
@@ -110,7 +97,7 @@ def lay_on_way(trails: Floats, width: int, cells: Cells, amount: float) -> None:
 
 @inner_kernel
 def settle_way(trails: Floats, width: int, cells: Cells) -> None:
-    """Clip the moves of these cells, after all that is laid there in this round; others are left as they are."""
+    """Clip the moves of these cells, after all that is laid there in this round; others may be among them."""
     for k in range(cells.shape[0]):
         place = NUM_COMMON + _PER_CELL * (cells[k, 1] * width + cells[k, 0])
         if trails[place] == trails[_ROUND]:

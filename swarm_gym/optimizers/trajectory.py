@@ -6,15 +6,11 @@ trajectory up to a point, and straight on to the target: the best so far is a sh
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from swarm_gym.jit import inner_kernel
+from swarm_gym.optimizers.best_walk import length_of_walk, re_evaluate_walk
 from swarm_gym.population import Swarms
-from swarm_gym.problem.sight import sees, share_blocked
+from swarm_gym.problem.sight import sees
 from swarm_gym.problem.walks import WalkTable, to_cells
-
-Floats = NDArray[np.float64]
 
 ROBOT = 0
 
@@ -51,15 +47,6 @@ def remember_path(swarms: Swarms, b: int) -> None:
 
 
 @inner_kernel
-def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
-    """Length of the first points of the walk, in map units."""
-    walk, length = swarms.walk[b], 0.0
-    for k in range(1, number):
-        length += math.hypot(walk[k, 0] - walk[k - 1, 0], walk[k, 1] - walk[k - 1, 1])
-    return length
-
-
-@inner_kernel
 def sees_target(swarms: Swarms, b: int, table: WalkTable) -> bool:
     """Whether the robot does."""
     column, row = to_cells(table, swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1])
@@ -85,22 +72,5 @@ def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
     """
     swarms.best_fitness[b] = math.inf
     if swarms.evaluations[b] < swarms.budget[b]:
-        swarms.evaluations[b] += 1
-        number, collision = swarms.best_walk[b], 0.0
-        for k in range(number):
-            end = swarms.walk[b, k + 1] if k + 1 < number else table.target
-            collision += _blocked_length(table, swarms.walk[b, k], end)
-        straight_on = swarms.walk[b, number - 1] - table.target
-        length = length_of_walk(swarms, b, number) + math.hypot(straight_on[0], straight_on[1])
-        swarms.best_fitness[b] = length + table.penalty * collision / table.resolution
-        swarms.best_collision[b] = collision
+        re_evaluate_walk(swarms, b, table)
     remember_path(swarms, b)
-
-
-@inner_kernel
-def _blocked_length(table: WalkTable, begin: Floats, end: Floats) -> float:
-    """Length of what of a segment is blocked; all in map units."""
-    column, row = to_cells(table, begin[0], begin[1])
-    to_column, to_row = to_cells(table, end[0], end[1])
-    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
-    return share * math.hypot(end[0] - begin[0], end[1] - begin[1])

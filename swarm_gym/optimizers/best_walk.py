@@ -1,0 +1,47 @@
+"""The best walk so far, of optimizers whose members are points that walks have come to.
+
+`Swarms.walk` begins with `Swarms.best_walk` points, from which the path goes straight on to the target.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.jit import inner_kernel
+from swarm_gym.population import Swarms
+from swarm_gym.problem.sight import share_blocked
+from swarm_gym.problem.walks import WalkTable, to_cells
+
+Floats = NDArray[np.float64]
+
+@inner_kernel
+def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
+    """Length of the first points of the walk, in map units."""
+    walk, length = swarms.walk[b], 0.0
+    for k in range(1, number):
+        length += math.hypot(walk[k, 0] - walk[k - 1, 0], walk[k, 1] - walk[k - 1, 1])
+    return length
+
+
+@inner_kernel
+def re_evaluate_walk(swarms: Swarms, b: int, table: WalkTable) -> None:
+    """Evaluate the best path so far on a map that changed, all of it."""
+    swarms.evaluations[b] += 1
+    number, collision = swarms.best_walk[b], 0.0
+    for k in range(number):
+        end = swarms.walk[b, k + 1] if k + 1 < number else table.target
+        collision += _blocked_length(table, swarms.walk[b, k], end)
+    straight_on = swarms.walk[b, number - 1] - table.target
+    length = length_of_walk(swarms, b, number) + math.hypot(straight_on[0], straight_on[1])
+    swarms.best_fitness[b] = length + table.penalty * collision / table.resolution
+    swarms.best_collision[b] = collision
+
+
+@inner_kernel
+def _blocked_length(table: WalkTable, begin: Floats, end: Floats) -> float:
+    """Length of what of a segment is blocked; all in map units."""
+    column, row = to_cells(table, begin[0], begin[1])
+    to_column, to_row = to_cells(table, end[0], end[1])
+    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
+    return share * math.hypot(end[0] - begin[0], end[1] - begin[1])
