@@ -15,6 +15,7 @@ from swarm_gym.problem.walks import WalkTable, to_cells
 
 Floats = NDArray[np.float64]
 
+
 @inner_kernel
 def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
     """Length of the first points of the walk, in map units."""

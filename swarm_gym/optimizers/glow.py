@@ -1,8 +1,8 @@
 """How bright the members of a glowworm swarm shine, and whom one of them follows.
 
 Source: C. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3
-and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines too, as bright as
-a member that stays where it is brightest.
+and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines too, as bright
+as a member that stays where it is brightest.
 """
 
 import math

@@ -31,13 +31,12 @@ from swarm_gym.optimizers.glowworm_members import (
     begin,
     change_size,
     evaluate_member,
-    is_spent,
     re_evaluate,
 )
 from swarm_gym.optimizers.optimizer import Knob, Optimizer, choice
 from swarm_gym.optimizers.relay import Sight, distance, inert, look_around
 from swarm_gym.optimizers.trajectory import ROBOT, append_point, arrive, remember_path, sees_target
-from swarm_gym.population import Swarms, Workspace
+from swarm_gym.population import Swarms, Workspace, is_spent
 from swarm_gym.problem.sight import sees
 from swarm_gym.problem.tables import Table
 from swarm_gym.problem.walks import WalkTable, to_cells

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import inlined_kernel, inner_kernel
 from swarm_gym.optimizers.trajectory import ROBOT, append_point, begin_trajectory, revise_best
-from swarm_gym.population import Swarms, Workspace, shrink
+from swarm_gym.population import Swarms, Workspace, is_spent, shrink
 from swarm_gym.problem.tables import evaluate, repair
 from swarm_gym.problem.walks import WalkTable, cell_of, to_map
 from swarm_gym.random_stream import fill_uniform
@@ -23,12 +23,6 @@ Floats = NDArray[np.float64]
 LUCIFERIN, RANGE, FOLLOWED = range(3)
 # Until the first luciferin is known, with the parameters of the next iteration.
 UNLIT = -1.0
-
-
-@inlined_kernel
-def is_spent(swarms: Swarms, b: int) -> bool:
-    """Whether the evaluation budget is."""
-    return swarms.evaluations[b] >= swarms.budget[b]
 
 
 @inner_kernel
