@@ -46,7 +46,7 @@ class SwarmBatch:
         self._reward = make_reward(self.settings.reward)
         self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
         if self.settings.reward in NEED_AN_OPTIMUM:
-            self.simulation.require_optima(f"reward {self.settings.reward!r}")
+            self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
         self._scenario_names = np.array(
             [problem.scenario.name for problem in self.simulation.problems], dtype=object
         )
@@ -102,10 +102,13 @@ class SwarmBatch:
     def info(self) -> dict[str, NDArray]:
         """Information on all swarms, arrays with a leading axis of length B, new at each call.
 
-        `optimality_gap` is NaN where the optimum is unknown or the episode goes on.
+        `robot`, (B, 2), and `driven`, (B,), are there where robots drive. `optimality_gap` is NaN where the
+        optimum is unknown or the episode goes on.
         """
         simulation, swarms = self.simulation, self.simulation.swarms
         rows = np.arange(simulation.num_swarms)
+        robots = simulation.robots
+        where = {} if robots is None else {"robot": robots.places.copy(), "driven": robots.driven.copy()}
         return {
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
@@ -115,6 +118,7 @@ class SwarmBatch:
             "feasible_share": swarms.summary[:, 3].copy(),
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
+            **where,
             "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
         }
 

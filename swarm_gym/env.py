@@ -50,8 +50,9 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     options are `scenario`, `initial_population_size` and `initial_population`.
 
     `info`: best_fitness, best_collision, best_path (k, 2), evaluations, population_size, feasible_share,
-    repair_degree, scenario; and at the end optimality_gap, where the optimum is known. On a test function the
-    path is the vector in parallel coordinates.
+    repair_degree, scenario; where robots drive, robot (2,), the place, and driven, the length; and at the end
+    optimality_gap, where the optimum is known. On a test function the path is the vector in parallel
+    coordinates.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.

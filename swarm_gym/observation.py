@@ -58,7 +58,7 @@ class Observation:
 
 
 def _collision_bound(simulation: Simulation) -> float:
-    return max(problem.collision_bound for problem in simulation.problems)
+    return simulation.worlds.collision_bound
 
 
 def _summary(column: int) -> Callable[[Simulation], Floats]:

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
+from swarm_gym.driving import make_robots
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
-from swarm_gym.problem.tables import stack
 from swarm_gym.random_stream import seed_stream
-from swarm_gym.reference import gap_to_optimum, known_optimum
+from swarm_gym.reference import gap_to_optimum
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import Worlds
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -50,9 +51,9 @@ class Simulation:
     of threads. All public arrays have B as their first axis and are changed in place.
 
     Attributes:
-        problems: of all worlds of the scenarios that episodes draw from, one scenario after the other.
-        first_worlds: (scenarios,) where in these those of the scenarios begin.
-        next_event: (problems,) the iteration after which the next world comes into force; 0 if none does.
+        worlds: of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and `optima`
+            are theirs.
+        robots: those that drive while they are planned for; None if none does.
         dimension: length of a decision vector.
         swarms: the state that the kernels work on.
         iteration: (B,) iterations done in this episode.
@@ -80,16 +81,10 @@ class Simulation:
         self.optimizer = optimizer
         self.settings = settings
         self.num_threads = num_threads or most
-        self.problems = settings.problems()
+        self.worlds = Worlds(settings, num_swarms)
+        self.problems, self.optima = self.worlds.problems, self.worlds.optima
+        self.lower_bounds, self.gap_units = self.worlds.lower_bounds, self.worlds.gap_units
         self.dimension = self.problems[0].dimension
-        begins = np.array([world.iteration for world in settings.worlds])
-        self.first_worlds = np.flatnonzero(begins == 0)
-        self.next_event = np.roll(begins, -1)
-        self._is_dynamic = bool(begins.any())
-        self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
-        self.gap_units = np.array([problem.gap_unit for problem in self.problems])
-        self.optima = np.array([known_optimum(problem) for problem in self.problems])
-        self.tables = stack([problem.table for problem in self.problems])
         capacity = settings.max_population_size
         self.swarms = Swarms.allocate(
             num_swarms,
@@ -101,6 +96,8 @@ class Simulation:
             optimizer.walk_points(self.tables, settings.iterations),
         )
         self.swarms.iterations[:] = settings.iterations
+        self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
+        self._anything_happens = self.worlds.ever_change or self.robots is not None
         self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
         self.iteration = self.swarms.iteration
         self.running = np.zeros(num_swarms, dtype=np.bool_)
@@ -108,11 +105,6 @@ class Simulation:
         self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
         self.initial_gap = np.ones(num_swarms)
         self.price = np.zeros(num_swarms)
-
-    @property
-    def scenario_names(self) -> list[str]:
-        """What episodes draw from."""
-        return [self.problems[number].scenario.name for number in self.first_worlds]
 
     @property
     def num_swarms(self) -> int:
@@ -143,8 +135,8 @@ class Simulation:
         for row, seed in zip(rows, seeds, strict=True):
             scenario_seed, stream_seed = seed.spawn(2)
             generator = np.random.default_rng(scenario_seed)
-            draw = generator.integers(len(self.first_worlds))
-            swarms.problem[row] = self.first_worlds[draw if scenario is None else scenario]
+            draw = generator.integers(len(self.worlds.first))
+            swarms.problem[row] = self.worlds.first[draw if scenario is None else scenario]
             self.price[row] = self.settings.draw_price(generator)
             swarms.stream[row] = seed_stream(stream_seed)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
@@ -153,8 +145,10 @@ class Simulation:
         if given:
             swarms.positions[rows, :size, : self.dimension] = population
         self.iteration[rows] = 0
+        if self.robots is not None:
+            self.robots.begin(rows)
         self.optimizer.initialise(
-            swarms, self.tables, chosen, sizes, self.settings.mean_weight, given, self.knobs
+            swarms, self.worlds.tables, chosen, sizes, self.settings.mean_weight, given, self.knobs
         )
         self.running[rows] = True
         self.history[rows] = np.nan
@@ -171,11 +165,9 @@ class Simulation:
         rows = np.flatnonzero(chosen)
         self.iteration[rows] += 1
         reached, ended = self.gap(), self._ended()
-        if self._is_dynamic:
-            due = chosen & ~ended & (self.iteration == self.next_event[self.swarms.problem])
-            if due.any():
-                self._change_worlds(due, reached)
-                ended = self._ended()
+        if self._anything_happens:
+            self._let_happen(chosen & ~ended)
+            ended = self._ended()
         self._record(rows, decisions.repair_degrees, decisions.knobs)
         self.running[rows] = ~ended[rows]
         return reached
@@ -183,14 +175,28 @@ class Simulation:
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """The compiled part of a step."""
         self.optimizer.step(
-            self.swarms, self.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
+            self.swarms, self.worlds.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
         )
 
-    def _change_worlds(self, due: Flags, reached: Floats) -> None:
-        """Go on in the next worlds, where what is remembered costs something else; (B,) each."""
-        self.swarms.problem[due] += 1
-        self.optimizer.re_evaluate(self.swarms, self.tables, due, self.settings.mean_weight, self.num_threads)
-        self.initial_gap[due] *= self.gap()[due] / reached[due]
+    def _let_happen(self, going: Flags) -> None:
+        """What follows the iteration that these swarms, (B,), have done: events, and then robots drive."""
+        before, next_event = self.gap(), self.worlds.next_event[self.swarms.problem]
+        changed = going & (next_event > 0) & (next_event <= self.iteration)
+        if self.robots is not None:
+            changed = self.robots.enter_next_worlds(changed)
+        else:
+            self.swarms.problem[changed] += 1
+        self._re_evaluate(changed, before)
+        if self.robots is not None:
+            before = self.gap()
+            self._re_evaluate(self.robots.drive(going & ~self._ended()), before)
+
+    def _re_evaluate(self, changed: Flags, before: Floats) -> None:
+        """Evaluate anew what swarms remember whose problems have changed, (B,), and the gaps before, (B,)."""
+        if changed.any():
+            mean_weight, num_threads = self.settings.mean_weight, self.num_threads
+            self.optimizer.re_evaluate(self.swarms, self.worlds.tables, changed, mean_weight, num_threads)
+            self.initial_gap[changed] *= self.gap()[changed] / before[changed]
 
     def _ended(self) -> Flags:
         return (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
@@ -200,6 +206,8 @@ class Simulation:
         state = (self.running, self.history, self.initial_gap, self.price)
         for array in (*self.swarms, *state):
             array[...] = array[rows]
+        if self.robots is not None:
+            self.robots.copy_rows(rows)
 
     def pace(self) -> Floats:
         """(B,) evaluations for each iteration that is left, where the budget is spread evenly over them."""
@@ -222,19 +230,6 @@ class Simulation:
         """
         return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
 
-    def require_optima(self, purpose: str) -> None:
-        """Refuse scenarios whose optimum is not known.
-
-        Raises:
-            SettingError: naming the first of them.
-        """
-        for problem, optimum in zip(self.problems, self.optima, strict=True):
-            if np.isnan(optimum):
-                raise SettingError(
-                    f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "
-                    f"see swarm_gym.reference.ensure_optima"
-                )
-
     def best_paths(self) -> Floats:
         """(B, k, 2) best paths so far in map coordinates; without a map, see `Problem.points`.
 
@@ -243,11 +238,7 @@ class Simulation:
         if self.swarms.walk.shape[1] > 0:
             return self._best_walks()
         vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
-        if len(self.problems) == 1:
-            return self.problems[0].points(vectors)
-        # One problem after the other, then in the order of the swarms again.
-        found = [self.problems[number].points(vectors[numbers == number]) for number in np.unique(numbers)]
-        return np.concatenate(found)[np.argsort(np.argsort(numbers, kind="stable"))]
+        return self.worlds.points(vectors, numbers)
 
     def _best_walks(self) -> Floats:
         num_points = self.swarms.walk.shape[1]
@@ -271,6 +262,8 @@ class Simulation:
 
     def way(self, row: int) -> Floats:
         """(k, 2) where the robot of a swarm has gone, in map coordinates; empty where it only plans."""
+        if self.robots is not None:
+            return np.array(self.robots.ways[row]).reshape(-1, 2)
         return self.swarms.walk[row, : self.swarms.walked[row]].copy()
 
     def problem_of(self, row: int) -> Problem:
@@ -295,7 +288,7 @@ class Simulation:
                 raise UnknownNameError("reset option", name, RESET_OPTIONS)
         scenario = None
         if "scenario" in options:
-            names = self.scenario_names
+            names = self.worlds.scenario_names
             if options["scenario"] not in names:
                 raise UnknownNameError("scenario of this environment", options["scenario"], names)
             scenario = names.index(options["scenario"])
@@ -321,7 +314,8 @@ class Simulation:
         array = np.asarray(population, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != n:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
-        lower, upper = self.tables.lower.max(axis=0)[:n], self.tables.upper.min(axis=0)[:n]
+        lower, upper = self.worlds.common_bounds
+        lower, upper = lower[:n], upper[:n]
         if not ((array >= lower) & (array <= upper)).all():
             raise SettingError("initial_population must be finite and inside the bounds of decision vectors")
         return array

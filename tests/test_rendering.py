@@ -47,6 +47,7 @@ def empty_scene(scenario, **changes):
         paths=np.empty((0, 3, 2)),
         feasible=np.empty(0, dtype=np.bool_),
         best_path=np.zeros((3, 2)),
+        way=np.empty((0, 2)),
         best_fitness=np.inf,
         best_feasible=False,
         iteration=0,

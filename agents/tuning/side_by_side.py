@@ -104,7 +104,7 @@ class SideBySide:
     def _begin(self, first_sizes: list[int], seed: int) -> NDArray:
         """Reset all swarms; the first observations."""
         count, episodes = self._shape
-        names = self._simulation.scenario_names
+        names = self._simulation.worlds.scenario_names
         scenarios = np.tile(_balanced(len(names), episodes, seed), count)
         sizes = np.repeat(first_sizes, episodes)
         seeds: Any = [seed + episode for episode in range(episodes)] * count

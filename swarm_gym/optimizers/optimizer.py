@@ -157,6 +157,12 @@ class Optimizer:
         spread(run, chosen, num_threads)
 
     @staticmethod
+    def decision_vectors(swarms: Swarms, row: int, dimension: int) -> list[NDArray[np.float64]]:
+        """All decision vectors that a swarm remembers, as views (m, dimension); the first are its members."""
+        size = swarms.size[row]
+        return [swarms.positions[row, :size, :dimension], swarms.best_position[row : row + 1, :dimension]]
+
+    @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
         """K, how many numbers are remembered of each member, of decision vectors of that length."""
         return 0

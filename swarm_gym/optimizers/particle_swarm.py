@@ -169,6 +169,13 @@ class ParticleSwarm(Optimizer):
     kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
+    def decision_vectors(swarms: Swarms, row: int, dimension: int) -> list[Floats]:
+        """Where the particles are, the best so far, and where each was best."""
+        width, size = columns(dimension), swarms.size[row]
+        own_bests = swarms.memory[row, :size, width : width + dimension]
+        return [*Optimizer.decision_vectors(swarms, row, dimension), own_bests]
+
+    @staticmethod
     def memory_columns(dimension: int) -> int:
         """Velocity, best position, and its fitness."""
         return 2 * columns(dimension) + 1

@@ -1,7 +1,7 @@
 """Problems on analytic maps: waypoints among circles and convex polygons."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,17 +9,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.problem.clear_way import is_clear
 from swarm_gym.problem.frame import Frame
+from swarm_gym.problem.map_problem import MapProblem
 from swarm_gym.problem.pairs import Pair, list_pairs, shapes_in_frame
 from swarm_gym.problem.problem import Problem
+from swarm_gym.problem.resampling import resampled
 from swarm_gym.problem.waypoints import WaypointTable, points_beside, spacing_of, tabulate
-from swarm_gym.scenarios import Circle, Obstacle, Scenario, require_analytic
+from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario, require_analytic
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class AnalyticProblem(Problem):
+class AnalyticProblem(MapProblem):
     """Find the waypoint offsets, shape (num_waypoints,), of least fitness on a scenario.
 
     Attributes:
@@ -72,6 +75,26 @@ class AnalyticProblem(Problem):
         return sum(reach + pair.top - pair.bottom for pair in self.pairs) / 2.0
 
     @property
+    def collision_bound_anywhere(self) -> float:
+        """The same wherever in the workspace the start is."""
+        x_min, y_min, x_max, y_max = self.scenario.workspace
+        reach = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
+        shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.obstacles]
+        return (self.num_waypoints + 1) * sum(shifts)
+
+    def begun_at(self, start: Point) -> "AnalyticProblem":
+        """The same problem from another start."""
+        return replace(self, scenario=replace(self.scenario, start=start, initial_range=None))
+
+    def carried_over(self, vectors: Floats, before: Problem) -> Floats:
+        """Offsets at which the same paths pass beside the new line, inside the workspace."""
+        return np.clip(resampled(before.points(vectors), self.scenario, self.num_waypoints), *self.bounds)
+
+    def is_clear(self, path: Floats) -> bool:
+        """Whether a polyline enters no obstacle."""
+        return is_clear(path, self.scenario.obstacles)
+
+    @property
     def identity(self) -> tuple[Any, ...]:
         """What fitness depends on."""
         scenario = self.scenario
@@ -94,6 +117,14 @@ class AnalyticProblem(Problem):
         """Map coordinates of start, waypoints of offset 0, and target, shape (num_waypoints + 2, 2)."""
         x = self.table.spacing * np.arange(self.num_waypoints + 2)
         return self.frame.to_map(x, np.zeros_like(x))
+
+
+def _extent(obstacle: Obstacle) -> float:
+    """A length that no two points of an obstacle are farther apart than."""
+    if isinstance(obstacle, Circle):
+        return 2.0 * obstacle.radius
+    low, high = np.min(obstacle.vertices, axis=0), np.max(obstacle.vertices, axis=0)
+    return math.hypot(*(high - low))
 
 
 def _plain(obstacle: Obstacle) -> list:

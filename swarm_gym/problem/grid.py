@@ -4,6 +4,7 @@ Kernels work in cells: (column, row), cell centres at whole numbers. The map has
 around it, for which everything outside stands.
 """
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,11 +74,7 @@ def select(tables: GridTable, index: int) -> GridTable:
 
 def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
     """The table of a map and an encoding, with lambda fitness per infeasible sample."""
-    from scipy.ndimage import distance_transform_edt
-
-    blocked = np.pad(grid.blocked, 1, constant_values=True)
-    _, nearest = distance_transform_edt(blocked, return_indices=True)
-    row, column = nearest.astype(np.int32) - 1
+    blocked, nearest = _cells(grid)
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
     return GridTable(
@@ -98,8 +95,19 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
         weights,
         steps,
         blocked.astype(np.uint8).ravel(),
-        np.ascontiguousarray(np.stack([column, row], axis=-1).reshape(-1, 2)),
+        nearest,
     )
+
+
+@lru_cache(maxsize=8)
+def _cells(grid: GridMap) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
+    """What is blocked, (rows, columns) with the border, and the nearest free cell of every cell."""
+    from scipy.ndimage import distance_transform_edt
+
+    blocked = np.pad(grid.blocked, 1, constant_values=True)
+    _, nearest = distance_transform_edt(blocked, return_indices=True)
+    row, column = nearest.astype(np.int32) - 1
+    return blocked, np.ascontiguousarray(np.stack([column, row], axis=-1).reshape(-1, 2))
 
 
 def _in_blocks(encoding: Encoding) -> tuple[Integers, Floats, Floats]:

@@ -75,6 +75,25 @@ def stack(tables: list[Table]) -> Table:
     return kind._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
 
 
+def put(tables: Table, row: int, table: Table) -> Table:
+    """Stacked tables with another one in a row: changed in place, or made anew where it takes more room."""
+    return type(tables)._make(
+        _put_padded(column, row, np.asarray(value)) for column, value in zip(tables, table, strict=True)
+    )
+
+
+def _put_padded(column: NDArray, row: int, array: NDArray) -> NDArray:
+    shape = np.maximum(column.shape[1:], array.shape).astype(int)
+    if tuple(shape) != column.shape[1:]:
+        larger = np.zeros((len(column), *shape), dtype=column.dtype)
+        larger[tuple(map(slice, column.shape))] = column
+        column = larger
+    column[row] = 0
+    index: tuple[Any, ...] = (row, *map(slice, array.shape))
+    column[index] = array
+    return column
+
+
 def _pad_and_stack(values: tuple) -> NDArray:
     arrays = [np.asarray(value) for value in values]
     shape = np.max([array.shape for array in arrays], axis=0).astype(int)

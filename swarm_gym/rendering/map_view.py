@@ -36,10 +36,13 @@ class MapView(View):
         paths = self.pixels(scene.paths)
         pen.dashes(COLLIDING, paths[~scene.feasible], 1)
         pen.lines(FEASIBLE, paths[scene.feasible], 1)
+        is_away = len(scene.way) > 1
+        if is_away:
+            pen.lines(START, self.pixels(scene.way[None]), 2.8)
         if np.isfinite(scene.best_fitness):
             pen.lines(BEST, self.pixels(scene.best_path[None]), 2.8)
         pen.surface.set_clip(None)
-        self._draw_end(pen, "start", self.scenario.start, START, corners=48)
+        self._draw_end(pen, "robot" if is_away else "start", self.scenario.start, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
 
     def draw_legend(self, pen: Pen, scene: Scene) -> None:

@@ -24,6 +24,7 @@ class Scene:
     paths: Floats  # (members, k, 2)
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
     best_path: Floats  # (k, 2) best so far
+    way: Floats  # (j, 2) where the robot has driven; empty where it does not drive
     best_fitness: float  # infinite before the first evaluation
     best_feasible: bool
     iteration: int
@@ -42,6 +43,7 @@ class Scene:
             paths=_shown(problem, simulation.positions(row)),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
             best_path=_shown(problem, simulation.best_position(row)),
+            way=simulation.way(row),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
             iteration=iteration,

@@ -27,10 +27,11 @@ from swarm_gym.scenarios.dynamic_scenario import (
     MapScenario,
     StaticScenario,
     World,
+    drive_of,
     world_at,
     worlds_of,
 )
-from swarm_gym.scenarios.events import Appear, Disappear, Event, Move
+from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
@@ -45,6 +46,7 @@ __all__ = [
     "Appear",
     "Circle",
     "Disappear",
+    "Drive",
     "DynamicScenario",
     "Event",
     "FunctionScenario",
@@ -58,6 +60,7 @@ __all__ = [
     "Scenario",
     "StaticScenario",
     "World",
+    "drive_of",
     "expand_name",
     "make_scenario",
     "make_scenarios",

@@ -2,21 +2,26 @@
 
 The base is a scenario of a fixed map, the event one of those below for it, and the iteration the one that it
 follows: on `dynamic:case1-block@70` the block is there from the 71st iteration on.
+
+With `-drive@40,every=5,distance=60` behind that, or in the place of the event, the robot drives 60 map units
+after iterations 40, 45, 50 and so on; so it can on any map.
 """
 
 import re
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.dynamic_scenario import DynamicScenario
-from swarm_gym.scenarios.events import Appear, Disappear, Event, Move
+from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.family import NUMBER, Family
-from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Circle, Polygon, Scenario
+from swarm_gym.scenarios.scenario import Circle, Polygon
 
 NAME = "dynamic"
-USAGE = f"{NAME}:<base>-<event>@<iteration>"
+USAGE = f"{NAME}:<base>[-<event>@<iteration>][-drive@<first>,every=<iterations>,distance=<length>]"
+# The pattern of a length in a name: no sign, no exponent and no superfluous zero.
+LENGTH = rf"{NUMBER}(?:\.[0-9]*[1-9])?"
 
 # By base and name, with iterations counted from the one in the scenario's name. A block closes the corridor
 # that the shortest path takes, a gate the one that populations of fireflies have settled in by iteration 50;
@@ -55,36 +60,65 @@ EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The name, if it is one.
+    """The names of single scenarios that a name stands for: several if its base is a range and has no event.
 
     Raises:
-        UnknownNameError: if there are no events for such a base, or none of that name.
+        UnknownNameError: if there is no such base, there are no events for it, or none of that name.
         ScenarioError: if the name has another form.
     """
-    base, event, _ = _parse(name)
-    look_up(f"event on {base!r}", event, look_up("base of dynamic scenarios", base, EVENTS))
-    return (name,)
+    from swarm_gym.scenarios import expand_name
+
+    parts = _parse(name)
+    if parts.event is not None:
+        look_up(
+            f"event on {parts.base!r}", parts.event, look_up("base of dynamic scenarios", parts.base, EVENTS)
+        )
+    rest = name.removeprefix(f"{NAME}:{parts.base}")
+    return tuple(f"{NAME}:{base}{rest}" for base in expand_name(parts.base))
 
 
 def make(name: str) -> DynamicScenario:
-    """The scenario of that name."""
+    """The scenario of that name.
+
+    Raises:
+        ScenarioError: if the base has no map, or one that changes itself.
+    """
     from swarm_gym.scenarios import make_scenario
 
-    base, event, iteration = _parse(name)
-    made = make_scenario(base)
-    assert isinstance(made, Scenario | GridScenario)
-    events = (replace(one, iteration=one.iteration + iteration) for one in EVENTS[base][event])
-    return DynamicScenario(name, made, tuple(events))
+    base, event, begin, drive = _parse(name)
+    events = () if event is None else EVENTS[base][event]
+    shifted = (replace(one, iteration=one.iteration + begin) for one in events)
+    made: Any = make_scenario(base)  # a map, which the scenario sees to
+    return DynamicScenario(name, made, tuple(shifted), drive)
 
 
-def _parse(name: str) -> tuple[str, str, int]:
-    """Base, event and iteration."""
-    match = re.fullmatch(rf"{NAME}:(.+)-([a-z]+)@({NUMBER})", name)
-    if match is None or int(match[3]) == 0:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE} with an iteration from 1 on")
-    return match[1], match[2], int(match[3])
+class _Parts(NamedTuple):
+    base: str
+    event: str | None
+    begin: int
+    drive: Drive | None
+
+
+def _parse(name: str) -> _Parts:
+    event_at = f"(?:-([a-z]+)@({NUMBER}))?"
+    drive_at = f"(?:-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
+    match = re.fullmatch(f"{NAME}:(.+?){event_at}{drive_at}", name)
+    iterations = ("0",) if match is None else match.group(3, 4, 5)
+    # There is one or the other, and none of these numbers is 0.
+    if match is None or iterations == (None, None, None) or "0" in iterations:
+        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with iterations from 1 on")
+    base, event, begin, first, every, distance = match.groups()
+    drive = None if first is None else Drive(int(first), int(every), float(distance))
+    return _Parts(base, event, int(begin or 0), drive)
 
 
 FAMILY = Family(
-    USAGE, tuple(f"{NAME}:{base}-{event}@70" for base in EVENTS for event in EVENTS[base]), expand, make
+    USAGE,
+    (
+        *(f"{NAME}:{base}-{event}@70" for base in EVENTS for event in EVENTS[base]),
+        f"{NAME}:case3-drive@40,every=5,distance=80",
+        f"{NAME}:rooms:0-block@50-drive@40,every=5,distance=8",
+    ),
+    expand,
+    make,
 )

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.scenarios.events import Appear, Disappear, Event, Move, Obstacles
+from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move, Obstacles
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -41,6 +41,7 @@ class DynamicScenario:
         name: what results are filed under; all its worlds have it.
         base: the task before anything happened.
         events: in the order in which they happen; several may follow the same iteration.
+        drive: how the robot drives meanwhile; None if it stays at the start.
 
     Raises:
         ScenarioError: if the events are malformed or not in order, or if one leaves start or target in an
@@ -50,12 +51,15 @@ class DynamicScenario:
     name: str
     base: MapScenario
     events: tuple[Event, ...]
+    drive: Drive | None = None
 
     def __post_init__(self) -> None:
         where = f"scenario {self.name!r}"
         if not isinstance(self.base, Scenario | GridScenario):
             raise ScenarioError(f"{where}: the base must be a Scenario or a GridScenario, got {self.base!r}")
         object.__setattr__(self, "events", _events(where, self.events))
+        if not isinstance(self.drive, Drive | None):
+            raise ScenarioError(f"{where}: drive must be a Drive or None, got {self.drive!r}")
         for event in self.events:
             if event.iteration < 1:
                 raise ScenarioError(f"{where}: {event}: events can follow iterations from 1 on")
@@ -104,6 +108,11 @@ def worlds_of(scenario: AnyScenario) -> tuple[World, ...]:
 def world_at(scenario: AnyScenario, iteration: int) -> StaticScenario:
     """What a scenario is when so many iterations are done, and what follows the last of them has happened."""
     return [world.scenario for world in worlds_of(scenario) if world.iteration <= iteration][-1]
+
+
+def drive_of(scenario: AnyScenario) -> Drive | None:
+    """How the robot of a scenario drives while it is planned for; None if it does not."""
+    return scenario.drive if isinstance(scenario, DynamicScenario) else None
 
 
 def _events(where: str, given: Any) -> tuple[Event, ...]:

@@ -1,4 +1,4 @@
-"""What can happen on a map while a robot is planned for: obstacles appear, move and disappear.
+"""What can happen on a map while a robot is planned for: obstacles appear, move and disappear; it drives.
 
 Obstacles are named by their numbers, which nothing changes: those of a map of circles and polygons have the
 numbers of their places in `Scenario.obstacles`, and what appears has the next one. On grid maps only what
@@ -7,7 +7,7 @@ appeared has a number, from 0 on.
 
 from dataclasses import dataclass
 
-from swarm_gym.checks import require_integer
+from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, require_numbers
 
@@ -68,6 +68,26 @@ class Disappear:
 
 
 Event = Appear | Move | Disappear
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How a robot drives while it is planned for: after some iterations a piece of the best path so far.
+
+    Attributes:
+        first: the iteration that it first drives after.
+        every: iterations from one drive to the next.
+        distance: how far it drives each time, in map units.
+    """
+
+    first: int
+    every: int
+    distance: float
+
+    def __post_init__(self) -> None:
+        require_integer(f"{self}: first", self.first, 1)
+        require_integer(f"{self}: every", self.every, 1)
+        require_number(f"{self}: distance", self.distance, 1e-9, 1e9)
 
 
 def _present(event: Move | Disappear, obstacles: Obstacles) -> Obstacle:

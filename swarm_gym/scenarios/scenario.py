@@ -9,6 +9,10 @@ from swarm_gym.errors import ScenarioError
 
 Point = tuple[float, float]
 
+# How deep, in map units, what only touches an obstacle may lie in it, since numbers are rounded; more than a
+# path may and still be called feasible.
+TOUCHING = 1e-8
+
 
 @dataclass(frozen=True)
 class Circle:
@@ -25,7 +29,11 @@ class Circle:
 
     def contains(self, point: Point) -> bool:
         """Whether a point lies in the open disc."""
-        return math.hypot(point[0] - self.x, point[1] - self.y) < self.radius
+        return self.depth(point) > 0
+
+    def depth(self, point: Point) -> float:
+        """Distance of a point in the disc from its edge; negative outside."""
+        return self.radius - math.hypot(point[0] - self.x, point[1] - self.y)
 
     def moved(self, by: Point) -> "Circle":
         """The same disc elsewhere."""
@@ -69,6 +77,10 @@ class Polygon:
     def contains(self, point: Point) -> bool:
         """Whether a point lies in the open polygon."""
         return all(_cross(a, b, point) > 0 for a, b in self.edges())
+
+    def depth(self, point: Point) -> float:
+        """Distance of a point in the polygon from its edges; negative outside."""
+        return min(_cross(a, b, point) / math.dist(a, b) for a, b in self.edges())
 
     def moved(self, by: Point) -> "Polygon":
         """The same polygon elsewhere."""
@@ -139,7 +151,7 @@ class Scenario:
                     raise ScenarioError(
                         f"{where}: obstacle {number} is {obstacle!r}, expected a Circle or a Polygon"
                     )
-                if obstacle.contains(point):
+                if obstacle.depth(point) > TOUCHING:
                     raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
         if self.initial_range is not None and self.initial_range[0] >= self.initial_range[1]:
             raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")

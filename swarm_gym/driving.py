@@ -1,0 +1,173 @@
+"""Robots that drive along what a simulation has found for them so far, while it goes on planning.
+
+After some iterations (`Drive`) the robot of a swarm drives a piece of the best path so far, if nothing is in
+the way on it; else it waits. From then on the swarm plans from where the robot is: it has a problem of its
+own, to which what the optimizer remembers is carried over.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import ScenarioError, SettingError
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.population import Swarms
+from swarm_gym.problem import MapProblem
+from swarm_gym.scenarios import Point, drive_of
+from swarm_gym.settings import Settings
+from swarm_gym.worlds import Worlds
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+# Share of its length by which a path may be longer than what is driven, and the robot is at the target.
+ARRIVAL = 1e-9
+
+
+class Robots:
+    """The robots of B swarms; of those that do not drive, where they stand.
+
+    Attributes:
+        places: (B, 2) where they are, in map coordinates.
+        driven: (B,) how far they have driven in this episode, in map units.
+        ways: of each the points, (x, y), that it has passed, from the start to where it is.
+    """
+
+    def __init__(self, worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms):
+        self._worlds, self._optimizer, self._swarms = worlds, optimizer, swarms
+        num_swarms = len(swarms.size)
+        self._world = np.zeros(num_swarms, dtype=np.int64)  # number of the world in force
+        # Of every world: after which iteration they drive first, 0 for never; how often, and how far.
+        scenario_of = np.searchsorted(worlds.first, np.arange(worlds.num_worlds), side="right") - 1
+        drives = [drive_of(scenario) for scenario in settings.scenarios]
+        numbers = [(drive.first, drive.every, drive.distance) if drive else (0, 1, 0.0) for drive in drives]
+        self._first, self._every, self._distance = np.array(numbers)[scenario_of].T
+        self.places = np.zeros((num_swarms, 2))
+        self.driven = np.zeros(num_swarms)
+        self.ways: list[list[Point]] = [[] for _ in range(num_swarms)]
+
+    def begin(self, rows: Integers) -> None:
+        """Put the robots of swarms that begin episodes at the starts."""
+        self._world[rows] = self._swarms.problem[rows]
+        self.driven[rows] = 0.0
+        for row in rows.tolist():
+            start = self._problem(row).scenario.start
+            self.places[row], self.ways[row] = start, [start]
+
+    def enter_next_worlds(self, due: Flags) -> Flags:
+        """Let these swarms go on in the next worlds; (B,) those that do.
+
+        What would come down on a robot, or cut it off, waits until the robot has driven on.
+        """
+        entered = due.copy()
+        for row in np.flatnonzero(due).tolist():
+            world = int(self._world[row]) + 1
+            if self._swarms.problem[row] < self._worlds.num_worlds:
+                self._swarms.problem[row] = world
+            else:
+                try:
+                    problem = self._problem(row, world).begun_at(self.ways[row][-1])
+                except ScenarioError:
+                    entered[row] = False
+                    continue
+                self._give(row, problem, world)
+            self._world[row] = world
+        return entered
+
+    def drive(self, going: Flags) -> Flags:
+        """Let these robots drive where it is time to and nothing is in the way; (B,) those that plan on."""
+        moved, iteration, world = np.zeros_like(going), self._swarms.iteration, self._world
+        since = iteration - self._first[world]
+        due = going & (self._first[world] > 0) & (since >= 0) & (since % self._every[world] == 0)
+        for row in np.flatnonzero(due).tolist():
+            problem = self._problem(row)
+            found = self._free_piece(row, problem, self._distance[world[row]])
+            if found is None:
+                continue
+            piece, arrives = found
+            if arrives:
+                # Nothing is left to be planned: the episode ends.
+                self._swarms.budget[row] = self._swarms.evaluations[row]
+            else:
+                try:
+                    there = problem.begun_at(tuple(piece[-1].tolist()))
+                except ScenarioError:  # it would stop at the edge of a blocked cell
+                    continue
+                for vectors in self._optimizer.decision_vectors(self._swarms, row, problem.dimension):
+                    vectors[...] = there.carried_over(vectors, problem)
+                self._give(row, there, int(world[row]))
+                moved[row] = True
+            self.places[row] = piece[-1]
+            self.driven[row] += _length(piece)
+            self.ways[row] += [(x, y) for x, y in piece[1:].tolist()]
+        return moved
+
+    def copy_rows(self, rows: Integers) -> None:
+        """Make the robot of swarm i a copy of that of swarm rows[i], which the swarm is already."""
+        problems = list(self._worlds.problems)
+        for array in (self._world, self.places, self.driven):
+            array[...] = array[rows]
+        self.ways = [list(self.ways[row]) for row in rows]
+        for row, number in enumerate(self._swarms.problem.tolist()):
+            if number >= self._worlds.num_worlds:
+                self._give(row, problems[number], int(self._world[row]))
+
+    def _free_piece(self, row: int, problem: MapProblem, distance: float) -> tuple[Floats, bool] | None:
+        """The piece of the best path so far that a robot drives, see `piece_of`; None if it is not free.
+
+        Best paths are best by their fitness and often graze something by less than a map unit, so they are
+        repaired once where they are not free.
+        """
+        best = self._swarms.best_position[row, : problem.dimension]
+        for vector in (best, problem.repaired(best, 1.0)):
+            piece, arrives = piece_of(problem.points(vector), distance)
+            if problem.is_clear(piece):
+                return piece, arrives
+        return None
+
+    def _problem(self, row: int, number: int | None = None) -> MapProblem:
+        """The problem of a swarm, or that of a world."""
+        problem = self._worlds.problems[self._swarms.problem[row] if number is None else number]
+        assert isinstance(problem, MapProblem)
+        return problem
+
+    def _give(self, row: int, problem: MapProblem, world: int) -> None:
+        """Let a swarm work on a problem of its own, in that world."""
+        number = self._worlds.num_worlds + row
+        self._worlds.replace(number, problem, world)
+        self._swarms.problem[row] = number
+
+
+def make_robots(
+    worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms
+) -> Robots | None:
+    """The robots of a simulation, if any of its scenarios lets them drive.
+
+    Raises:
+        SettingError: if members are no whole paths.
+    """
+    if not any(map(drive_of, settings.scenarios)):
+        return None
+    problem = worlds.problems[0]
+    if not isinstance(problem, MapProblem):
+        raise SettingError(
+            f"scenario {problem.scenario.name!r}: robots drive along whole paths; of encoding "
+            f"{settings.encoding!r} there are none"
+        )
+    return Robots(worlds, settings, optimizer, swarms)
+
+
+def piece_of(path: Floats, distance: float) -> tuple[Floats, bool]:
+    """The first piece, (j, 2), of a polyline, (k, 2), that is so long; and whether that is all of it."""
+    ends = np.cumsum(np.hypot(*np.diff(path, axis=0).T))
+    if ends[-1] <= distance * (1.0 + ARRIVAL):
+        return path, True
+    segment = int(np.searchsorted(ends, distance))
+    begin = ends[segment - 1] if segment > 0 else 0.0
+    share = (distance - begin) / (ends[segment] - begin)
+    last = path[segment] + share * (path[segment + 1] - path[segment])
+    return np.vstack([path[: segment + 1], last]), False
+
+
+def _length(path: Floats) -> float:
+    return float(np.hypot(*np.diff(path, axis=0).T).sum())
