@@ -92,8 +92,8 @@ class Simulation:
             self.dimension,
             optimizer.memory_columns(self.dimension),
             optimizer.num_registers(capacity),
-            optimizer.field_size(self.tables),
-            optimizer.walk_points(self.tables, settings.iterations),
+            optimizer.field_size(self.worlds.tables),
+            optimizer.walk_points(self.worlds.tables, settings.iterations),
         )
         self.swarms.iterations[:] = settings.iterations
         self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
