@@ -33,7 +33,7 @@ def tabulate_rooms(blocked: Flags) -> Rooms:
     """How many cells are free around a free cell on all sides; of a blocked one -1 - how many are blocked.
 
     Args:
-        blocked: a grid, (height, width). Everything outside is blocked.
+        blocked: a grid, (height, width), with a free cell. Everything outside is blocked.
 
     Returns:
         (height, width)
@@ -146,7 +146,9 @@ def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float,
         x, y = x0 + share * dx, y0 + share * dy
         column, row = _cell(x, rooms.shape[1]), _cell(y, rooms.shape[0])
         room = rooms[row, column]
-        if room > 0 or room < -1:
+        # Beside the map, the cell is only the next one.
+        is_inside = abs(x - column) < 1.0 and abs(y - row) < 1.0
+        if room > 0 or (room < -1 and is_inside):
             if near >= 0.0:
                 part = blocked_share(blocked, x0 + near * dx, y0 + near * dy, x, y, 1.0)
                 total += part * (share - near)
