@@ -129,3 +129,16 @@ def test_everything_outside_the_map_is_blocked():
     assert not sees(blocked, rooms, 5.0, 5.0, 5.0, 11.6)
     assert not sees(blocked, rooms, -math.pi, 5.0, 15.0, 5.0)
     assert share_blocked(blocked, rooms, 5.5, -12.5, 5.5, 11.5) == pytest.approx(0.5)
+
+
+def test_a_jump_does_not_end_in_a_closed_gap():
+    """Of two rooms that touch at a corner, where the free cells around a point end."""
+    blocked = np.ones((10, 10), np.bool_)
+    blocked[:5, :5] = blocked[5:, 5:] = False
+    rooms = tabulate_rooms(blocked)
+    assert rooms[2, 2] == 2
+    for p, q in (((2.0, 2.0), (7.0, 7.0)), ((1.0, 1.0), (8.0, 8.0)), ((2.5, 1.5), (6.5, 7.5))):
+        assert not sees(blocked, rooms, *p, *q)
+        assert not sees(blocked, rooms, *q, *p)
+        assert not segment_is_free(blocked, *p, *q)
+        assert share_blocked(blocked, rooms, *p, *q) == 0.0
