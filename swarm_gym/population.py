@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.jit import borrowing_kernel, inner_kernel, merged_kernel
+from swarm_gym.lanes import NUM_LANES, load, store
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
@@ -101,6 +102,13 @@ def make_workspace(num_columns: int) -> Workspace:
 def is_spent(swarms: Swarms, b: int) -> bool:
     """Whether swarm `b` may evaluate nothing more."""
     return swarms.evaluations[b] >= swarms.budget[b]
+
+
+@borrowing_kernel
+def copy_position(position: Floats, other: Floats) -> None:
+    """Let another array, (C,), hold the same position."""
+    for k in range(0, position.shape[0], NUM_LANES):
+        store(other, k, load(position, k))
 
 
 @merged_kernel

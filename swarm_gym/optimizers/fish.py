@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.jit import borrowing_kernel, inner_kernel
 from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
-from swarm_gym.population import Swarms, Workspace, evaluate_path, is_spent
+from swarm_gym.population import Swarms, Workspace, copy_position, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table, evaluate, repair, unit_length
 from swarm_gym.random_stream import fill_uniform
 
@@ -171,13 +171,6 @@ def take_down(work: Workspace, position: Floats) -> None:
 
 
 @borrowing_kernel
-def copy(position: Floats, other: Floats) -> None:
-    """Let another array, (C,), hold the same position."""
-    for k in range(0, position.shape[0], NUM_LANES):
-        store(other, k, load(position, k))
-
-
-@borrowing_kernel
 def empty_centre(school: School) -> None:
     """Begin to find the mean of some positions."""
     for k in range(0, school.centre.shape[0], NUM_LANES):
@@ -276,5 +269,5 @@ def settle(school: School, swarms: Swarms, b: int, i: int) -> None:
     """End the turn of member i: it goes to the candidate, if there is one."""
     if school.outcome[0] < math.inf:
         swarms.fitness[b, i], swarms.collision[b, i] = school.outcome[0], school.outcome[1]
-        copy(school.candidate, swarms.positions[b, i])
+        copy_position(school.candidate, swarms.positions[b, i])
         school.outcome[0] = math.inf

@@ -21,7 +21,6 @@ from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.fish import (
     School,
     approach,
-    copy,
     draw,
     gather,
     go_astray,
@@ -34,7 +33,7 @@ from swarm_gym.optimizers.fish import (
 from swarm_gym.optimizers.fish_swarm import CROWDING, PREY, STEP, TRIES, VISUAL, take_turns
 from swarm_gym.optimizers.improved_fish_swarm import SMALLEST_STEP, SMALLEST_VISUAL
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import Swarms, Workspace, is_spent
+from swarm_gym.population import Swarms, Workspace, copy_position, is_spent
 from swarm_gym.problem.tables import Table
 
 Floats = NDArray[np.float64]
@@ -58,7 +57,7 @@ def prey(
 ) -> None:
     """Member i goes from one better point to the next; without one towards the best so far, or it leaps."""
     here, best = school.start, school.seen
-    copy(swarms.positions[b, i], here)
+    copy_position(swarms.positions[b, i], here)
     fitness, collision = swarms.fitness[b, i], swarms.collision[b, i]
     for _ in range(ROUNDS):
         found, found_collision = math.inf, math.inf
@@ -73,7 +72,7 @@ def prey(
         if found >= fitness:
             break
         fitness, collision = found, found_collision
-        copy(best, here)
+        copy_position(best, here)
     if fitness < swarms.fitness[b, i]:
         go_to(work, here)
         offer(school, work, fitness, collision)

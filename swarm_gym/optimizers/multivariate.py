@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
+from swarm_gym.jit import borrowing_kernel, inner_kernel
 from swarm_gym.optimizers import driver
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.optimizers.regions import (
@@ -52,7 +52,7 @@ class MultivariateRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@borrowing_kernel
 def _search_anywhere(
     regions: Regions,
     swarms: Swarms,
@@ -75,7 +75,7 @@ def _search_anywhere(
         offer_head(regions, limit, work.path[1:], fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def _search_around(
     regions: Regions,
     swarms: Swarms,
@@ -89,7 +89,7 @@ def _search_around(
     count, path = regions.used[0], work.path
     for i in range(count):
         column = regions.order[i]
-        centre = regions.position[column, 0].copy()
+        centre = regions.position[column, 0]  # it stays the head until the list is full
         # A region that fell back in rank keeps the best of its list.
         regions.length[column] = min(regions.length[column], count - i)
         for _ in range(count - i):

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
-from swarm_gym.population import Swarms, outlives
+from swarm_gym.jit import borrowing_kernel, inner_kernel
+from swarm_gym.population import Swarms, copy_position, outlives
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -30,6 +30,7 @@ class Regions(NamedTuple):
     length: Integers  # (N,) of the lists
     used: Integers  # (1,) columns in use
     order: Integers  # (N,) of the columns, best head first
+    former: Floats  # (C,) scratch: a head that becomes part of its list
 
 
 @inner_kernel
@@ -56,6 +57,7 @@ def make_regions(num_columns: int, width: int) -> Regions:
         np.zeros(num_columns, np.int64),
         np.zeros(1, np.int64),
         np.zeros(num_columns, np.int64),
+        np.zeros(width),
     )
 
 
@@ -76,21 +78,21 @@ def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
     return regions
 
 
-@inner_kernel
+@borrowing_kernel
 def _copy_in(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
     _put(regions, column, entry, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row])
 
 
-@inner_kernel
+@borrowing_kernel
 def _put(
     regions: Regions, column: int, entry: int, position: Floats, fitness: float, collision: float
 ) -> None:
-    regions.position[column, entry] = position
+    copy_position(position, regions.position[column, entry])
     regions.fitness[column, entry] = fitness
     regions.collision[column, entry] = collision
 
 
-@inner_kernel
+@borrowing_kernel
 def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     """Write the table back: heads in order, then the lists, cut to the lengths of their places."""
     count, row = regions.used[0], regions.used[0]
@@ -106,9 +108,9 @@ def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     swarms.size[b] = row
 
 
-@inner_kernel
+@borrowing_kernel
 def _copy_out(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
-    swarms.positions[b, row] = regions.position[column, entry]
+    copy_position(regions.position[column, entry], swarms.positions[b, row])
     swarms.fitness[b, row] = regions.fitness[column, entry]
     swarms.collision[b, row] = regions.collision[column, entry]
 
@@ -135,14 +137,14 @@ def sort_list(regions: Regions, column: int) -> None:
         offer_local(regions, column, length, position, fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def sort_regions(regions: Regions) -> None:
     """Order the columns by the fitness of their heads; equals keep their order."""
     for place in range(1, regions.used[0]):
         _rank(regions, place)
 
 
-@inner_kernel
+@borrowing_kernel
 def _rank(regions: Regions, place: int) -> None:
     """Move the column at that place of the order ahead of all with worse heads."""
     order = regions.order
@@ -153,7 +155,7 @@ def _rank(regions: Regions, place: int) -> None:
     order[place] = column
 
 
-@inner_kernel
+@borrowing_kernel
 def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, collision: float) -> None:
     """Enter a point as the head of a region without a list, where it is among the best `limit`."""
     count, order = regions.used[0], regions.order
@@ -169,7 +171,7 @@ def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, c
     _rank(regions, count - 1)
 
 
-@inner_kernel
+@borrowing_kernel
 def offer_local(
     regions: Regions, column: int, limit: int, position: Floats, fitness: float, collision: float
 ) -> None:
@@ -187,7 +189,7 @@ def offer_local(
     _put(regions, column, entry, position, fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def _move_entry(regions: Regions, column: int, source: int, target: int) -> None:
     _put(
         regions,
@@ -199,20 +201,20 @@ def _move_entry(regions: Regions, column: int, source: int, target: int) -> None
     )
 
 
-@inner_kernel
+@borrowing_kernel
 def promote(regions: Regions, column: int, limit: int) -> None:
     """Where the best of a list is better than its head, let them change places."""
     if regions.length[column] == 0 or regions.fitness[column, 1] >= regions.fitness[column, 0]:
         return
-    position = regions.position[column, 0].copy()
+    copy_position(regions.position[column, 0], regions.former)
     fitness, collision = regions.fitness[column, 0], regions.collision[column, 0]
     for entry in range(regions.length[column]):
         _move_entry(regions, column, entry + 1, entry)
     regions.length[column] -= 1
-    offer_local(regions, column, limit, position, fitness, collision)
+    offer_local(regions, column, limit, regions.former, fitness, collision)
 
 
-@inner_kernel
+@borrowing_kernel
 def drop_worst(regions: Regions) -> None:
     """Drop the region whose head `population.shrink` would delete first."""
     count, order = regions.used[0], regions.order
