@@ -237,13 +237,13 @@ def test_a_block_lies_on_the_shortest_path_and_makes_it_longer(base):
 @pytest.mark.parametrize(
     ("name", "error", "mention"),
     [
-        ("dynamic:case1", ScenarioError, "<base>-<event>@<iteration>"),
-        ("dynamic:case1-block", ScenarioError, "<base>-<event>@<iteration>"),
+        ("dynamic:case1", ScenarioError, "<base>[-<event>@<iteration>]"),
+        ("dynamic:case1-block", ScenarioError, "<base>[-<event>@<iteration>]"),
         ("dynamic:case1-block@0", ScenarioError, "from 1 on"),
-        ("dynamic:case1-block@070", ScenarioError, "<base>-<event>@<iteration>"),
-        ("dynamic:case1-block@7-9", ScenarioError, "<base>-<event>@<iteration>"),
+        ("dynamic:case1-block@070", ScenarioError, "<base>[-<event>@<iteration>]"),
+        ("dynamic:case1-block@7-9", ScenarioError, "<base>[-<event>@<iteration>]"),
         ("dynamic:case9-block@70", UnknownNameError, "case1, case2, case3"),
-        ("dynamic:case1-flood@70", UnknownNameError, "block, passer"),
+        ("dynamic:case1-flood@70", UnknownNameError, "block, gate, passer"),
     ],
 )
 def test_other_names_are_refused(name, error, mention):
