@@ -6,11 +6,13 @@ import sys
 
 import numpy as np
 import pytest
+from builders import is_walker
 from gymnasium.vector import AutoresetMode
 
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.problem.traversal import blocked_length
 from swarm_gym.reference.waypoint_optimum import main
 from swarm_gym.rendering import Scene
 from swarm_gym.scenarios import (
@@ -22,9 +24,11 @@ from swarm_gym.scenarios import (
     GridScenario,
     Move,
     Polygon,
+    Scenario,
     make_scenario,
+    rasterised,
 )
-from swarm_gym.settings import make_problem
+from swarm_gym.settings import Settings, make_problem
 from swarm_gym.vector_env import SwarmVectorEnv
 
 ITERATIONS = 6
@@ -108,6 +112,30 @@ def spent_on(optimizer, size):
     return (2 * size if optimizer == "particle-swarm" else size) + 1
 
 
+def as_the_optimizer_has_it(optimizer, world):
+    """A map that changed, made of cells where the optimizer walks over these."""
+    if is_walker(optimizer) and isinstance(world, Scenario):
+        return rasterised(world, Settings.cell_size)
+    return world
+
+
+def has_fitness(optimizer, stored, of_position):
+    """Whether a member costs what its position does; where it made its way itself, that counts, too."""
+    return stored == of_position if get_optimizer(optimizer).adopts else stored > of_position
+
+
+def assert_best_walk_costs_its_way(optimizer, simulation, problem):
+    """And what of it is blocked now; but for what a robot has walked already when an obstacle appears."""
+    path, grid, swarms = simulation.best_paths()[0], problem.scenario.map, simulation.swarms
+    length = np.hypot(*np.diff(path, axis=0).T).sum()
+    assert swarms.best_fitness[0] >= length * (1 - 1e-12)
+    if not get_optimizer(optimizer).adopts:
+        blocked = blocked_length(grid.blocked, grid.to_cells(path))
+        assert swarms.best_fitness[0] == pytest.approx(length + problem.penalty * blocked, rel=1e-9)
+        assert swarms.best_collision[0] == pytest.approx(blocked * grid.resolution, abs=1e-9)
+        assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
+
+
 # No stale fitness.
 
 
@@ -121,19 +149,24 @@ def test_what_is_stored_is_true_on_the_map_in_force_after_every_step(optimizer):
             env.step(action)
             problem = env.simulation.problem_of(0)
             worlds = options["scenario"].worlds
-            assert problem.scenario == worlds[min(iteration, len(worlds) - 1)].scenario
+            world = worlds[min(iteration, len(worlds) - 1)].scenario
+            assert problem.scenario == as_the_optimizer_has_it(optimizer, world)
             collisions = []
             for i in range(swarms.size[0]):
                 found = problem.evaluate(swarms.positions[0, i, :n])
-                assert (swarms.fitness[0, i], swarms.collision[0, i]) == found
+                assert swarms.collision[0, i] == found[1]
+                assert has_fitness(optimizer, swarms.fitness[0, i], found[0])
                 collisions.append(found[1])
                 if optimizer == "particle-swarm":
                     width = swarms.positions.shape[2]
                     own_best = swarms.memory[0, i, width : width + n]
                     assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
-            best = problem.evaluate(swarms.best_position[0, :n])
-            assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
-            assert best[0] <= swarms.fitness[0, : swarms.size[0]].min()
+            if is_walker(optimizer):
+                assert_best_walk_costs_its_way(optimizer, env.simulation, problem)
+            else:
+                best = problem.evaluate(swarms.best_position[0, :n])
+                assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
+                assert best[0] <= swarms.fitness[0, : swarms.size[0]].min()
             assert swarms.summary[0, 1] == pytest.approx(np.mean(collisions))
 
 
@@ -149,7 +182,10 @@ def test_an_event_costs_as_many_evaluations_as_there_is_remembered_and_shows_at_
         assert spent == spent_on(optimizer, size)
         # MOA's lists are cut where their heads fall back.
         assert after[2]["population_size"] == size or optimizer == "multivariate"
-        assert after[0][1] != unchanged[0][1]
+        # Ants that arrive collide with nothing, wherever they go.
+        swarms, others = changing.simulation.swarms, still.simulation.swarms
+        assert after[0][1] != unchanged[0][1] or not get_optimizer(optimizer).adopts
+        assert (swarms.fitness[0, :size] != others.fitness[0, :size]).any()
         assert changing.simulation.history[0, 1, 0] == after[0][0]
 
 
@@ -187,9 +223,13 @@ def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
             swarms, n = env.simulation.swarms, env.simulation.dimension
             assert 1 <= swarms.size[0] <= (min(left, size) if happened else size)
             problem = env.simulation.problem_of(0)
-            assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]
+            if is_walker(optimizer):
+                assert_best_walk_costs_its_way(optimizer, env.simulation, problem)
+            else:
+                assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]
             for i in range(swarms.size[0]):
-                assert swarms.fitness[0, i] == problem.evaluate(swarms.positions[0, i, :n])[0]
+                here = problem.evaluate(swarms.positions[0, i, :n])[0]
+                assert has_fitness(optimizer, swarms.fitness[0, i], here)
 
 
 # Same seed, same bits.
