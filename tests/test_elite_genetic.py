@@ -26,12 +26,12 @@ def test_the_defaults_are_the_printed_parameters():
 )
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems()[kind], PLAN[:6], knobs, size=7)
+    run(NAME, problems(NAME)[kind], PLAN[:6], knobs, size=7)
 
 
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_the_best_member_survives_every_generation(kind):
-    swarms, tables = begin(NAME, [problems()[kind]], size=12)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=12)
     for _, repair_degree in PLAN:
         advance(NAME, swarms, tables, 12, repair_degree, {"mutation": 0.2})
         assert swarms.fitness[0, 0] <= swarms.fitness[0, :12].max()

@@ -242,7 +242,9 @@ def test_two_decisions_encode_in_an_extended_layout_with_the_optimizers_own_para
     env = small(action="extended-normalised", noise=5.0)
     env.reset(seed=1)
     env.step(layout.encode(np.array([[9, 0.25]]))[0])
-    np.testing.assert_allclose(env.simulation.history[0, 1, [1, 2, 5, 6]], [9, 0.25, 5.0, 0.1], rtol=1e-5)
+    names = ("population_size", "repair_degree", "noise", "attractiveness")
+    recorded = env.simulation.history[0, 1, [env.simulation.columns.index(name) for name in names]]
+    np.testing.assert_allclose(recorded, [9, 0.25, 5.0, 0.1], rtol=1e-5)
 
 
 def test_a_paced_action_of_zero_asks_for_the_size_at_which_the_budget_lasts():

@@ -75,7 +75,14 @@ def make_run(controller, scenario, seed, problem=None):
     fitness = np.sort(rng.uniform(310.0, 900.0, rows))[::-1]
     evaluations = np.cumsum(rng.integers(60, 2000, rows)).astype(float)
     trace = np.stack(
-        [rng.uniform(1.0, 90.0, rows), rng.integers(20, 90, rows), repair, fitness, evaluations],
+        [
+            rng.uniform(1.0, 90.0, rows),
+            rng.integers(20, 90, rows),
+            repair,
+            fitness,
+            evaluations,
+            np.zeros(rows),
+        ],
         axis=1,
     )
     offsets = rng.uniform(-100.0, 100.0, (MEMBERS, problem.num_waypoints))

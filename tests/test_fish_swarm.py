@@ -46,7 +46,7 @@ def test_a_bad_parameter_is_refused_with_its_name(name, value):
     ],
 )
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems()[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], knobs, size=6, iterations=3)
+    run(NAME, problems(NAME)[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], knobs, size=6, iterations=3)
 
 
 def test_paths_of_another_dimension_see_and_step_as_far():
@@ -179,7 +179,7 @@ def test_where_fish_come_to_is_repaired():
 @pytest.mark.parametrize("tries", [1, 5])
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_a_fish_takes_three_evaluations_at_least_and_two_full_preys_and_a_centre_at_most(kind, tries):
-    swarms, tables = begin(NAME, [problems()[kind]], size=15)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15)
     for repair_degree in (0.0, 0.0, 1.0, 1.0):
         before = swarms.evaluations[0]
         advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})

@@ -65,7 +65,7 @@ def test_no_tries_are_refused():
     ],
 )
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems()[kind], [(4, 0.0), (6, 0.7), (3, 1.0)], knobs, size=4, iterations=3)
+    run(NAME, problems(NAME)[kind], [(4, 0.0), (6, 0.7), (3, 1.0)], knobs, size=4, iterations=3)
 
 
 # Segments of the run.
@@ -185,7 +185,7 @@ def test_a_fish_steps_straight_to_a_better_companion():
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_evaluations_of_an_iteration_lie_between_what_the_rules_give(kind, tries):
     """From a centre and two steps to a centre and two preys of three rounds."""
-    swarms, tables = begin(NAME, [problems()[kind]], size=15, iterations=3)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15, iterations=3)
     for iteration, repair_degree in enumerate((0.0, 1.0, 0.0)):
         before = swarms.evaluations[0]
         advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})

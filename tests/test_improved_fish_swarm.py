@@ -61,7 +61,7 @@ def test_a_bad_parameter_is_refused_with_its_name(name, value):
     ],
 )
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems()[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], knobs, size=6, iterations=3)
+    run(NAME, problems(NAME)[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], knobs, size=6, iterations=3)
 
 
 # The first population.
@@ -69,7 +69,7 @@ def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
 
 @pytest.mark.parametrize("kind", ["analytic", "curve", "polyline"])
 def test_a_first_population_is_the_better_of_each_member_and_its_opposite(kind):
-    problem = problems()[kind]
+    problem = problems(NAME)[kind]
     lower, upper = problem.initial_bounds
     swarms, _ = begin(NAME, [problem], size=12)
     drawn, _ = begin("generational-firefly", [problem], size=12)
@@ -87,7 +87,7 @@ def test_a_first_population_is_the_better_of_each_member_and_its_opposite(kind):
 
 @pytest.mark.parametrize("budget", [8, 9, 12, 15, 16, 17])
 def test_as_many_members_are_opposed_as_the_budget_allows(budget):
-    problem = problems()["analytic"]
+    problem = problems(NAME)["analytic"]
     swarms, _ = begin(NAME, [problem], size=8, budget=budget)
     drawn, _ = begin(NAME, [problem], size=8, budget=8)
     whole, _ = begin(NAME, [problem], size=8)
@@ -98,7 +98,7 @@ def test_as_many_members_are_opposed_as_the_budget_allows(budget):
 
 
 def test_given_members_are_not_opposed():
-    problem = problems()["curve"]
+    problem = problems(NAME)["curve"]
     population = np.random.default_rng(0).uniform(*problem.bounds, (5, problem.dimension))
     swarms, _ = begin(NAME, [problem], size=5, populations=[population])
     assert swarms.evaluations[0] == 5
@@ -147,7 +147,7 @@ def test_where_nothing_is_better_a_fish_preys_and_leaps_twice_and_looks_at_the_b
 @pytest.mark.parametrize("tries", [1, 5])
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_evaluations_of_an_iteration_lie_between_what_the_rules_give(kind, tries):
-    swarms, tables = begin(NAME, [problems()[kind]], size=15)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15)
     for repair_degree in (0.0, 0.0, 1.0, 1.0):
         before = swarms.evaluations[0]
         advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})
@@ -193,7 +193,7 @@ def test_fish_follow_the_best_so_far_which_none_of_them_need_be_or_see():
 
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_fish_that_leap_nowhere_get_better_or_stay(kind):
-    swarms, tables = begin(NAME, [problems()[kind]], size=12)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=12)
     improved = 0
     for _ in range(3):
         before, positions = swarms.fitness[0, :12].copy(), swarms.positions[0, :12].copy()

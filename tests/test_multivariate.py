@@ -55,7 +55,7 @@ def test_sixty_five_members_are_ten_regions_whose_lists_are_filled_in_time():
 
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 def test_regions_and_lists_are_sorted_and_no_longer_than_their_place_allows(kind):
-    swarms, tables = begin(NAME, [problems()[kind]], 20)
+    swarms, tables = begin(NAME, [problems(NAME)[kind]], 20)
     for size, repair_degree in [*PLAN, (32, 0.0), (32, 1.0), (27, 0.0), (4, 0.0), (30, 0.3)]:
         advance(NAME, swarms, tables, size, repair_degree)
         heads, lists = table_of(swarms)
@@ -90,7 +90,7 @@ def test_new_regions_are_drawn_between_the_heads():
 
 
 def test_the_best_head_survives_and_stays_best():
-    swarms, tables = begin(NAME, [problems()["curve"]], 20)
+    swarms, tables = begin(NAME, [problems(NAME)["curve"]], 20)
     for _ in range(8):
         advance(NAME, swarms, tables, 20, 0.0)
         assert swarms.fitness[0, 0] == swarms.best_fitness[0]
@@ -98,7 +98,7 @@ def test_the_best_head_survives_and_stays_best():
 
 @pytest.mark.parametrize("radius", [0.0, 0.5, 500.0])
 def test_episodes_with_another_radius_are_the_naive_ones(radius):
-    run(NAME, problems()["curve"], PLAN[:4], {"radius": radius}, size=9)
+    run(NAME, problems(NAME)["curve"], PLAN[:4], {"radius": radius}, size=9)
 
 
 def test_lists_lie_in_the_cube_around_where_a_head_was():

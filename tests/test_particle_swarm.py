@@ -32,7 +32,7 @@ def test_the_defaults_are_the_printed_parameters():
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 @pytest.mark.parametrize("budget", [UNLIMITED, 30])
 def test_velocities_and_own_bests_are_the_naive_ones(kind, budget):
-    problem = problems()[kind]
+    problem = problems(NAME)[kind]
     swarms, tables = begin(NAME, [problem], size=7, budget=budget)
     twin = oracle_twin(NAME, problem, 7, budget)
     assert_same_memory(swarms, twin, problem)
@@ -83,7 +83,7 @@ def test_new_and_given_particles_are_at_rest_and_the_others_are_not():
 
 
 def test_own_bests_are_never_worse_than_where_a_particle_is():
-    problem = problems()["curve"]
+    problem = problems(NAME)["curve"]
     swarms, tables = begin(NAME, [problem], size=10)
     for size, repair_degree in PLAN:
         advance(NAME, swarms, tables, size, repair_degree)
