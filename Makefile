@@ -50,10 +50,10 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all opt
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS)
 
 PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
-    test_functions.py population.py firefly.py)
+    test_functions.py sight.py population.py firefly.py)
 OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
-    re_evaluation.py ant_colony.py ant_walk.py trails.py naive_walks.py)
+    re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py)
 
 test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, and of what all share with bounds checks on
 	@echo "== kernels as plain Python"

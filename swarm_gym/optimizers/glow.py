@@ -99,6 +99,8 @@ def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -
     is_neighbour = luciferin[guess] > own and way < reach
     if is_neighbour and in_sight(blocked, rooms, columns, rows, known, shadow, i, guess):
         brightest, most = guess, perceived(glow, luciferin[guess], way)
+    if most == math.inf:
+        return guess
     for block in range(0, x.shape[0], NUM_LANES):
         # Whose light is as bright by eq. 3, and so, perhaps, by eq. 2; squared, without roots and quotients.
         across, along = load(x, block) - x[i], load(y, block) - y[i]
