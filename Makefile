@@ -47,7 +47,8 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all opt
 	$(BIN)/python -m pytest -n auto -m slow
 	@echo "== compiling the kernels with bounds checks"
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS) \
+	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
 
 PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
     test_functions.py sight.py population.py firefly.py)
@@ -59,8 +60,7 @@ test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, and
 	@echo "== kernels as plain Python"
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
 	@echo "== kernels with bounds checks, compiled as they are needed"
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) \
-	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS)
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"

@@ -1,21 +1,35 @@
 """Controllers that do not look: a constant size, and chance."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
 
+LARGEST = 10_000
+
 
 class Fixed(Controller):
-    """A constant population size without repair: FA-60, FA-80 and FA-100 of the SPSFA paper."""
+    """A constant population size without repair: FA-60, FA-80 and FA-100 of the SPSFA paper.
+
+    A size beyond the limits has the environment made for it.
+    """
 
     def __init__(self, population_size: int, limits: SizeLimits = SizeLimits()):  # noqa: B008
-        if not limits.smallest <= population_size <= limits.largest:
+        if not limits.smallest <= population_size <= LARGEST:
             raise ValueError(
-                f"a fixed population size must lie in [{limits.smallest}, {limits.largest}], "
-                f"got {population_size}"
+                f"a fixed population size must lie in [{limits.smallest}, {LARGEST}], got {population_size}"
             )
         self.initial_population_size = population_size
+        self._limits = limits
+
+    def env_options(self) -> dict[str, Any]:
+        """What the environment has to be made with for this controller."""
+        options = super().env_options()
+        if self.initial_population_size > self._limits.largest:
+            options["max_population_size"] = self.initial_population_size
+        return options
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Nothing to begin."""

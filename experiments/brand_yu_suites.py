@@ -6,7 +6,7 @@ from experiments.suite import FRESH_SEEDS, Suite
 GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
 FEW, ANTS = "glowworm+fixed:26", "ant-colony+fixed:50"
 SIDES = (50, 100, 200, 500, 1000, 2000)
-OPTIONS = {"encoding": "walk", "max_population_size": max(TABLE_1)}
+OPTIONS = {"encoding": "walk"}
 
 STATIC = Suite(
     name="brand-yu-static",

@@ -112,7 +112,7 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("fixed", ValueError, "population size, as fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
         ("fixed:0", ValueError, "0"),
-        ("fixed:201", ValueError, "201"),
+        ("fixed:10001", ValueError, "10001"),
         ("fixed:-5", ValueError, "-5"),
         ("spsfa:3", ValueError, "3"),
         ("learned:nowhere", PolicyFileError, "nowhere"),

@@ -28,7 +28,7 @@ def made_run(controller, seed):
     """A run with evaluations of EVALUATIONS, twice as many where that has none, on average over the seeds."""
     rng = np.random.default_rng([CONTROLLERS.index(controller), seed])
     rows = ITERATIONS + 1
-    trace = rng.uniform(1.0, 90.0, (rows, 5))
+    trace = rng.uniform(1.0, 90.0, (rows, 6))
     trace[:, 3] = np.sort(rng.uniform(310.0, 900.0, rows))[::-1]
     trace[:, 4] = np.cumsum(rng.integers(60, 2000, rows))
     evaluations = EVALUATIONS.get(controller, 2000) + 10 * (2 * seed - NUM_SEEDS + 1)

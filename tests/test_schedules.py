@@ -97,7 +97,8 @@ class PaperAlgorithm2:
                     if swarms.fitness[0, j] < swarms.fitness[0, i]:
                         self.move(i, j, phi)
             e, deviation = self.population_collision()
-            self.trace.append((e, ps, phi, swarms.best_fitness[0], swarms.evaluations[0]))
+            best = swarms.best_fitness[0], swarms.best_collision[0]
+            self.trace.append((e, ps, phi, best[0], swarms.evaluations[0], best[1]))
             if g == self.iterations - 1:
                 break
             new = ps + self.omega / ps if e > e_init else ps_max * (e / e_init) ** self.eta

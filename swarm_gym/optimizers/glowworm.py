@@ -169,7 +169,7 @@ class Glowworm(Optimizer):
     knobs: ClassVar[dict[str, Knob]] = {
         "decay": Knob(0.4, 0.0, 1.0, "rho", "share of its luciferin that a member loses in an iteration"),
         "gain": Knob(0.6, 0.0, 10.0, "a", "luciferin that it gains where the place is best"),
-        "absorption": Knob(5.0, 0.0, 1000.0, "gamma", "how light fades with distance, per side of the map"),
+        "absorption": Knob(2.0, 0.0, 1000.0, "gamma", "how light fades with distance, per side of the map"),
         "step": Knob(0.005, 1e-6, 1.0, "eta", "length of a move, in sides of the map", (0.001, 0.02)),
         "first_luciferin": Knob(5.0, 0.0, 1e6, "tau0", "luciferin of a member that has not moved yet"),
         "decision_range": Knob(
