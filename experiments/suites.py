@@ -266,7 +266,7 @@ DYNAMIC = Suite(
         "random",
     ),
     scenarios=tuple(f"dynamic:{case}-gate@50" for case in CASES),
-    num_seeds=50,
+    num_seeds=20,
     baseline="spsfa-tip",
     duels=(("learned:three-cases/*@1", "open-loop:three-cases"), ("spsfa-tip", "fixed:80")),
     first_seed=FRESH_SEEDS,
