@@ -4,7 +4,7 @@ from experiments.brand_yu_numbers import APPEARS, TABLE_1
 from experiments.suite import FRESH_SEEDS, Suite
 
 GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
-FEW, ANTS = "glowworm+fixed:26", "ant-colony+fixed:50"
+FEW, ANTS = "glowworm+fixed:26", "ant-colony(100)+fixed:50"
 SIDES = (50, 100, 200, 500, 1000, 2000)
 OPTIONS = {"encoding": "walk"}
 

@@ -67,7 +67,7 @@ def summarise(values: Floats) -> Summary:
 
 def mean_interval(values: Floats) -> tuple[float, float]:
     """95 % bootstrap interval (bias-corrected and accelerated) of the mean; seeded."""
-    if np.ptp(values) == 0.0:
+    if np.ptp(values) <= 1e-12 * np.abs(values).max():
         return float(values[0]), float(values[0])
     found = stats.bootstrap(
         (values,),
