@@ -97,8 +97,7 @@ class PaperAlgorithm2:
                     if swarms.fitness[0, j] < swarms.fitness[0, i]:
                         self.move(i, j, phi)
             e, deviation = self.population_collision()
-            best = swarms.best_fitness[0], swarms.best_collision[0]
-            self.trace.append((e, ps, phi, best[0], swarms.evaluations[0], best[1]))
+            self.trace.append((e, ps, phi, swarms.best_fitness[0], swarms.evaluations[0]))
             if g == self.iterations - 1:
                 break
             new = ps + self.omega / ps if e > e_init else ps_max * (e / e_init) ** self.eta
@@ -118,7 +117,7 @@ def run_through_environment(name, scenario, seed, iterations, size):
     ended = False
     while not ended:
         observation, _, ended, _, _ = env.step(controller.act(observation[None])[0])
-    return env.simulation.history[0, 1:, : len(HISTORY)]
+    return env.simulation.history[0, 1:, : HISTORY.index("evaluations") + 1]
 
 
 @pytest.mark.parametrize("name", ["spsfa", "spsfa-tip"])
