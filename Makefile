@@ -41,13 +41,15 @@ test: $(INSTALLED) ## run the tests
 	@echo "== running the tests"
 	$(BIN)/python -m pytest -n auto
 
-test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all optimizers with bounds checks on
+test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all kernels with the JIT off and with bounds checks on
 	$(BIN)/python -m swarm_gym.warm_up
 	@echo "== running the slow tests"
 	$(BIN)/python -m pytest -n auto -m slow
+	@echo "== optimizers as plain Python"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS)
 	@echo "== compiling the kernels with bounds checks"
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS) \
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS) \
 	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
 
 PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
@@ -56,11 +58,9 @@ OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py 
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
     re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py)
 
-test-checked: $(INSTALLED) ## run the tests of the kernels with the JIT off, and of what all share with bounds checks on
+test-checked: $(INSTALLED) ## run the tests of the kernels that all optimizers share with the JIT off
 	@echo "== kernels as plain Python"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
-	@echo "== kernels with bounds checks, compiled as they are needed"
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS)
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"

@@ -14,7 +14,9 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
+from filelock import FileLock
 from numba.core import types
+from numba.core.caching import FunctionCache
 from numba.core.registry import CPUDispatcher
 from numba.core.types.containers import BaseTuple
 from numba.extending import overload
@@ -148,6 +150,22 @@ def _compile(function: Function, **options: Any) -> Function:
     try:
         always = {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
         # Whether references are counted is said of every kernel: else it goes by who calls it first.
-        return numba.njit(**{"_nrt": True, **always, **options})(function)
+        dispatcher = numba.njit(**{"_nrt": True, **always, **options})(function)
     finally:
         numba.config.CACHE_DIR = previous
+    dispatcher._cache.__class__ = _LockedCache
+    return dispatcher
+
+
+class _LockedCache(FunctionCache):
+    """Numba's cache, into which processes save one after the other.
+
+    Numba numbers the files of a function by its index: two processes that save at once may take the same
+    number, and what the index then names is the code of another signature.
+    """
+
+    def save_overload(self, signature: Any, data: Any) -> None:
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        with FileLock(folder / "lock"):
+            super().save_overload(signature, data)

@@ -3,10 +3,15 @@
 For images and worker processes, and before several processes start that would all compile the same.
 """
 
+import logging
 import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
 from typing import Any
 
 import gymnasium
+import numba
 import numpy as np
 
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -17,17 +22,47 @@ OPTIONS: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 
 GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
 
 
-def warm_up() -> None:
-    """Compile, or load from the cache, what environments of all optimizers run on maps of both kinds."""
-    for optimizer in OPTIMIZERS:
-        warm_up_single(optimizer)
-        if GRID["encoding"] in get_optimizer(optimizer).encodings:
-            warm_up_single(optimizer, **GRID)
+def _say_nothing(what: str) -> None:
+    pass
+
+
+def warm_up(num_processes: int = 1, report: Callable[[str], None] = _say_nothing) -> None:
+    """Compile, or load from the cache, what environments of all optimizers run on maps of both kinds.
+
+    Args:
+        num_processes: in how many processes; with one, in this one.
+        report: is called with what is ready, again and again.
+    """
+    # Those with most to compile are the last.
+    tasks = [(name, options) for name in reversed(OPTIMIZERS) for options in _kinds_of_maps(name)]
+    if num_processes == 1:
+        for name, options in tasks:
+            report(_warm_up_kind(name, options))
+        return
+    with ProcessPoolExecutor(min(num_processes, len(tasks)), get_context("spawn"), _hush) as pool:
+        for future in as_completed([pool.submit(_warm_up_kind, *task) for task in tasks]):
+            report(future.result())
 
 
 def warm_up_single(optimizer: str, **options: Any) -> None:
     """The same for single environments of one optimizer with these options, by default on an analytic map."""
     _run(gymnasium.make(environment_id(optimizer), **OPTIONS, **options), np.array([6.0, 1.0]))
+
+
+def _hush() -> None:
+    """Let this process not warn that compiling takes long."""
+    logging.getLogger("swarm_gym").setLevel(logging.ERROR)
+
+
+def _warm_up_kind(optimizer: str, options: dict[str, Any]) -> str:
+    """The same; what is ready then."""
+    warm_up_single(optimizer, **options)
+    return f"{optimizer} on grid maps" if options else optimizer
+
+
+def _kinds_of_maps(optimizer: str) -> list[dict[str, Any]]:
+    """Options of environments that have kernels of their own each."""
+    return [{}, GRID] if GRID["encoding"] in get_optimizer(optimizer).encodings else [{}]
 
 
 def _run(env: Any, actions: np.ndarray) -> None:
@@ -40,10 +75,10 @@ def _run(env: Any, actions: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Warm up and say how long it took."""
+    """Warm up, in as many processes as there are processors, and say how long it took."""
     begin = time.perf_counter()
     print("compiling the kernels, once per version of the sources ...", flush=True)
-    warm_up()
+    warm_up(numba.config.NUMBA_NUM_THREADS, lambda what: print(f"  {what}", flush=True))
     print(f"ready after {time.perf_counter() - begin:.1f} s")
 
 

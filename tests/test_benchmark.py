@@ -142,6 +142,7 @@ def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
         assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
 
 
+@pytest.mark.slow  # kernels are compiled for it
 def test_a_fish_swarm_is_measured_on_both_problems_and_compared_with_ours():
     runs = []
 

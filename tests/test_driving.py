@@ -291,6 +291,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         assert moves > 1
 
 
+@pytest.mark.slow  # kernels are compiled for it
 @all_optimizers
 def test_a_robot_that_never_drives_changes_nothing(optimizer):
     for options in on_maps(optimizer):

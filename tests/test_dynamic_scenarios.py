@@ -222,6 +222,7 @@ def test_events_by_name_happen_from_their_iteration_on(base):
         assert make_scenarios(made.name) == (made,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("base", EVENTS)
 def test_a_block_lies_on_the_shortest_path_and_makes_it_longer(base):
     before, after = (world.scenario for world in make_scenario(f"dynamic:{base}-block@5").worlds)

@@ -1,4 +1,5 @@
 import math
+import os
 
 import naive
 import numpy as np
@@ -310,6 +311,7 @@ def test_only_the_chosen_swarms_begin():
     assert swarms.size.tolist() == [5, 9, 7]
 
 
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes long uncompiled")
 def test_a_swarm_gets_better_in_the_long_run():
     swarms, tables = batch(4, num_waypoints=31, size=15)
     begun = swarms.best_fitness.copy()

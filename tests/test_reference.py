@@ -254,6 +254,7 @@ def test_optima_of_the_cases_with_thirty_waypoints(case, fitness):
     assert polyline_length(problem.points(offsets)) > shortest_path(problem.scenario)[0]
 
 
+@pytest.mark.slow
 def test_a_finer_grid_finds_no_better_path():
     problem = make_problem("case1")
     assert optimum(problem, coarse_step=0.25)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
@@ -306,6 +307,7 @@ def test_the_shipped_optima_of_fields_are_plausible_beside_their_shortest_paths(
         assert 0.3 * shortest <= fitness < 0.3 * shortest * 1.05
 
 
+@pytest.mark.slow
 def test_the_shipped_optima_of_fields_are_what_is_computed(tmp_path):
     calls = []
     names = [expand_name(name)[-1] for name in SHIPPED_FIELDS]
@@ -319,6 +321,7 @@ def test_the_shipped_optima_of_fields_are_what_is_computed(tmp_path):
         assert lengths == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["test:300", "denser:300", "narrow:300", "rotated:300"])
 def test_a_finer_grid_finds_no_better_path_in_a_field(name):
     problem = AnalyticProblem(make_scenario(f"random-fields:{name}"), 20)

@@ -121,7 +121,10 @@ def run_through_environment(name, scenario, seed, iterations, size):
 
 
 @pytest.mark.parametrize("name", ["spsfa", "spsfa-tip"])
-@pytest.mark.parametrize(("scenario", "seed"), [("case1", 0), ("case2", 1), ("case3", 2)])
+@pytest.mark.parametrize(
+    ("scenario", "seed"),
+    [("case1", 0), *(pytest.param(f"case{k + 1}", k, marks=pytest.mark.slow) for k in (1, 2))],
+)
 def test_schedule_through_the_environment_equals_algorithm_2(name, scenario, seed):
     expected = PaperAlgorithm2(scenario, seed, 12, 40, name == "spsfa-tip").run()
     found = run_through_environment(name, scenario, seed, 40, 12)

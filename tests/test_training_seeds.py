@@ -13,6 +13,7 @@ from agents.training_seeds import Outcome, configs_of_seeds, describe, train_see
 SHORT = {"warm_start": "none", "total_steps": STEPS}
 
 
+@pytest.mark.slow
 def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
     config = tiny_config(tmp_path, **SHORT, name="many")
     configs = configs_of_seeds(config, [0, 1, 2])
