@@ -45,6 +45,7 @@ def empty_scene(scenario, **changes):
     scene = Scene(
         scenario=scenario,
         paths=np.empty((0, 3, 2)),
+        are_points=False,
         feasible=np.empty(0, dtype=np.bool_),
         best_path=np.zeros((3, 2)),
         way=np.empty((0, 2)),
@@ -162,6 +163,36 @@ def test_feasible_members_are_solid_and_colliding_ones_dashed():
         covered[feasible] = set(columns[inside])
     assert len(covered[True]) == 580 - 151
     assert 0.3 < len(covered[False]) / len(covered[True]) < 0.8
+
+
+def test_members_that_are_points_are_dots_and_colliding_ones_rings():
+    at = np.array([500.0, 380.0])
+    empty = empty_scene(OPEN_MAP, are_points=True, paths=np.empty((0, 2, 2)))
+    paths = np.array([[at, OPEN_MAP.target]])
+    coloured = {}
+    for feasible, colour in ((True, pen.FEASIBLE), (False, pen.COLLIDING)):
+        frame = Renderer().frame(replace(empty, paths=paths, feasible=np.array([feasible])))
+        found = places(frame, colour)
+        found = found[found[:, 0] < 400]  # not in the legend
+        coloured[feasible] = len(found)
+        assert 0 < np.ptp(found, axis=0).max() <= 8
+    assert coloured[False] < 0.8 * coloured[True]
+
+
+def test_of_a_walking_robot_its_trajectory_and_place_are_shown():
+    env = gymnasium.make("swarm_gym/Glowworm-v0", scenario="block:50", render_mode="rgb_array")
+    env.reset(seed=1)
+    while not env.step(np.array([65.0, 0.0]))[2]:
+        pass
+    simulation = env.unwrapped.simulation
+    scene = Scene.of(simulation)
+    assert scene.are_points
+    assert len(scene.way) > 100
+    np.testing.assert_array_equal(scene.way[-1], simulation.positions(0)[0])
+    np.testing.assert_array_equal(scene.best_path[-1], scene.scenario.target)
+    length = np.linalg.norm(np.diff(scene.best_path, axis=0), axis=1).sum()
+    assert length == pytest.approx(scene.best_fitness, rel=0.01)  # some points are left out
+    assert len(places(env.render(), pen.BEST)) > 300
 
 
 def test_the_best_path_lies_on_top_of_the_members():

@@ -1,5 +1,7 @@
 """Maps with paths on them."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,9 @@ from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
 from swarm_gym.scenarios import Circle, MapScenario, Obstacle, Point, Scenario
 
+Floats = NDArray[np.float64]
+Draw = Callable[[Colour, Floats, float], None]
+
 
 class MapView(View):
     """The map of a scenario, with start and target."""
@@ -34,24 +39,27 @@ class MapView(View):
         """Draw the colliding members, above them the feasible ones, and the best path on top."""
         pen.surface.set_clip(self.border)
         paths = self.pixels(scene.paths)
-        pen.dashes(COLLIDING, paths[~scene.feasible], 1)
-        pen.lines(FEASIBLE, paths[scene.feasible], 1)
+        draw_feasible, draw_colliding = _drawn_by(pen, scene)
+        draw_colliding(COLLIDING, paths[~scene.feasible], 1)
+        draw_feasible(FEASIBLE, paths[scene.feasible], 1)
         is_away = len(scene.way) > 1
         if is_away:
             pen.lines(START, self.pixels(scene.way[None]), 2.8)
         if np.isfinite(scene.best_fitness):
             pen.lines(BEST, self.pixels(scene.best_path[None]), 2.8)
         pen.surface.set_clip(None)
-        self._draw_end(pen, "robot" if is_away else "start", self.scenario.start, START, corners=48)
+        robot = scene.way[-1] if is_away else self.scenario.start
+        self._draw_end(pen, "robot" if is_away else "start", robot, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
 
     def draw_legend(self, pen: Pen, scene: Scene) -> None:
-        """Draw a line of each kind below the map, and how many there are."""
+        """Draw a line or point of each kind below the map, and how many there are."""
+        draw_feasible, draw_colliding = _drawn_by(pen, scene)
         x, y = pen.px(MARGIN), self.border.bottom + pen.px(38)
         for draw, colour, width, text in (
             (pen.lines, BEST, 2.8, f"best so far{'' if scene.best_feasible else ' (collides)'}"),
-            (pen.lines, FEASIBLE, 1, f"{scene.feasible.sum()} feasible"),
-            (pen.dashes, COLLIDING, 1, f"{(~scene.feasible).sum()} colliding"),
+            (draw_feasible, FEASIBLE, 1, f"{scene.feasible.sum()} feasible"),
+            (draw_colliding, COLLIDING, 1, f"{(~scene.feasible).sum()} colliding"),
         ):
             draw(colour, np.array([[(x, y), (x + pen.px(44), y)]]), width)
             x = pen.text(text, (x + pen.px(52), y), "midleft", MEDIUM).right + pen.px(24)
@@ -77,7 +85,7 @@ class MapView(View):
         cells = pen.pygame.surfarray.make_surface(pixels)
         pen.surface.blit(pen.pygame.transform.scale(cells, self.border.size), self.border)
 
-    def _draw_end(self, pen: Pen, name: str, point: Point, colour: Colour, corners: int) -> None:
+    def _draw_end(self, pen: Pen, name: str, point: Point | Floats, colour: Colour, corners: int) -> None:
         """Draw a mark at a point of the map, and its name in a box beside it."""
         at = self.pixels(np.array(point))
         self._draw_mark(pen, at, colour, corners)
@@ -88,3 +96,8 @@ class MapView(View):
         pen.draw.rect(pen.surface, PAPER, box, border_radius=pen.px(4))
         pen.draw.rect(pen.surface, colour, box, pen.px(1), border_radius=pen.px(4))
         pen.text(name, box.center, "center", MEDIUM)
+
+
+def _drawn_by(pen: Pen, scene: Scene) -> tuple[Draw, Draw]:
+    """What draws feasible and colliding members: lines and dashes; dots and rings where they are points."""
+    return (pen.dots, pen.rings) if scene.are_points else (pen.lines, pen.dashes)

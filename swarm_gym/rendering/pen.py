@@ -33,6 +33,7 @@ OVERSAMPLING = 2
 # Lengths in these files are meant for a picture of this size, in pixels, and scale with it.
 DESIGN, SMALLEST_SCALE = (960, 520), 0.8
 MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
+DOT = 2.5  # half its breadth
 SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
 
 
@@ -75,6 +76,16 @@ class Pen:
         ends, thickness = begins + 0.6 * dash, self.px(width)
         for x0, y0, x1, y1 in zip(*begins.T.tolist(), *ends.T.tolist(), strict=True):
             self.draw.line(self.surface, colour, (x0, y0), (x1, y1), thickness)
+
+    def dots(self, colour: Colour, lines: Floats, width: float) -> None:
+        """Draw a dot where each of the lines (m, k, 2) begins."""
+        for point in lines[:, 0]:
+            self.draw.circle(self.surface, colour, point, self.px(DOT + width / 2))
+
+    def rings(self, colour: Colour, lines: Floats, width: float) -> None:
+        """Draw a ring where each of the lines (m, k, 2) begins."""
+        for point in lines[:, 0]:
+            self.draw.circle(self.surface, colour, point, self.px(DOT + width / 2), self.px(width))
 
     def text(self, text: str, at: Point, anchor: str, size: int = SMALL) -> "pygame.Rect":
         """Write text, small text faintly, at the point that pygame's rectangles call `anchor`."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.problem import FunctionProblem, Problem
+from swarm_gym.problem import FunctionProblem, Problem, WalkProblem
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import StaticScenario
 from swarm_gym.simulation import Simulation
@@ -18,10 +18,14 @@ MOST_SEGMENTS = 100
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What one picture shows of one swarm; lengths in map units, paths as in `Problem.points`."""
+    """What one picture shows of one swarm; lengths in map units, paths as in `Problem.points`.
+
+    Of members that are points and not whole paths, `paths` are what is left to go from there.
+    """
 
     scenario: StaticScenario
     paths: Floats  # (members, k, 2)
+    are_points: bool  # whether members are points
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
     best_path: Floats  # (k, 2) best so far
     way: Floats  # (j, 2) where the robot has driven; empty where it does not drive
@@ -40,9 +44,10 @@ class Scene:
         iteration = int(simulation.iteration[row])
         return cls(
             scenario=problem.scenario,
-            paths=_shown(problem, simulation.positions(row)),
+            paths=_shown(problem, problem.points(simulation.positions(row))),
+            are_points=isinstance(problem, WalkProblem),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
-            best_path=_shown(problem, simulation.best_position(row)),
+            best_path=_shown(problem, simulation.best_path(row)),
             way=simulation.way(row),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
@@ -56,12 +61,11 @@ class Scene:
         )
 
 
-def _shown(problem: Problem, vectors: Floats) -> Floats:
+def _shown(problem: Problem, paths: Floats) -> Floats:
     """Paths (..., k, 2) with fewer points, the first and the last of them kept, where there are very many.
 
     Of a test function, the first two components.
     """
-    paths = problem.points(vectors)
     if isinstance(problem, FunctionProblem):
         return paths[..., :2, :]
     stride = max(1, (paths.shape[-2] - 1) // MOST_SEGMENTS)
