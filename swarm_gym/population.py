@@ -177,7 +177,7 @@ def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -
 @inner_kernel
 def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floats) -> float:
     """Fitness of a remembered position, (C,), which may be the best so far; infinite if nothing is left."""
-    if swarms.evaluations[b] >= swarms.budget[b]:
+    if is_spent(swarms, b):
         return math.inf
     for k in range(position.shape[0]):
         work.path[k + 1] = position[k]

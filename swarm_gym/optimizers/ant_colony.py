@@ -36,7 +36,7 @@ from swarm_gym.optimizers.trails import (
     settle_way,
     trails_size,
 )
-from swarm_gym.population import Swarms, Workspace
+from swarm_gym.population import Swarms, Workspace, is_spent
 from swarm_gym.problem.tables import evaluate
 from swarm_gym.problem.walks import WalkTable, cell_of, to_map
 
@@ -209,7 +209,7 @@ def iterate(
     knobs: Floats,
 ) -> None:
     """One iteration of swarm `b`: a cohort walks, then trails are renewed."""
-    if swarms.evaluations[b] >= swarms.budget[b]:
+    if is_spent(swarms, b):
         return
     ants = _make_ants(swarms, b, work)
     set_weights(ants.places, knobs[0], knobs[1])

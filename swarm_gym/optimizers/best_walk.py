@@ -5,15 +5,9 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from swarm_gym.jit import inner_kernel
 from swarm_gym.population import Swarms
-from swarm_gym.problem.sight import share_blocked
-from swarm_gym.problem.walks import WalkTable, to_cells
-
-Floats = NDArray[np.float64]
+from swarm_gym.problem.walks import WalkTable, blocked_length
 
 
 @inner_kernel
@@ -32,17 +26,8 @@ def re_evaluate_walk(swarms: Swarms, b: int, table: WalkTable) -> None:
     number, collision = swarms.best_walk[b], 0.0
     for k in range(number):
         end = swarms.walk[b, k + 1] if k + 1 < number else table.target
-        collision += _blocked_length(table, swarms.walk[b, k], end)
+        collision += blocked_length(table, swarms.walk[b, k, 0], swarms.walk[b, k, 1], end[0], end[1])
     straight_on = swarms.walk[b, number - 1] - table.target
     length = length_of_walk(swarms, b, number) + math.hypot(straight_on[0], straight_on[1])
     swarms.best_fitness[b] = length + table.penalty * collision / table.resolution
     swarms.best_collision[b] = collision
-
-
-@inner_kernel
-def _blocked_length(table: WalkTable, begin: Floats, end: Floats) -> float:
-    """Length of what of a segment is blocked; all in map units."""
-    column, row = to_cells(table, begin[0], begin[1])
-    to_column, to_row = to_cells(table, end[0], end[1])
-    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
-    return share * math.hypot(end[0] - begin[0], end[1] - begin[1])

@@ -8,9 +8,8 @@ import math
 
 from swarm_gym.jit import inner_kernel
 from swarm_gym.optimizers.best_walk import length_of_walk, re_evaluate_walk
-from swarm_gym.population import Swarms
-from swarm_gym.problem.sight import sees
-from swarm_gym.problem.walks import WalkTable, to_cells
+from swarm_gym.population import Swarms, is_spent
+from swarm_gym.problem.walks import WalkTable, is_visible
 
 ROBOT = 0
 
@@ -49,9 +48,8 @@ def remember_path(swarms: Swarms, b: int) -> None:
 @inner_kernel
 def sees_target(swarms: Swarms, b: int, table: WalkTable) -> bool:
     """Whether the robot does."""
-    column, row = to_cells(table, swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1])
-    to_column, to_row = to_cells(table, table.target[0], table.target[1])
-    return sees(table.blocked, table.rooms, column, row, to_column, to_row)
+    x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
+    return is_visible(table, x, y, table.target[0], table.target[1])
 
 
 @inner_kernel
@@ -71,6 +69,6 @@ def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
     The robot's takes its place where that is better, or no evaluation is left.
     """
     swarms.best_fitness[b] = math.inf
-    if swarms.evaluations[b] < swarms.budget[b]:
+    if not is_spent(swarms, b):
         re_evaluate_walk(swarms, b, table)
     remember_path(swarms, b)

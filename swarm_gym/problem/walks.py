@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, kernel
+from swarm_gym.jit import inlined_kernel, inner_kernel, kernel
 from swarm_gym.problem.layout import pad
-from swarm_gym.problem.sight import share_blocked, tabulate_rooms
+from swarm_gym.problem.sight import sees, share_blocked, tabulate_rooms
 from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
@@ -126,14 +126,29 @@ def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
     )
 
 
+@inner_kernel
+def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> bool:
+    """Whether two points, in map units, see each other; see `sight.sees`."""
+    column, row = to_cells(table, x, y)
+    to_column, to_row = to_cells(table, to_x, to_y)
+    return sees(table.blocked, table.rooms, column, row, to_column, to_row)
+
+
+@inner_kernel
+def blocked_length(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
+    """Length of what is blocked of the straight way between two points; all in map units."""
+    column, row = to_cells(table, x, y)
+    to_column, to_row = to_cells(table, to_x, to_y)
+    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
+    return math.hypot(to_x - x, to_y - y) * share
+
+
 @kernel
 def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
     """Fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
     x, y = path[1], path[2]
     way = math.hypot(table.target[0] - x, table.target[1] - y)
-    column, row = to_cells(table, x, y)
-    to_column, to_row = to_cells(table, table.target[0], table.target[1])
-    collision = way * share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
+    collision = blocked_length(table, x, y, table.target[0], table.target[1])
     return way + table.penalty * collision / table.resolution, collision
 
 
