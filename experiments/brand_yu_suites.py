@@ -32,7 +32,7 @@ DYNAMIC = Suite(
     baseline=GLOWWORMS[0],
     optimizer="glowworm",
     first_seed=FRESH_SEEDS,
-    options={**OPTIONS, "iterations": 800},
+    options={**OPTIONS, "iterations": 1500},
     tables=("brand-yu-counts",),
     figures=("brand-yu-ways",),
 )

@@ -14,6 +14,7 @@ SELECTIONS = ("brightest", "proportional")
 LEVELS = ("raw", "differences")
 DIMMINGS = ("rational", "exponential")
 RANGE_RULES = ("fixed", "adaptive")
+WANDERINGS = ("straight", "anywhere")
 
 
 class GlowwormKnobs(NamedTuple):
@@ -28,6 +29,7 @@ class GlowwormKnobs(NamedTuple):
     levels: float = 0
     dimming: float = 0
     range_rule: float = 0
+    wandering: float = 0
 
 
 class Glowworm(Walkers):
@@ -66,7 +68,7 @@ class Glowworm(Walkers):
         if not self.is_spent():
             member = self.seen(self.problem.drawn(self.block()) if point is None else point)
             member.luciferin = self.knobs.first_luciferin if luciferin is None else luciferin
-            member.range = math.inf
+            member.range, member.heading = math.inf, None
             self.members.append(member)
 
     def full_range(self):
@@ -138,14 +140,23 @@ class Glowworm(Walkers):
             wider = reach + 0.08 / 0.03 * eta * (5 - len(near))
             member.range = min(max(wider, 0.0), self.full_range())
         if not near:
-            angle = 2 * math.pi * self.block()[0]
-            there = [own[0] + eta * math.cos(angle), own[1] + eta * math.sin(angle)]
-            return there if self.problem.sees(own, there) else own
+            return self.wandered(member, own, eta)
+        member.heading = None
         goal = places[self.chosen(near, levels, glowing[i], [math.dist(own, places[k]) for k in near])]
         distance = math.dist(own, goal)
         if distance <= eta * (1 + ROUNDING):
             return list(goal)
         return [a + eta * (b - a) / distance for a, b in zip(own, goal, strict=True)]  # eq. 4
+
+    def wandered(self, member, own, eta):
+        """A step further that way, or, where it was in the way of something, any way."""
+        if member.heading is None or WANDERINGS[int(self.knobs.wandering)] == "anywhere":
+            member.heading = 2 * math.pi * self.block()[0]
+        there = [own[0] + eta * math.cos(member.heading), own[1] + eta * math.sin(member.heading)]
+        if self.problem.sees(own, there):
+            return there
+        member.heading = None
+        return own
 
     def chosen(self, near, levels, own_level, distances):
         is_proportional = SELECTIONS[int(self.knobs.selection)] == "proportional"

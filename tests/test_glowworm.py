@@ -34,6 +34,8 @@ OPTIONS = [
     {"selection": "proportional", "levels": "differences", "dimming": "exponential"},
     {"range_rule": "adaptive", "decision_range": 0.5},
     {"range_rule": "adaptive", "selection": "proportional", "glow": "distance", "gain": 3.0},
+    {"wandering": "anywhere"},
+    {"wandering": "anywhere", "selection": "proportional"},
     {"decision_range": 0.25, "absorption": 50.0},
     {"decay": 0.0, "dimming": "exponential", "absorption": 1000.0},
     {"decay": 0.0, "selection": "proportional", "levels": "differences"},

@@ -24,7 +24,9 @@ from swarm_gym.optimizers.glow import (
 )
 from swarm_gym.optimizers.glowworm_members import (
     FOLLOWED,
+    HEADING,
     LUCIFERIN,
+    NOWHERE,
     RANGE,
     UNLIT,
     adopt,
@@ -37,9 +39,8 @@ from swarm_gym.optimizers.optimizer import Knob, Optimizer, choice
 from swarm_gym.optimizers.relay import Sight, distance, inert, look_around
 from swarm_gym.optimizers.trajectory import ROBOT, append_point, arrive, remember_path, sees_target
 from swarm_gym.population import Swarms, Workspace, is_spent
-from swarm_gym.problem.sight import sees
 from swarm_gym.problem.tables import Table
-from swarm_gym.problem.walks import WalkTable, to_cells
+from swarm_gym.problem.walks import WalkTable, is_visible
 from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
@@ -50,6 +51,7 @@ MARGIN = 1e-9
 # Named options, by their index in `Knob.choices`.
 BRIGHTEST, PROPORTIONAL = range(2)
 FIXED, ADAPTIVE = range(2)
+STRAIGHT, ANYWHERE = range(2)
 # Krishnanand and Ghose: how many neighbours a range is to hold, and beta for steps of 0.03.
 NEIGHBOURS, ADAPTATION = 5, 0.08 / 0.03
 
@@ -101,7 +103,8 @@ def decide(
         swarms.memory[b, i, RANGE] = min(max(reach + ADAPTATION * step * missing, 0.0), longest)
     x, y = sight.x[i], sight.y[i]
     if chosen < 0:
-        return wander(swarms, b, table, work, x, y, step)
+        return wander(swarms, b, i, table, work, step, int(knobs[11]))
+    swarms.memory[b, i, HEADING] = NOWHERE
     way = distance(sight.x, sight.y, i, chosen)
     if way <= step * (1.0 + MARGIN):
         work.path[1], work.path[2] = sight.x[chosen], sight.y[chosen]
@@ -113,15 +116,22 @@ def decide(
 
 @inner_kernel
 def wander(
-    swarms: Swarms, b: int, table: WalkTable, work: Workspace, x: float, y: float, step: float
+    swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace, step: float, wandering: int
 ) -> bool:
-    """Draw a place a step away, into `work.path`, and find out whether it can be reached."""
-    fill_uniform(swarms.stream[b], work.noise)
-    angle = 2.0 * math.pi * work.noise[0]
+    """Go a step on, or where that does not lead anywhere, in a direction that is drawn, into `work.path`.
+
+    Returns:
+        Whether the place can be reached.
+    """
+    if swarms.memory[b, i, HEADING] == NOWHERE or wandering == ANYWHERE:
+        fill_uniform(swarms.stream[b], work.noise)
+        swarms.memory[b, i, HEADING] = 2.0 * math.pi * work.noise[0]
+    x, y, angle = swarms.positions[b, i, 0], swarms.positions[b, i, 1], swarms.memory[b, i, HEADING]
     work.path[1], work.path[2] = x + step * math.cos(angle), y + step * math.sin(angle)
-    column, row = to_cells(table, x, y)
-    to_column, to_row = to_cells(table, work.path[1], work.path[2])
-    return sees(table.blocked, table.rooms, column, row, to_column, to_row)
+    is_free = is_visible(table, x, y, work.path[1], work.path[2])
+    if not is_free:
+        swarms.memory[b, i, HEADING] = NOWHERE
+    return is_free
 
 
 @inlined_kernel
@@ -186,14 +196,20 @@ class Glowworm(Optimizer):
         "levels": choice("what `proportional` draws by", "raw", "differences"),
         "dimming": choice("how light fades: eq. 3 or eq. 2", "rational", "exponential"),
         "range_rule": choice("whether ranges adapt to the number of neighbours", "fixed", "adaptive"),
+        "wandering": choice(
+            "where a member goes that sees nobody brighter: on until something is in the way, or each step "
+            "in a direction that it draws",
+            "straight",
+            "anywhere",
+        ),
     }
     rules = GlowwormRules
     kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
-        """Luciferin, range, and whom it followed."""
-        return 3
+        """Luciferin, range, whom it followed, and where it wanders to."""
+        return 4
 
     @staticmethod
     def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004

@@ -19,10 +19,12 @@ from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
-# What is remembered of a member: its luciferin, its decision range in map units, and whom it followed.
-LUCIFERIN, RANGE, FOLLOWED = range(3)
+# What is remembered of a member: its luciferin, its decision range in map units, whom it followed, and the
+# angle at which it wanders.
+LUCIFERIN, RANGE, FOLLOWED, HEADING = range(4)
 # Until the first luciferin is known, with the parameters of the next iteration.
 UNLIT = -1.0
+NOWHERE = math.inf
 
 
 @inner_kernel
@@ -47,7 +49,7 @@ def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luc
 def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
     """Let member i shine like this, and look as far as it may."""
     swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
-    swarms.memory[b, i, FOLLOWED] = 0.0
+    swarms.memory[b, i, FOLLOWED], swarms.memory[b, i, HEADING] = 0.0, NOWHERE
 
 
 @inner_kernel
