@@ -31,6 +31,7 @@ from experiments.iafsa_drawings import (
 from experiments.outcomes import Outcomes
 from experiments.parameter_drawings import PARAMETER_DRAWINGS
 from experiments.parameter_study import SCENARIO, STUDIES
+from experiments.recovery_drawings import draw_recovery
 from experiments.results import Results, RunKey, Snapshot
 from experiments.suite import Suite
 from swarm_gym.checks import look_up
@@ -151,6 +152,10 @@ def _grids(stored: Stored) -> Drawings:
     return {"grids": partial(draw_grids, stored.cases)}
 
 
+def _recovery(stored: Stored) -> Drawings:
+    return {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)}
+
+
 def _profiles(stored: Stored) -> Drawings:
     return {"profiles": partial(draw_profiles, stored.outcomes)}
 
@@ -188,6 +193,7 @@ FIGURES: dict[str, Callable[[Stored], Drawings]] = {
     "routes": _routes,
     "brand-yu-ways": _ways,
     "brand-yu-grids": _grids,
+    "recovery": _recovery,
     "profiles": _profiles,
     "front": _front,
     "decisions": _decisions,

@@ -271,7 +271,7 @@ DYNAMIC = Suite(
     duels=(("learned:three-cases/*@1", "open-loop:three-cases"), ("spsfa-tip", "fixed:80")),
     first_seed=FRESH_SEEDS,
     tables=("recovery", "differences", "duels"),
-    figures=("cases",),
+    figures=("recovery", "front"),
 )
 
 ALL = (
