@@ -5,13 +5,15 @@ the way on it; else it waits. From then on the swarm plans from where the robot 
 own, to which what the optimizer remembers is carried over.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
-from swarm_gym.problem import MapProblem
+from swarm_gym.problem import MapProblem, WalkProblem
 from swarm_gym.scenarios import Point, drive_of
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import Worlds
@@ -95,6 +97,8 @@ class Robots:
                     continue
                 for vectors in self._optimizer.decision_vectors(self._swarms, row, problem.dimension):
                     vectors[...] = there.carried_over(vectors, problem)
+                if isinstance(there, WalkProblem):
+                    self._cut_walk(row, piece, there)
                 self._give(row, there, int(world[row]))
                 moved[row] = True
             self.places[row] = piece[-1]
@@ -118,12 +122,32 @@ class Robots:
         Best paths are best by their fitness and often graze something by less than a map unit, so they are
         repaired once where they are not free.
         """
-        best = self._swarms.best_position[row, : problem.dimension]
-        for vector in (best, problem.repaired(best, 1.0)):
-            piece, arrives = piece_of(problem.points(vector), distance)
+        for path in self._paths(row, problem):
+            piece, arrives = piece_of(path, distance)
             if problem.is_clear(piece):
                 return piece, arrives
         return None
+
+    def _paths(self, row: int, problem: MapProblem) -> Iterator[Floats]:
+        if isinstance(problem, WalkProblem):
+            yield np.vstack([self._walk(row), problem.scenario.target])
+            return
+        best = self._swarms.best_position[row, : problem.dimension]
+        yield problem.points(best)
+        yield problem.points(problem.repaired(best, 1.0))
+
+    def _walk(self, row: int) -> Floats:
+        """The points of the best walk so far, (k, 2), a view."""
+        return self._swarms.walk[row, : self._swarms.best_walk[row]]
+
+    def _cut_walk(self, row: int, driven: Floats, there: WalkProblem) -> None:
+        """Let the best walk so far begin where the robot is; its next point is one in another cell."""
+        grid, left = there.scenario.map, self._walk(row)[len(driven) - 1 :].copy()
+        here = grid.cell_of(there.scenario.start)
+        while len(left) and grid.cell_of(left[0]) == here:
+            left = left[1:]
+        self._swarms.best_walk[row] = 1 + len(left)
+        self._walk(row)[:] = np.vstack([there.scenario.start, left])
 
     def _problem(self, row: int, number: int | None = None) -> MapProblem:
         """The problem of a swarm, or that of a world."""
@@ -144,15 +168,14 @@ def make_robots(
     """The robots of a simulation, if any of its scenarios lets them drive.
 
     Raises:
-        SettingError: if members are no whole paths.
+        SettingError: if nothing is found that they could drive along.
     """
     if not any(map(drive_of, settings.scenarios)):
         return None
-    problem = worlds.problems[0]
-    if not isinstance(problem, MapProblem):
+    if optimizer.is_on_its_way:
         raise SettingError(
-            f"scenario {problem.scenario.name!r}: robots drive along whole paths; of encoding "
-            f"{settings.encoding!r} there are none"
+            f"scenario {settings.scenarios[0].name!r}: the robot of {optimizer.name} goes its own way, and "
+            "drives along no other"
         )
     return Robots(worlds, settings, optimizer, swarms)
 

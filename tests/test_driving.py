@@ -1,4 +1,4 @@
-"""Robots that drive along what was found for them, with every optimizer whose members are whole paths."""
+"""Robots that drive along what was found for them, with every optimizer but glowworms."""
 
 import copy
 import itertools
@@ -16,7 +16,7 @@ from builders import (
     small_grid_problem,
 )
 from gymnasium.vector import AutoresetMode
-from test_dynamic_environments import OPEN, SEED, actions, assert_same_steps, episode
+from test_dynamic_environments import OPEN, SEED, actions, assert_same_steps, episode, walk_cost
 
 from swarm_gym.driving import piece_of
 from swarm_gym.env import SwarmEnv
@@ -61,21 +61,22 @@ def small(optimizer="firefly", **options):
 
 
 def on_maps(optimizer):
-    """Options of environments in which robots drive; without any, the optimizer does not plan whole paths."""
+    """Options of environments in which robots drive; without any, the optimizer's own robot goes its way."""
     found = []
     for options in (
         {"scenario": ON_THE_WAY},
         {"scenario": ON_CELLS, "encoding": "bezier"},
         {"scenario": ON_CELLS, "encoding": "waypoints", "num_waypoints": 7},
+        {"scenario": ON_CELLS, "encoding": "walk"},
     ):
         try:
             small(optimizer, **options)
         except ValueError as refused:
-            assert "whole paths" in str(refused) or "encoding" in str(refused)  # noqa: PT017
+            assert "goes its own way" in str(refused) or "encoding" in str(refused)  # noqa: PT017
             continue
         found.append(options)
     if not found:
-        pytest.skip(f"{optimizer} does not plan whole paths")
+        pytest.skip(f"the robot of {optimizer} goes its own way")
     return found
 
 
@@ -276,6 +277,14 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
                     assert info["driven"] - driven == pytest.approx(drive.distance)
             if not terminated:
                 assert problem.scenario.start == tuple(info["robot"])
+            assert info["best_path"][0].tolist() == list(problem.scenario.start)
+            if optimizer == "ant-colony":
+                best = walk_cost(problem, info["best_path"])
+                assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
+                assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
+                if terminated:
+                    break
+                continue
             for i in range(swarms.size[0]):
                 found = problem.evaluate(swarms.positions[0, i, :n])
                 assert (swarms.fitness[0, i], swarms.collision[0, i]) == found
@@ -285,7 +294,6 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
                     assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
             best = problem.evaluate(swarms.best_position[0, :n])
             assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
-            assert info["best_path"][0].tolist() == list(problem.scenario.start)
             if terminated:
                 break
         assert moves > 1
@@ -393,6 +401,10 @@ def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
         assert (info["driven"] > 0) == (left > 0)  # else the episode is over before
         swarms, n, problem = env.simulation.swarms, env.simulation.dimension, env.simulation.problem_of(0)
         assert swarms.size[0] >= 1
+        if optimizer == "ant-colony":
+            best = walk_cost(problem, info["best_path"])
+            assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
+            continue
         for i in range(swarms.size[0]):
             assert swarms.fitness[0, i] == problem.evaluate(swarms.positions[0, i, :n])[0]
         assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]

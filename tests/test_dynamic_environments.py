@@ -124,15 +124,21 @@ def has_fitness(optimizer, stored, of_position):
     return stored == of_position if get_optimizer(optimizer).adopts else stored > of_position
 
 
+def walk_cost(problem, path):
+    """Fitness and degree of collision of a walk to the target, all of it."""
+    grid = problem.scenario.map
+    length = np.hypot(*np.diff(path, axis=0).T).sum()
+    blocked = blocked_length(grid.blocked, grid.to_cells(path))
+    return length + problem.penalty * blocked, blocked * grid.resolution
+
+
 def assert_best_walk_costs_its_way(optimizer, simulation, problem):
     """And what of it is blocked now; but for what a robot has walked already when an obstacle appears."""
-    path, grid, swarms = simulation.best_paths()[0], problem.scenario.map, simulation.swarms
-    length = np.hypot(*np.diff(path, axis=0).T).sum()
-    assert swarms.best_fitness[0] >= length * (1 - 1e-12)
+    path, swarms = simulation.best_paths()[0], simulation.swarms
+    assert swarms.best_fitness[0] >= np.hypot(*np.diff(path, axis=0).T).sum() * (1 - 1e-12)
     if not get_optimizer(optimizer).adopts:
-        blocked = blocked_length(grid.blocked, grid.to_cells(path))
-        assert swarms.best_fitness[0] == pytest.approx(length + problem.penalty * blocked, rel=1e-9)
-        assert swarms.best_collision[0] == pytest.approx(blocked * grid.resolution, abs=1e-9)
+        cost = walk_cost(problem, path)
+        assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(cost, rel=1e-9, abs=1e-9)
         assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
 
 

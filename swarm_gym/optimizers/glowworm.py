@@ -176,6 +176,7 @@ class Glowworm(Optimizer):
     name = "glowworm"
     encodings = ("walk",)
     smallest_population = 2
+    is_on_its_way = True
     knobs: ClassVar[dict[str, Knob]] = {
         "decay": Knob(0.4, 0.0, 1.0, "rho", "share of its luciferin that a member loses in an iteration"),
         "gain": Knob(0.6, 0.0, 10.0, "a", "luciferin that it gains where the place is best"),

@@ -71,6 +71,7 @@ class Optimizer:
         smallest_population: the least size that it can work with.
         encodings: names of `Settings.encoding` that it can work with; the first is its default.
         adopts: whether it can begin with a given population.
+        is_on_its_way: whether its first member is a robot that goes while it looks for the way.
         rules: what stands for its kernels in `driver`.
         kernels: what it does to a swarm.
     """
@@ -80,6 +81,7 @@ class Optimizer:
     smallest_population: ClassVar[int] = 1
     encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier")
     adopts: ClassVar[bool] = True
+    is_on_its_way: ClassVar[bool] = False
     rules: ClassVar[type]
     kernels: ClassVar[driver.Kernels]
 

@@ -1,7 +1,7 @@
 """Problems on grid maps: Bezier curves or waypoints among blocked cells."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,11 +12,10 @@ from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.problem import encoding
 from swarm_gym.problem.encoding import Encoding
 from swarm_gym.problem.grid import GridTable, tabulate
-from swarm_gym.problem.map_problem import MapProblem
+from swarm_gym.problem.map_problem import GridMapProblem
 from swarm_gym.problem.problem import Problem
 from swarm_gym.problem.resampling import resampled
-from swarm_gym.problem.traversal import path_is_free
-from swarm_gym.scenarios import GridScenario, Point
+from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +27,7 @@ ENCODINGS = {"bezier": encoding.bezier, "waypoints": encoding.waypoints}
 
 
 @dataclass(frozen=True)
-class GridProblem(MapProblem):
+class GridProblem(GridMapProblem):
     """Find the path of least fitness on a grid map.
 
     Attributes:
@@ -83,20 +82,11 @@ class GridProblem(MapProblem):
         num_legs = len(self.curve.base) - 1
         return math.hypot(x_max - x_min, y_max - y_min) * num_legs * (1.0 + 1.0 / self.table.num_pieces)
 
-    def begun_at(self, start: Point) -> "GridProblem":
-        """The same problem from another start."""
-        return replace(self, scenario=replace(self.scenario, start=start))
-
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
         """Offsets at which the same paths pass beside the new line; control points stay where they are."""
         if self.encoding != "waypoints":
             return vectors
         return np.clip(resampled(before.points(vectors), self.scenario, self.num_points), *self.bounds)
-
-    def is_clear(self, path: Floats) -> bool:
-        """Whether a polyline enters no blocked cell and stays on the map."""
-        grid = self.scenario.map
-        return bool(path_is_free(grid.blocked, grid.to_cells(path)))
 
     @property
     def identity(self) -> tuple[Any, ...]:

@@ -1,18 +1,21 @@
 """What problems on maps offer besides: they can begin where a robot has driven to."""
 
 from abc import abstractmethod
+from dataclasses import replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.problem.problem import Problem
-from swarm_gym.scenarios import MapScenario, Point
+from swarm_gym.problem.traversal import path_is_free
+from swarm_gym.scenarios import GridScenario, MapScenario, Point
 
 Floats = NDArray[np.float64]
 
 
 class MapProblem(Problem):
-    """Find a path of least fitness on a map, given by a whole decision vector.
+    """Find a path of least fitness on a map.
 
     Attributes:
         scenario: the map and the task.
@@ -26,7 +29,7 @@ class MapProblem(Problem):
         """A degree of collision that no path can exceed, wherever on the map it begins, in map units."""
 
     @abstractmethod
-    def begun_at(self, start: Point) -> "MapProblem":
+    def begun_at(self, start: Point) -> Self:
         """The same problem from another start.
 
         Raises:
@@ -40,3 +43,18 @@ class MapProblem(Problem):
     @abstractmethod
     def is_clear(self, path: Floats) -> bool:
         """Whether a polyline, (k, 2) in map coordinates, enters nothing that is in the way, exactly."""
+
+
+class GridMapProblem(MapProblem):
+    """A problem on a grid map; a dataclass."""
+
+    scenario: GridScenario
+
+    def begun_at(self, start: Point) -> Self:
+        """The same problem from another start."""
+        return replace(self, scenario=replace(self.scenario, start=start))  # type: ignore[type-var]
+
+    def is_clear(self, path: Floats) -> bool:
+        """Whether a polyline enters no blocked cell and stays on the map."""
+        grid = self.scenario.map
+        return bool(path_is_free(grid.blocked, grid.to_cells(path)))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_number
+from swarm_gym.problem.map_problem import GridMapProblem
 from swarm_gym.problem.problem import Problem
 from swarm_gym.problem.walks import WalkTable, tabulate
 from swarm_gym.scenarios import GridScenario
@@ -17,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class WalkProblem(Problem):
+class WalkProblem(GridMapProblem):
     """Find the shortest walk from start to target over free cells.
 
     Attributes:
@@ -51,6 +52,15 @@ class WalkProblem(Problem):
         """A degree of collision that no point on the map can exceed: the diagonal."""
         x_min, y_min, x_max, y_max = self.scenario.workspace
         return math.hypot(x_max - x_min, y_max - y_min)
+
+    @property
+    def collision_bound_anywhere(self) -> float:
+        """The same."""
+        return self.collision_bound
+
+    def carried_over(self, vectors: Floats, before: Problem) -> Floats:  # noqa: ARG002
+        """Points stay where they are."""
+        return vectors
 
     @property
     def identity(self) -> tuple[Any, ...]:
