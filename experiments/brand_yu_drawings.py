@@ -10,7 +10,7 @@ from experiments import map_plot
 from experiments.drawings import Case
 from experiments.figure_style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.results import Run, RunKey, Snapshot
-from experiments.ways import length_of, turning_of, way_of
+from experiments.ways import arrives, length_of, turning_of, way_of
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3
@@ -46,7 +46,7 @@ def draw_grids(cases: Sequence[Case]) -> Figure:
         figure.subplots(1, 2), ("length", "processor time of a run, s"), (_length, _seconds), strict=True
     ):
         for controller in among:
-            values = [np.array([value(run) for run in case.runs[controller]]) for case in cases]
+            values = [np.array([value(run) for run in _arrived(case, controller)]) for case in cases]
             middle, low, high = (np.array([of(v) for v in values]) for of in (np.mean, np.min, np.max))
             draw_banded_line(axes, sides, middle, (low, high), controller, among)
         axes.set(xscale="log", yscale="log", xlabel="side of the grid, cells", ylabel=name)
@@ -54,7 +54,7 @@ def draw_grids(cases: Sequence[Case]) -> Figure:
         axes.minorticks_off()
     optima = [shortest_path(case.scenario)[0] for case in cases]
     figure.axes[0].plot(sides, optima, color=GREY, linewidth=1.0, linestyle=":", label="shortest path")
-    figure.suptitle("Length and time by the size of the grid: mean and range of the runs")
+    figure.suptitle("Length and time by the size of the grid: mean and range of the runs that arrived")
     legend_below(figure)
     return figure
 
@@ -71,6 +71,10 @@ def _draw_fireflies(axes: Axes, snapshot: Snapshot) -> None:
         label="at first" if begin else f"after iteration {snapshot.iteration}",
         zorder=3,
     )
+
+
+def _arrived(case: Case, controller: str) -> list[Run]:
+    return [run for run in case.runs[controller] if arrives(run, case.scenario.target)]  # type: ignore[union-attr]
 
 
 def _length(run: Run) -> float:

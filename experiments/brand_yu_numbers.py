@@ -23,5 +23,5 @@ TABLE_1 = {
     122: Printed(447.0, 49.8),
     626: Printed(443.0, 1088.3),
 }
-# The obstacle of the dynamic example appears after this iteration; its path is shown after the second one.
-APPEARS, SHOWN = 70, 173
+# The obstacle of the dynamic example appears after this iteration.
+APPEARS = 70

@@ -1,5 +1,7 @@
 """Every optimizer is driven by schedules and by policies, on both kinds of map."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from builders import options_for
@@ -53,10 +55,10 @@ def test_a_policy_drives_it_alike_in_every_run(optimizer, kind, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_short_training_by_ppo_beats_a_fixed_size_at_fewer_evaluations(tmp_path):
+def test_short_trainings_by_ppo_beat_a_fixed_size_at_fewer_evaluations(tmp_path):
+    """On average; one may end below it."""
     config = TrainConfig(
         runs=tmp_path,
-        name="ppo",
         algorithm="ppo",
         optimizer="particle-swarm",
         scenarios=("case1",),
@@ -67,10 +69,13 @@ def test_a_short_training_by_ppo_beats_a_fixed_size_at_fewer_evaluations(tmp_pat
         total_steps=96_000,
         validation_seeds=32,
     )
-    policy = TrainingRun(config).run()
-    learned, fixed = (
+    policies = [
+        TrainingRun(dataclasses.replace(config, name=f"ppo-{seed}", seed=seed)).run() for seed in range(3)
+    ]
+    *learned, fixed = (
         run_episodes(make_controller(name), "case1", range(5000, 5100), "particle-swarm", price=1.0)
-        for name in (f"learned:{policy}", "fixed:65")
+        for name in (*(f"learned:{policy}" for policy in policies), "fixed:65")
     )
-    assert learned.evaluations.mean() < fixed.evaluations.mean()
-    assert learned.returns.mean() > fixed.returns.mean() + 0.05
+    assert all(episodes.evaluations.mean() < fixed.evaluations.mean() for episodes in learned)
+    returns = np.mean([episodes.returns for episodes in learned])
+    assert returns > fixed.returns.mean() + 0.05
