@@ -92,7 +92,7 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     (scenario,) = suite.scenarios
     walks = [_walks(suite, outcomes, name, scenario) for name in suite.controllers]
     optimum = shortest_path(walks[0].scenario)[0]
-    columns = (
+    columns: tuple[str, ...] = (
         "fireflies", "arrived", "mean length", "above the shortest", "iterations", "turning, degrees",
         "seconds",
     )  # fmt: skip
@@ -141,8 +141,8 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         Table(
             f"{suite.name}-counts",
             f"{'Table 1, on' if is_printed else 'On'} {scenario}, whose shortest path is {optimum:.1f}: "
-            "means [95 % intervals] over the runs that arrived, of the way that the robot went, of iterations, "
-            "and of all turns on the way; processor time of a run. "
+            "means [95 % intervals] over the runs that arrived, of the way that the robot went, of "
+            "iterations, and of all turns on the way; processor time of a run. "
             + (
                 "Start, goal and obstacle of the paper are not known"
                 if is_printed
