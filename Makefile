@@ -83,6 +83,7 @@ format: $(INSTALLED) ## format the sources
 
 benchmark: $(INSTALLED) ## measure speed, write results/benchmark (about four minutes)
 	@echo "== benchmark (keep the machine quiet)"
+	$(BIN)/python -m swarm_gym.warm_up
 	$(BIN)/python -m experiments.benchmark
 
 benchmark-peers: .venv-peers/.installed ## the same beside other libraries, in an environment of its own
