@@ -6,6 +6,7 @@ import naive
 import naive_optimizers
 import naive_swarm
 import numpy as np
+import pytest
 import shapely
 
 from swarm_gym.optimizers import get_optimizer
@@ -323,3 +324,13 @@ def workspace(num_waypoints):
 
 def make_problem(case, num_waypoints=31, length_weight=0.3):
     return AnalyticProblem(make_scenario(case), num_waypoints, length_weight)
+
+
+# What they remember is evaluated anew as that of fireflies is. They are compiled for it, which takes longer
+# than their tests.
+ALIKE = ("generational-firefly", "elite-genetic", "improved-fish-swarm", "hybrid-fish-swarm")
+
+
+def slow_if_alike(optimizer, *more):
+    """Parameters of a test of maps that change."""
+    return pytest.param(optimizer, *more, marks=pytest.mark.slow if optimizer in ALIKE else ())

@@ -13,6 +13,7 @@ from builders import (
     random_path,
     random_polygon,
     random_scenario,
+    slow_if_alike,
     small_grid_problem,
 )
 from gymnasium.vector import AutoresetMode
@@ -53,7 +54,7 @@ ON_CELLS = DynamicScenario(
     "on-cells", OPEN, [Appear(3, Polygon.rectangle(19, 5, 21, 12)), Disappear(6, 0)], Drive(1, 2, 4.5)
 )
 
-all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
+all_optimizers = pytest.mark.parametrize("optimizer", [slow_if_alike(name) for name in OPTIMIZERS])
 
 
 def small(optimizer="firefly", **options):

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from builders import is_walker
+from builders import is_walker, slow_if_alike
 from gymnasium.vector import AutoresetMode
 
 from swarm_gym.env import SwarmEnv
@@ -60,7 +60,7 @@ BUSY_GRID = DynamicScenario(
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": ITERATIONS}
 SEED = 11
 
-all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
+all_optimizers = pytest.mark.parametrize("optimizer", [slow_if_alike(name) for name in OPTIMIZERS])
 
 
 def small(optimizer="firefly", **options):

@@ -163,6 +163,7 @@ def test_pixel_files_have_the_size_of_the_figure(results, written):
         np.testing.assert_allclose(struct.unpack(">II", head[16:]), expected, atol=1.0)
 
 
+@pytest.mark.slow
 def test_another_process_writes_the_same_bytes_and_needs_no_pyplot(results, written, tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", DRAW_AGAIN, str(results.path), str(tmp_path), *CONTROLLERS],

@@ -56,9 +56,7 @@ def problems(optimizer):
 def on_all_kinds(optimizers):
     """Every optimizer is compiled for functions anew, which takes much longer than the test."""
     cases = [
-        pytest.param(name, kind, marks=pytest.mark.slow)
-        if kind in {"function", "plain"} and name != "fish-swarm"
-        else (name, kind)
+        pytest.param(name, kind, marks=pytest.mark.slow) if kind in {"function", "plain"} else (name, kind)
         for name in optimizers
         for kind in problems(name)
     ]

@@ -16,6 +16,7 @@ from builders import (
     oracle_twin,
     random_grid_scenario,
     random_population,
+    slow_if_alike,
 )
 from test_optimizers import spent_to_begin, tries
 
@@ -24,9 +25,12 @@ from swarm_gym.problem import AnalyticProblem, GridProblem, WalkProblem
 from swarm_gym.problem.tables import stack
 from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario, worlds_of
 
-with_an_oracle = pytest.mark.parametrize("optimizer", naive_optimizers.NAIVE)
+with_an_oracle = pytest.mark.parametrize(
+    "optimizer", [slow_if_alike(name) for name in naive_optimizers.NAIVE]
+)
 with_an_oracle_on_both_maps = pytest.mark.parametrize(
-    ("optimizer", "kind"), [(name, kind) for name in naive_optimizers.NAIVE for kind in ("analytic", "grid")]
+    ("optimizer", "kind"),
+    [slow_if_alike(name, kind) for name in naive_optimizers.NAIVE for kind in ("analytic", "grid")],
 )
 
 # (size, repair degree) of steps, after each of which the map changes.

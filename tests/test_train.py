@@ -43,8 +43,8 @@ def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
     "options",
     [
         {},
-        {"algorithm": "recurrent-ppo", "warm_start": "none"},
-        {"base": "spsfa-tip", "warm_start": "none", "reward": "paired"},
+        pytest.param({"algorithm": "recurrent-ppo", "warm_start": "none"}, marks=pytest.mark.slow),
+        pytest.param({"base": "spsfa-tip", "warm_start": "none", "reward": "paired"}, marks=pytest.mark.slow),
     ],
 )
 def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, options):

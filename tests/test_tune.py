@@ -144,6 +144,7 @@ def test_a_result_is_a_controller_with_what_it_was_made_with(tmp_path, what):
     assert min(manifest["round_seeds"] + manifest["estimate_seeds"]) >= TRAINING_START
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", TUNERS)
 def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, what):
     whole = tune(tmp_path, what, name="whole").run()
