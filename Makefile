@@ -7,7 +7,7 @@ SEEDS ?= 20
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install study study-full test test-slow test-checked test-lowest check format benchmark benchmark-peers \
+.PHONY: help install study study-full test test-slow test-lowest check format benchmark benchmark-peers \
     docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic clean
 
 help: ## show this list
@@ -45,8 +45,8 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all ker
 	$(BIN)/python -m swarm_gym.warm_up
 	@echo "== running the slow tests"
 	$(BIN)/python -m pytest -n auto -m slow
-	@echo "== optimizers as plain Python"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(OPTIMIZER_TESTS)
+	@echo "== kernels as plain Python"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
 	@echo "== compiling the kernels with bounds checks"
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS) \
@@ -57,10 +57,6 @@ PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometr
 OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
     re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py)
-
-test-checked: $(INSTALLED) ## run the tests of the kernels that all optimizers share with the JIT off
-	@echo "== kernels as plain Python"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS)
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"
