@@ -130,24 +130,20 @@ class Robots:
 
     def _paths(self, row: int, problem: MapProblem) -> Iterator[Floats]:
         if isinstance(problem, WalkProblem):
-            yield np.vstack([self._walk(row), problem.scenario.target])
+            yield self._swarms.best_way(row, problem.scenario.target)
             return
         best = self._swarms.best_position[row, : problem.dimension]
         yield problem.points(best)
         yield problem.points(problem.repaired(best, 1.0))
 
-    def _walk(self, row: int) -> Floats:
-        """The points of the best walk so far, (k, 2), a view."""
-        return self._swarms.walk[row, : self._swarms.best_walk[row]]
-
     def _cut_walk(self, row: int, driven: Floats, there: WalkProblem) -> None:
         """Let the best walk so far begin where the robot is; its next point is one in another cell."""
-        grid, left = there.scenario.map, self._walk(row)[len(driven) - 1 :].copy()
+        grid, left = there.scenario.map, self._swarms.best_walk_points(row)[len(driven) - 1 :].copy()
         here = grid.cell_of(there.scenario.start)
         while len(left) and grid.cell_of(left[0]) == here:
             left = left[1:]
         self._swarms.best_walk[row] = 1 + len(left)
-        self._walk(row)[:] = np.vstack([there.scenario.start, left])
+        self._swarms.best_walk_points(row)[:] = np.vstack([there.scenario.start, left])
 
     def _problem(self, row: int, number: int | None = None) -> MapProblem:
         """The problem of a swarm, or that of a world."""

@@ -16,6 +16,7 @@ from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
+from swarm_gym.scenarios import Point
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -83,6 +84,14 @@ class Swarms(NamedTuple):
             best_walk=np.zeros(num_swarms, dtype=np.int64),
             walked=np.zeros(num_swarms, dtype=np.int64),
         )
+
+    def best_walk_points(self, row: int) -> Floats:
+        """(k, 2) the points of the best walk so far of a swarm, a view."""
+        return self.walk[row, : self.best_walk[row]]
+
+    def best_way(self, row: int, target: Point | Floats) -> Floats:
+        """(k + 1, 2) the same, and straight on to the target."""
+        return np.vstack([self.best_walk_points(row), target])
 
 
 class Workspace(NamedTuple):

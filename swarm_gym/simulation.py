@@ -243,8 +243,7 @@ class Simulation:
     def best_path(self, row: int) -> Floats:
         """(k, 2) the best path so far of a swarm, which ends where it is at the target."""
         if self.swarms.walk.shape[1] > 0:
-            walk = self.swarms.walk[row, : self.swarms.best_walk[row]]
-            return np.vstack([walk, self._targets[self.swarms.problem[row]]])
+            return self.swarms.best_way(row, self._targets[self.swarms.problem[row]])
         return self.problem_of(row).points(self.best_position(row))
 
     def _best_walks(self) -> Floats:

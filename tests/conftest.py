@@ -11,6 +11,16 @@ def numba_threads():
 
 
 @pytest.fixture
+def database(tmp_path):
+    """A database of results that holds nothing yet."""
+    from experiments.results import Results  # takes seconds, which most tests shall not wait for
+
+    results = Results(tmp_path / "made.sqlite")
+    yield results
+    results.close()
+
+
+@pytest.fixture
 def little_imitation(monkeypatch):
     """Imitation that ends before it has learned anything."""
     monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)

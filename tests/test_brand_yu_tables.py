@@ -6,11 +6,12 @@ from math import acos, degrees, hypot, sqrt
 import numpy as np
 import pytest
 from scipy import stats
+from stored_runs import cells_of
 
 from experiments.brand_yu_numbers import TABLE_1
 from experiments.brand_yu_suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
 from experiments.figures import plan
-from experiments.results import Results, Run, Snapshot
+from experiments.results import Run, Snapshot
 from experiments.suites import DYNAMIC as GATES
 from experiments.tables import make_tables
 from experiments.tables.recovery import Recovery
@@ -37,11 +38,6 @@ def kinked(start, target, length):
     return np.array([(a, b), (a + x / 2.0 + aside * y, b + y / 2.0 - aside * x), target])
 
 
-def cells_of(tables, name):
-    (found,) = [table for table in tables if table.name == name]
-    return [dict(zip(found.columns, row, strict=True)) for row in found.rows]
-
-
 def claims_of(tables, name):
     return {row["claim"]: (row["holds"], row["does not hold"]) for row in cells_of(tables, name)}
 
@@ -49,13 +45,6 @@ def claims_of(tables, name):
 def line(axes, text):
     (found,) = [each for each in axes.lines if each.get_label() == text]
     return np.array(found.get_data(), dtype=float)
-
-
-@pytest.fixture
-def database(tmp_path):
-    results = Results(tmp_path / "made.sqlite")
-    yield results
-    results.close()
 
 
 # Table 1.

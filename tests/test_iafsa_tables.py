@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy import stats
+from stored_runs import cells_of
 
 from experiments.documents import block_names, replace_block
 from experiments.figures import write_figures
@@ -13,7 +14,7 @@ from experiments.iafsa_drawings import by_evaluations, by_iterations
 from experiments.iafsa_numbers import CONVERGENCE, DIMENSIONS, ITERATIONS, MEAN_BEST, SWARMS, WAYS
 from experiments.iafsa_suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.labels import label
-from experiments.results import Results, Run
+from experiments.results import Run
 from experiments.statistics import holm, rank_sum
 from experiments.suites import Suite
 from experiments.tables import make_tables
@@ -50,18 +51,6 @@ def made_run(controller, scenario, seed, fitness, course=(9.0, 3.0), collision=0
         trace,
         {},
     )
-
-
-def cells_of(tables, name):
-    (found,) = [table for table in tables if table.name == name]
-    return [dict(zip(found.columns, row, strict=True)) for row in found.rows]
-
-
-@pytest.fixture
-def database(tmp_path):
-    results = Results(tmp_path / "made.sqlite")
-    yield results
-    results.close()
 
 
 # The paper's numbers.

@@ -7,7 +7,7 @@ import math
 
 from swarm_gym.jit import inner_kernel
 from swarm_gym.population import Swarms
-from swarm_gym.problem.walks import WalkTable, blocked_length
+from swarm_gym.problem.walks import WalkTable, share_blocked_between
 
 
 @inner_kernel
@@ -23,11 +23,12 @@ def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
 def re_evaluate_walk(swarms: Swarms, b: int, table: WalkTable) -> None:
     """Evaluate the best path so far on a map that changed, all of it."""
     swarms.evaluations[b] += 1
-    number, collision = swarms.best_walk[b], 0.0
+    number, length, collision = swarms.best_walk[b], 0.0, 0.0
     for k in range(number):
+        x, y = swarms.walk[b, k, 0], swarms.walk[b, k, 1]
         end = swarms.walk[b, k + 1] if k + 1 < number else table.target
-        collision += blocked_length(table, swarms.walk[b, k, 0], swarms.walk[b, k, 1], end[0], end[1])
-    straight_on = swarms.walk[b, number - 1] - table.target
-    length = length_of_walk(swarms, b, number) + math.hypot(straight_on[0], straight_on[1])
+        leg = math.hypot(end[0] - x, end[1] - y)
+        length += leg
+        collision += leg * share_blocked_between(table, x, y, end[0], end[1])
     swarms.best_fitness[b] = length + table.penalty * collision / table.resolution
     swarms.best_collision[b] = collision

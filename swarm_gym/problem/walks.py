@@ -135,12 +135,11 @@ def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -
 
 
 @inner_kernel
-def blocked_length(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
-    """Length of what is blocked of the straight way between two points; all in map units."""
+def share_blocked_between(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
+    """Share of the straight way between two points, in map units, that is blocked; see `sight`."""
     column, row = to_cells(table, x, y)
     to_column, to_row = to_cells(table, to_x, to_y)
-    share = share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
-    return math.hypot(to_x - x, to_y - y) * share
+    return share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
 
 
 @kernel
@@ -148,7 +147,7 @@ def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
     """Fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
     x, y = path[1], path[2]
     way = math.hypot(table.target[0] - x, table.target[1] - y)
-    collision = blocked_length(table, x, y, table.target[0], table.target[1])
+    collision = way * share_blocked_between(table, x, y, table.target[0], table.target[1])
     return way + table.penalty * collision / table.resolution, collision
 
 
