@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller
 from swarm_gym.scenarios import Scenario
-from swarm_gym.simulation import HISTORY
+from swarm_gym.simulation import HISTORY, Simulation
 from swarm_gym.vector_env import SwarmVectorEnv
 
 Floats = NDArray[np.float64]
@@ -35,8 +35,17 @@ class Episodes:
     repair_degrees: Floats
 
 
+def look_away(_: Simulation) -> None:
+    """See nothing of a simulation."""
+
+
 def run_episodes(
-    controller: Controller, scenario: str | Scenario, seeds: range, optimizer: str = "firefly", **options: Any
+    controller: Controller,
+    scenario: str | Scenario,
+    seeds: range,
+    optimizer: str = "firefly",
+    look: Callable[[Simulation], None] = look_away,
+    **options: Any,
 ) -> Episodes:
     """Run one episode per seed, all side by side, on one scenario.
 
@@ -45,10 +54,12 @@ def run_episodes(
         scenario: a scenario or its name.
         seeds: consecutive seeds, one per episode.
         optimizer: name of the optimizer.
+        look: called with the simulation before every iteration, and after the last one.
         options: further options of the environment.
     """
     swarms = swarms_for(controller, len(seeds), optimizer, scenario=scenario, **options)
-    returns = drive(controller, swarms, seeds)
+    returns = drive(controller, swarms, seeds, lambda: look(swarms.simulation))
+    look(swarms.simulation)
     history = swarms.simulation.history[:, 1:]
     sizes, repair_degrees = (
         history[..., HISTORY.index(name)] for name in ("population_size", "repair_degree")

@@ -1,12 +1,12 @@
 """A training run: in chunks, with checkpoints, validation, and exact resuming."""
 
 import io
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
-from torch.utils.tensorboard import SummaryWriter
 from tqdm import tqdm
 
 from agents.controller import Controller
@@ -14,13 +14,16 @@ from agents.learned import load_learned
 from agents.learners import make_learner
 from agents.learners.environments import reference_controller
 from agents.paired_reward import PAIRED
-from agents.policy_file import save_policy
+from agents.policy_file import load_policy, save_policy
 from agents.provenance import provenance
-from agents.rollout import Episodes, run_episodes
+from agents.replay_strip import make_replay_strip
+from agents.rollout import Episodes, look_away, run_episodes
 from agents.run_folder import RunFolderError, as_json, prepare_folder
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
+from agents.training_events import TrainingEvents
 from swarm_gym.files import write_atomically
+from swarm_gym.simulation import Simulation
 
 # Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
 _LOCATION = ("runs", "name", "resume", "threads")
@@ -37,6 +40,7 @@ class TrainingRun:
         self.config = config
         self.folder = config.folder
         self.checkpoint = self.folder / "checkpoint.pt"
+        self.best = self.folder / "best.safetensors"
         self.chunk = 0
         self.best_return = -np.inf
         # Asked for once: what runs is what was imported now.
@@ -44,7 +48,8 @@ class TrainingRun:
         self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
         prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
-        self.writer = SummaryWriter(str(self.folder))
+        self.events = TrainingEvents(self.folder)
+        self.replay = make_replay_strip()
 
     def run(self) -> Path:
         """Train to the end; returns the file of the best policy by validation."""
@@ -67,21 +72,22 @@ class TrainingRun:
                 self._save_checkpoint()
                 bar.set_postfix({"validation": f"{mean_return:.3f}", "best": f"{self.best_return:.3f}"})
                 bar.update(self.learner.num_steps - before)
-        self.writer.close()
-        return self.folder / "best.safetensors"
+        self._write_hyperparameters()
+        self.events.close()
+        return self.best
 
     def _train_chunk(self) -> None:
         scalars = self.learner.learn(training_seed(self.config.seed, self.chunk))
         self.chunk += 1
-        for name, value in scalars.items():
-            self.writer.add_scalar(name, value, self.learner.num_steps)
+        self.events.add_scalars(scalars, self.learner.num_steps)
 
     def _validate(self) -> float:
         """Mean return on the validation seeds; keeps the policy, and the best one by this number."""
         config, step = self.config, self.learner.num_steps
         latest = self.folder / "latest.safetensors"
         self._save_policy(latest, {})
-        by_scenario = self._run_validation(load_learned(latest, config.limits), config.env_options())
+        look = self.replay.look if self.replay else look_away
+        by_scenario = self._run_validation(load_learned(latest, config.limits), config.env_options(), look)
         results = {}
         for scenario, episodes in by_scenario.items():
             results[scenario] = {
@@ -89,15 +95,15 @@ class TrainingRun:
                 "final_fitness": float(episodes.final_fitness.mean()),
                 "evaluations": float(episodes.evaluations.mean()),
             }
-            for name, value in results[scenario].items():
-                self.writer.add_scalar(f"validation/{scenario}/{name}", value, step)
-        self._write_decisions(list(by_scenario.values()), step)
         mean_return = float(np.mean([result["return"] for result in results.values()]))
-        self.writer.add_scalar("validation/return", mean_return, step)
+        self.events.add_scalars({**_by_name("validation", results), "validation/return": mean_return}, step)
+        self.events.add_decisions(by_scenario, step)
+        if self.replay:
+            self.events.add_replay(self.replay.draw(), step)
         self._save_policy(latest, results)
         if mean_return > self.best_return:
             self.best_return = mean_return
-            self._save_policy(self.folder / "best.safetensors", results)
+            self._save_policy(self.best, results)
         return mean_return
 
     def _run_reference(self) -> dict[str, float]:
@@ -107,25 +113,30 @@ class TrainingRun:
         by_scenario = self._run_validation(*reference_controller(self.config))
         return {scenario: float(episodes.returns.mean()) for scenario, episodes in by_scenario.items()}
 
-    def _run_validation(self, controller: Controller, options: dict[str, Any]) -> dict[str, Episodes]:
+    def _run_validation(
+        self,
+        controller: Controller,
+        options: dict[str, Any],
+        look: Callable[[Simulation], None] = look_away,
+    ) -> dict[str, Episodes]:
+        """Episodes on the validation seeds by scenario, the first of which is looked at."""
         config = self.config
-        seeds = VALIDATION[: config.validation_seeds]
+        scenarios = config.validation_scenarios or config.scenarios
+        seeds, threads = VALIDATION[: config.validation_seeds], config.threads
+        looks = [look, *[look_away] * (len(scenarios) - 1)]
         return {
             scenario: run_episodes(
-                controller, scenario, seeds, config.optimizer, num_threads=config.threads, **options
+                controller, scenario, seeds, config.optimizer, look_here, num_threads=threads, **options
             )
-            for scenario in config.validation_scenarios or config.scenarios
+            for scenario, look_here in zip(scenarios, looks, strict=True)
         }
 
-    def _write_decisions(self, episodes: list[Episodes], step: int) -> None:
-        """Mean size and phi by iteration, as scalars at every tenth."""
-        for name in ("sizes", "repair_degrees"):
-            values = np.concatenate([getattr(e, name) for e in episodes])
-            for iteration in range(0, values.shape[1], 10):
-                column = values[:, iteration]
-                if np.isnan(column).all():
-                    break  # a budget has ended all episodes before
-                self.writer.add_scalar(f"{name}/iteration {iteration + 1:03}", np.nanmean(column), step)
+    def _write_hyperparameters(self) -> None:
+        """What the run was made with, and what its best policy came to in validation."""
+        options = {name: v for name, v in as_json(self.config).items() if name not in _NOT_COMPARED}
+        validation = load_policy(self.best)[1]["validation"]
+        metrics = {"hparam/best_return": self.best_return, **_by_name("hparam", validation)}
+        self.events.add_hyperparameters(options, metrics, self.learner.num_steps)
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
         config = self.config
@@ -171,3 +182,12 @@ class TrainingRun:
         self.learner.load(state["learner"])
         self.chunk = state["chunk"]
         self.best_return = state["best_return"]
+
+
+def _by_name(prefix: str, results: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
+    """The numbers of all scenarios as scalars are called."""
+    return {
+        f"{prefix}/{scenario}/{name}": value
+        for scenario, numbers in results.items()
+        for name, value in numbers.items()
+    }
