@@ -7,7 +7,7 @@ SEEDS ?= 20
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install study study-full test test-slow test-lowest check format benchmark benchmark-peers \
+.PHONY: help install browser study study-full test test-slow test-lowest check format benchmark benchmark-peers \
     docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic clean
 
 help: ## show this list
@@ -22,9 +22,16 @@ $(INSTALLED): pyproject.toml constraints.txt
 	    --constraint constraints.txt --editable '.[maps,render,study,dev]'
 	@touch $@
 
-study: $(INSTALLED) ## run the paper's study and write its tables and figures to results/paper
+browser: $(INSTALLED) ## find or install Chromium, which the tests of reports look at pages with
+	@if command -v chromium chromium-browser google-chrome; then true; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	    apt-get -qq update && apt-get -qq --yes --no-install-recommends install chromium > /dev/null; \
+	else $(BIN)/python -m playwright install chromium; fi
+
+study: $(INSTALLED) ## run the paper's study; its tables, figures and report.html are in results/paper then
 	@echo "== the paper's study, $(SEEDS) seeds: controllers x cases x seeds, then tables and figures"
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds $(SEEDS)
+	$(BIN)/python -m experiments.report results/paper.sqlite
 
 STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
 

@@ -42,7 +42,7 @@ def write_page(
         write_atomically(folder / MADE_WITH, said)
     parts = [
         f"# Suite {suite.name}: {runs}\n",
-        f"Made by `{_command(suite)}`.\n",
+        f"Made by `{command_of(suite)}`.\n",
         *([describe_provenance(made_with)] if made_with else []),
         *(table.markdown() for table in tables),
         *pictures,
@@ -74,7 +74,8 @@ def _short(commit: str) -> str:
     return f"{digits[:COMMIT_DIGITS]}{separator}{dirty}"
 
 
-def _command(suite: Suite) -> str:
+def command_of(suite: Suite) -> str:
+    """How the runs and tables of a suite are made."""
     command = f"python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}"
     usual = SUITES.get(suite.name, suite).controllers
     return command if suite.controllers == usual else f"{command} --controllers {' '.join(suite.controllers)}"

@@ -6,8 +6,8 @@ environments, geometry of the scenarios, weights of the policies. Runs made with
 
 import json
 import sqlite3
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -118,21 +118,37 @@ class Results:
         self.path = path
         path.parent.mkdir(parents=True, exist_ok=True)
         self._connection = sqlite3.connect(path)
-        try:
+        with self._closed_if_unusable():
             self._connection.execute("PRAGMA journal_mode = WAL")
             self._connection.executescript(SCHEMA)
             self._check_columns()
-            self._adopt(configuration or {})
-        except sqlite3.DatabaseError as error:
-            self._connection.close()
-            raise ResultsError(f"{path}: not a usable results database ({error})") from error
-        except ResultsError:
-            self._connection.close()
-            raise
+            self._adopt(self._compare(configuration or {}))
+
+    @classmethod
+    def stored(cls, path: Path, configuration: Mapping[str, Any] | None = None) -> "Results":
+        """What is stored in a database that is there, to be read only.
+
+        Raises:
+            ResultsError: if the file is missing, no results database, or holds runs of another configuration.
+        """
+        if not path.is_file():
+            raise ResultsError(f"{path}: there is no such results database")
+        results = cls.__new__(cls)
+        results.path = path
+        results._connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
+        with results._closed_if_unusable():
+            results._check_columns()
+            results._compare(configuration or {})
+        return results
 
     def close(self) -> None:
         """Close the file."""
         self._connection.close()
+
+    def configuration(self) -> dict[str, Any]:
+        """What the stored runs were made with, by key."""
+        rows = self._connection.execute("SELECT key, value FROM configuration ORDER BY key")
+        return {key: json.loads(value) for key, value in rows}
 
     def finished(self) -> set[RunKey]:
         """Keys of the stored runs."""
@@ -242,8 +258,21 @@ class Results:
             found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
         return found
 
+    @contextmanager
+    def _closed_if_unusable(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.DatabaseError as error:
+            self._connection.close()
+            raise ResultsError(f"{self.path}: not a usable results database ({error})") from error
+        except ResultsError:
+            self._connection.close()
+            raise
+
     def _check_columns(self) -> None:
         there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
+        if not there:
+            raise ResultsError(f"{self.path}: not a results database, since it has no table of runs")
         for column, meaning in (
             ("columns", "what the columns of the traces are"),
             ("way", "where robots have gone"),
@@ -254,7 +283,8 @@ class Results:
                     "another --database, or delete the file"
                 )
 
-    def _adopt(self, configuration: Mapping[str, Any]) -> None:
+    def _compare(self, configuration: Mapping[str, Any]) -> dict[str, str]:
+        """What is not stored yet of a configuration that does not contradict what is."""
         stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
         new = {key: json.dumps(value, sort_keys=True) for key, value in configuration.items()}
         for key, value in new.items():
@@ -263,6 +293,9 @@ class Results:
                     f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is "
                     f"{value}; use another --database, or delete the file"
                 )
+        return {key: value for key, value in new.items() if key not in stored}
+
+    def _adopt(self, new: Mapping[str, str]) -> None:
         with self._connection as connection:
             connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
 

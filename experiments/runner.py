@@ -3,28 +3,25 @@
 import dataclasses
 import time
 from collections import Counter
-from functools import cache
 from typing import Any
 
-import gymnasium
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from agents import Controller, make_controller
+from agents import Controller
 from agents.distilled import DistilledRule
 from agents.feedforward import FeedforwardController
 from agents.open_loop import OpenLoop
 from agents.provenance import provenance
 from agents.tuned import load_tuned
 from experiments.contestants import contestant
+from experiments.episode import Episode, controller_of, warm_up
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
 from experiments.suite import Suite
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest
-from swarm_gym.registration import environment_id
 from swarm_gym.settings import Settings, make_problem
-from swarm_gym.warm_up import warm_up_single
 
 MOST_NAMED = 10  # in a message
 
@@ -52,7 +49,7 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
         return
     made_with = provenance("gymnasium", "numba", "numpy")
     for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
-        _warm_up(optimizer, _kind(suite))
+        warm_up(optimizer, suite)
     tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
     workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
     for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
@@ -81,29 +78,12 @@ def refuse_missing(suite: Suite, results: Results) -> None:
 def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
     """One run in a single environment, timed."""
     name, scenario, seed = key
-    runs = contestant(name, suite.optimizer)
-    _warm_up(runs.optimizer, _kind(suite))
-    controller = _controller(runs.controller)
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
-    env = gymnasium.make(
-        environment_id(runs.optimizer),
-        scenario=scenario,
-        **{**suite.options, **runs.options},
-        **controller.env_options(),
-    )
-    simulation = env.unwrapped.simulation  # type: ignore[attr-defined]
-    snapshots = []
+    episode = Episode(key, suite)
     begin = time.process_time()
-    controller.reset(1, seed)
-    observation, info = env.reset(seed=seed)
-    ended = False
-    while not ended:
-        if keep and simulation.iteration[0] in keep:
-            snapshots.append(_snapshot(simulation))
-        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+    snapshots = [_snapshot(simulation) for simulation in episode if simulation.iteration[0] in keep]
     seconds = time.process_time() - begin
-    if simulation.iteration[0] in keep:
-        snapshots.append(_snapshot(simulation))
+    simulation, info = episode.simulation, episode.info
     return Run(
         name,
         scenario,
@@ -126,7 +106,7 @@ def configuration(suite: Suite) -> dict[str, Any]:
     found = environment_configuration(suite)
     for name in suite.controllers:
         controller_name = contestant(name, suite.optimizer).controller
-        found[f"controller {name}"] = _identity(controller_name, _controller(controller_name))
+        found[f"controller {name}"] = _identity(controller_name, controller_of(controller_name))
     return found
 
 
@@ -143,7 +123,7 @@ def _identity(name: str, controller: Controller) -> Any:
         return (
             manifest["weights_sha256"],
             manifest.get("corrected_from", 0),
-            _identity(base, _controller(base)),
+            _identity(base, controller_of(base)),
         )
     if isinstance(controller, OpenLoop):
         return controller.initial_population_size, controller.table.tolist()
@@ -168,22 +148,6 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
         problem = make_problem(name, **suite.options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found
-
-
-@cache
-def _controller(name: str) -> Controller:
-    return make_controller(name)
-
-
-@cache
-def _warm_up(optimizer: str, options: tuple[tuple[str, Any], ...]) -> None:
-    """Compile or load the kernels of this process, so that no run is charged for it."""
-    warm_up_single(optimizer, **dict(options))
-
-
-def _kind(suite: Suite) -> tuple[tuple[str, Any], ...]:
-    """The options of a suite's environments, on one of its scenarios."""
-    return tuple({"scenario": suite.scenarios[0], **suite.options}.items())
 
 
 def _snapshot(simulation: Any) -> Snapshot:

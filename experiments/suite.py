@@ -53,6 +53,7 @@ class Suite:
         reference: evaluations and gap that hypervolumes are measured from; what is worse counts for nothing.
         tables: names in `experiments.tables.TABLES`.
         figures: names in `experiments.figures.FIGURES`.
+        replayed: controllers whose first runs a report replays; empty for the baseline and the best one.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Suite:
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = PAPER_TABLES
     figures: tuple[str, ...] = PAPER_FIGURES
+    replayed: tuple[str, ...] = ()
 
     @cached_property
     def seeds(self) -> dict[str, range]:

@@ -194,6 +194,7 @@ PAPER = Suite(
     num_seeds=20,
     baseline="spsfa-tip",
     snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
+    replayed=("spsfa-tip", "learned:three-cases/0@1", "fixed:80", "spsfa"),
 )
 
 PARAMETERS = Suite(

@@ -9,7 +9,7 @@ from trainings import make_policy
 
 from agents.open_loop import save_open_loop
 from agents.tuned import save_tuned
-from experiments import runner
+from experiments import episode, runner
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.publish_suite import publish_suite
 from experiments.results import Results, ResultsError, Run
@@ -154,7 +154,7 @@ def test_a_database_of_another_configuration_is_refused(database, tmp_path, key,
 
 def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
     def identity(name):
-        runner._controller.cache_clear()
+        episode.controller_of.cache_clear()
         return configuration(dataclasses.replace(SUITE, controllers=(name,)))[f"controller {name}"]
 
     loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
@@ -227,7 +227,7 @@ def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_
         raise AssertionError("a run was made")
 
     monkeypatch.setattr(runner, "run_one", never)
-    monkeypatch.setattr(runner, "make_controller", never)  # nor are policies needed
+    monkeypatch.setattr(runner, "controller_of", never)  # nor are policies needed
     offline = dataclasses.replace(config, simulate=False, output=tmp_path / "offline")
     assert {p.name: p.read_bytes() for p in evaluate(offline).parent.iterdir()} == expected
 

@@ -1,0 +1,65 @@
+"""One run of a suite in a single environment, an iteration at a time."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import gymnasium
+
+from agents import Controller, make_controller
+from experiments.contestants import contestant
+from experiments.results import RunKey
+from experiments.suite import Suite
+from swarm_gym.registration import environment_id
+from swarm_gym.simulation import Simulation
+from swarm_gym.warm_up import warm_up_single
+
+
+class Episode:
+    """A run that has not begun; kernels are compiled or loaded, so that no run is charged for it.
+
+    Attributes:
+        simulation: of the environment, a batch of one.
+        info: what the environment told last; empty before the run.
+    """
+
+    def __init__(self, key: RunKey, suite: Suite):
+        name, scenario, self._seed = key
+        runs = contestant(name, suite.optimizer)
+        warm_up(runs.optimizer, suite)
+        self._controller = controller_of(runs.controller)
+        self._env = gymnasium.make(
+            environment_id(runs.optimizer),
+            scenario=scenario,
+            **{**suite.options, **runs.options},
+            **self._controller.env_options(),
+        )
+        self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
+        self.info: dict[str, Any] = {}
+
+    def __iter__(self) -> Iterator[Simulation]:
+        """The simulation with its first population, and after every iteration."""
+        self._controller.reset(1, self._seed)
+        observation, self.info = self._env.reset(seed=self._seed)
+        yield self.simulation
+        ended = False
+        while not ended:
+            action = self._controller.act(observation[None])[0]
+            observation, _, ended, _, self.info = self._env.step(action)
+            yield self.simulation
+
+
+@cache
+def controller_of(name: str) -> Controller:
+    """The controller of that name, made once per process."""
+    return make_controller(name)
+
+
+def warm_up(optimizer: str, suite: Suite) -> None:
+    """Compile or load the kernels that the runs of a suite need with an optimizer, once per process."""
+    _warm_up(optimizer, tuple({"scenario": suite.scenarios[0], **suite.options}.items()))
+
+
+@cache
+def _warm_up(optimizer: str, options: tuple[tuple[str, Any], ...]) -> None:
+    warm_up_single(optimizer, **dict(options))

@@ -1,0 +1,230 @@
+"""What a report of a results database says: tables, figures, replays, and how all of it came about."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tqdm import tqdm
+
+from experiments.labels import label
+from experiments.outcomes import Outcomes
+from experiments.page import command_of, describe_provenance
+from experiments.report.completeness import complete_part
+from experiments.report.document import Report, Section
+from experiments.report.drawn import Drawn, draw_all
+from experiments.report.map_picture import describe_map
+from experiments.report.recording import Recording, ReplayError, record
+from experiments.report.replay import pack
+from experiments.results import Results, ResultsError, RunKey
+from experiments.suite import Suite
+from experiments.tables import TABLES, Table, make_tables
+from swarm_gym.errors import ScenarioError
+
+# Beyond a suite's own tables, where the optima are known.
+FURTHER_TABLES = ("gaps", "front")
+MOST_RUNS = 3000  # that are listed one by one
+REPLAYED_SCENARIOS = 3  # the first ones, where a suite does not say which runs to replay
+
+
+class Request(NamedTuple):
+    """What a report is asked for.
+
+    Attributes:
+        database: the file.
+        suite: what it holds runs of.
+        replays: controller, scenario and seed of the runs to replay; None for the suite's choice.
+        figures: whether there are any.
+    """
+
+    database: Path
+    suite: Suite
+    replays: Sequence[RunKey] | None = None
+    figures: bool = True
+
+
+def make_report(request: Request, results: Results) -> Report:
+    """Read all that a page says from a database, and make the runs that it replays again.
+
+    Raises:
+        ResultsError: if a run that is to be replayed is not in the database.
+    """
+    part, notices = complete_part(request.suite, results)
+    title = f"swarm_gym: suite {request.suite.name}"
+    configuration = results.configuration()
+    if part is None:
+        if request.replays:
+            raise ResultsError(f"{request.database}: no runs to replay; {' '.join(notices)}")
+        return Report(title, "There is nothing to show yet.", notices, configuration=configuration)
+    made_with = results.provenances(part.controllers, part.seeds)
+    if len(made_with) > 1:
+        notices.append(
+            f"The runs are of {len(made_with)} versions, so they may not be comparable. "
+            f"{describe_provenance(made_with).strip()}"
+        )
+    outcomes = results.outcomes(part.controllers, part.seeds)
+    chosen = _chosen(request, part, outcomes)
+    tables, without = _tables(part, results, outcomes)
+    figures, not_drawn = draw_all(part, results) if request.figures else ([], [])
+    replays, not_replayed = _replays(chosen, part, results)
+    runs = _table_of_runs(part, outcomes)
+    return Report(
+        title=title,
+        lead=_lead(part),
+        notices=[*notices, *without, *not_drawn, *not_replayed],
+        sections=_sections(part, tables, figures),
+        replays=replays,
+        runs=runs,
+        facts=_facts(part, made_with),
+        commands=_commands(request, part, made_with),
+        configuration=configuration,
+    )
+
+
+def _lead(part: Suite) -> str:
+    return (
+        f"{len(part.controllers)} controllers on {_number(len(part.scenarios), 'scenario')}, "
+        f"{_number(part.num_seeds, 'seed')} each: every controller on the same scenarios and seeds."
+    )
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
+def _tables(part: Suite, results: Results, outcomes: Outcomes) -> tuple[list[Table], list[str]]:
+    """The suite's tables and, where the optima are known, those of gaps and cost."""
+    tables = make_tables(part, results)
+    try:
+        for name in FURTHER_TABLES:
+            if name not in part.tables and part.num_seeds > 1:
+                tables += TABLES[name](part, outcomes)
+    except ScenarioError as error:
+        return tables, [f"Tables of optimality gaps are left out: {error}."]
+    return tables, []
+
+
+def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:
+    """What is of all scenarios first, the first table on top; then a section per scenario."""
+
+    def of(scenario: str | None, found: Sequence[Any]) -> list[Any]:
+        return [one for one in found if _scenario_of(one.name, part.scenarios) == scenario]
+
+    general = of(None, tables)
+    sections = [
+        Section("summary", "Results", general[:1]),
+        Section("comparisons", "Quality, cost, comparisons", general[1:], of(None, figures)),
+        *(
+            Section(f"scenario-{place}", scenario, of(scenario, tables), of(scenario, figures))
+            for place, scenario in enumerate(part.scenarios)
+        ),
+    ]
+    return [section for section in sections if section.tables or section.figures]
+
+
+def _scenario_of(name: str, scenarios: Sequence[str]) -> str | None:
+    """The scenario that a table or figure is of, by the end of its name."""
+    return next((scenario for scenario in scenarios if name.endswith(f"-{scenario}")), None)
+
+
+def _chosen(request: Request, part: Suite, outcomes: Outcomes) -> list[RunKey]:
+    """The runs to replay: those asked for, or the first run of some controllers on the first scenarios."""
+    if request.replays is not None:
+        stored = {(c, s, k) for c in part.controllers for s, seeds in part.seeds.items() for k in seeds}
+        for key in request.replays:
+            if key not in stored:
+                raise ResultsError(
+                    f"{request.database} has no run of {key[0]} on {key[1]} with seed {key[2]} to replay; "
+                    f"it has {', '.join(part.controllers)} on {', '.join(part.scenarios)}, "
+                    f"seeds from {next(iter(part.seeds.values())).start} on"
+                )
+        return list(request.replays)
+    best = part.controllers[int(outcomes.fitness.mean(axis=(1, 2)).argmin())]
+    named = [name for name in part.replayed if name in part.controllers]
+    controllers = dict.fromkeys(named or [name for name in part.controllers if name in (part.baseline, best)])
+    return [
+        (controller, scenario, seeds.start)
+        for scenario, seeds in list(part.seeds.items())[:REPLAYED_SCENARIOS]
+        for controller in controllers
+    ]
+
+
+def _replays(chosen: list[RunKey], part: Suite, results: Results) -> tuple[list[dict[str, Any]], list[str]]:
+    """Packed replays by scenario and seed, and which runs did not repeat."""
+    groups: dict[tuple[str, int], list[Recording]] = {}
+    left_out = []
+    for controller, scenario, seed in tqdm(chosen, desc="replays", unit="run"):
+        [run] = results.runs(controller, scenario, 1, seed)
+        try:
+            groups.setdefault((scenario, seed), []).append(record(run, part))
+        except ReplayError as error:
+            left_out.append(f"A replay is left out, since the run cannot be repeated: {error}.")
+    return [
+        {
+            "scenario": scenario,
+            "seed": seed,
+            "maps": _maps(recordings[0]),
+            "replays": [pack(recording) for recording in recordings],
+        }
+        for (scenario, seed), recordings in groups.items()
+        if recordings
+    ], left_out
+
+
+def _maps(recording: Recording) -> list[dict[str, Any]]:
+    """The maps of a recording, with the iterations from which on they are in force."""
+    maps: list[dict[str, Any]] = []
+    before = None
+    for frame in recording.frames:
+        if frame.scenario is not before:
+            maps.append({"from": frame.iteration, **describe_map(frame.scenario)})
+            before = frame.scenario
+    return maps
+
+
+def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
+    """Every run with its numbers in full."""
+    if outcomes.fitness.size > MOST_RUNS:
+        return None
+    rows = []
+    for controller in part.controllers:
+        for scenario, seeds in part.seeds.items():
+            numbers = outcomes.of(controller, scenario)
+            rows += [
+                (label(controller), scenario, str(seed), *map(str, values))
+                for seed, *values in zip(
+                    seeds,
+                    numbers.fitness.tolist(),
+                    numbers.collision.tolist(),
+                    numbers.evaluations.astype(int).tolist(),
+                    numbers.seconds.tolist(),
+                    strict=True,
+                )
+            ]
+    return Table(
+        "runs",
+        "Every run: final fitness, degree of collision of that path, evaluations, seconds",
+        ("controller", "scenario", "seed", "final fitness", "collision", "evaluations", "seconds"),
+        rows,
+    )
+
+
+def _facts(part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[tuple[str, str]]:
+    seeds = {name: f"{s.start} to {s.stop - 1}" for name, s in part.seeds.items()}
+    same = len(set(seeds.values())) == 1
+    told = next(iter(seeds.values())) if same else "from " + ", ".join(s.split()[0] for s in seeds.values())
+    return [
+        ("Suite", part.name),
+        ("Optimizer", part.optimizer),
+        ("Controllers", ", ".join(f"{label(name)} ({name})" for name in part.controllers)),
+        ("Scenarios", ", ".join(part.scenarios)),
+        ("Seeds", told),
+        ("Options", ", ".join(f"{k}={v}" for k, v in part.options.items()) or "as they are by default"),
+        ("Made with", describe_provenance(made_with).strip().removeprefix("Runs made with: ")),
+    ]
+
+
+def _commands(request: Request, part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[str]:
+    commits = {provenance.get("commit", "unknown") for provenance in made_with}
+    [commit] = commits if len(commits) == 1 else ["unknown"]
+    checkout = [] if commit == "unknown" else [f"git checkout {commit.removesuffix('-dirty')}"]
+    return [*checkout, command_of(part), f"python -m experiments.report {request.database.name}"]

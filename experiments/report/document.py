@@ -1,0 +1,111 @@
+"""The page of a report: what it consists of, and its HTML, which needs no other file and no network."""
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+import swarm_gym
+from experiments.report.drawn import Drawn
+from experiments.tables import Table
+
+ASSETS = Path(__file__).parent / "assets"
+TEMPLATE = "report.html.jinja"
+SCRIPTS = ("tables.js", "theme.js", "replay.js", "player.js")
+# Marks of the player's key: class, meaning, and what is drawn beside the line.
+KEY = (
+    ("feasible", "feasible", ""),
+    ("colliding", "colliding", ""),
+    ("new", "new in this step", "M21 1V13"),
+    ("removed", "removed in this step", "M15 1L27 13M27 1L15 13"),
+    ("best", "best so far", ""),
+    ("shortest", "shortest path", ""),
+)
+
+
+_NUMBER = re.compile(r"[-+<>≤≥]?\s*\d")
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page: a heading, tables and figures."""
+
+    identifier: str
+    title: str
+    tables: Sequence[Table] = ()
+    figures: Sequence[Drawn] = ()
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that a page says.
+
+    Attributes:
+        title: its heading.
+        lead: what it is about, in a sentence.
+        notices: what to know of the results: what is missing, what differs.
+        sections: in their order; replays come after the first.
+        replays: of `replay.pack`, by scenario and seed.
+        runs: a table of all runs; None where they are too many.
+        facts: what was run, by name.
+        commands: how to run it again.
+        configuration: what the database says that runs depend on.
+    """
+
+    title: str
+    lead: str
+    notices: Sequence[str] = ()
+    sections: Sequence[Section] = ()
+    replays: Sequence[dict[str, Any]] = ()
+    runs: Table | None = None
+    facts: Sequence[tuple[str, str]] = ()
+    commands: Sequence[str] = ()
+    configuration: dict[str, Any] = field(default_factory=dict)
+
+
+def to_html(report: Report) -> str:
+    """The page of a report."""
+    environment = Environment(
+        loader=FileSystemLoader(ASSETS),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(emphasised=_emphasised, text_columns=_text_columns)
+    assets = {name: (ASSETS / name).read_text(encoding="utf-8") for name in ("report.css", *SCRIPTS)}
+    return environment.get_template(TEMPLATE).render(
+        title=report.title,
+        lead=report.lead,
+        notices=report.notices,
+        sections=report.sections,
+        replays=_json(report.replays) if report.replays else "",
+        runs=report.runs,
+        facts=report.facts,
+        commands=report.commands,
+        configuration=json.dumps(report.configuration, indent=1) if report.configuration else "",
+        key=KEY,
+        version=swarm_gym.__version__,
+        css=Markup(assets["report.css"]),
+        scripts=[assets[name] for name in SCRIPTS],
+    )
+
+
+def _json(value: Any) -> str:
+    """JSON that no HTML parser takes for the end of a script."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _text_columns(table: Table) -> list[bool]:
+    """Which columns of a table hold no numbers."""
+    return [not any(_NUMBER.match(row[column]) for row in table.rows) for column in range(len(table.columns))]
+
+
+def _emphasised(text: str) -> Markup:
+    """Text with what stands between pairs of asterisks in bold, as in Markdown."""
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text))))

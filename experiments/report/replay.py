@@ -1,0 +1,162 @@
+"""Replays for a page: recordings, quantised and compressed, and the maps that they happen on.
+
+Coordinates are rounded to a grid of 2^bits points over the view of the map and stored as differences to the
+same member's in the frame before; `player.js` reads what is written here. A replay takes at most
+`MOST_BYTES` of the page: where it would not, the grid becomes coarser, paths get fewer points, and then only
+every second, or fourth, member is kept.
+"""
+
+import base64
+import zlib
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.labels import label
+from experiments.report.map_picture import extent_of
+from experiments.report.recording import Frame, Recording
+from experiments.results import Floats
+
+Integers = NDArray[np.int64]
+
+MOST_BYTES = 300_000
+DIGITS = 6  # of the numbers beside the map
+FEASIBLE, NEW, REMOVED = 1, 2, 4  # flags of a member; removed in the frame after
+
+
+class Fineness(NamedTuple):
+    """How much of a recording is kept."""
+
+    bits: int
+    points: int
+    every: int
+
+
+LADDER = (
+    Fineness(10, 33, 1), Fineness(9, 33, 1), Fineness(9, 17, 1), Fineness(9, 17, 2), Fineness(8, 17, 4),
+    Fineness(8, 9, 8), Fineness(7, 9, 16),
+)  # fmt: skip
+
+
+def pack(recording: Recording) -> dict[str, Any]:
+    """What the page has of a recording, ready for JSON, in at most `MOST_BYTES`."""
+    for fineness in LADDER:
+        packed = {**_facts(recording), **_populations(recording, fineness)}
+        if size_of(packed) <= MOST_BYTES:
+            break
+    return packed
+
+
+def size_of(packed: dict[str, Any]) -> int:
+    """Bytes that a replay takes in the page, nearly: its data, and six for each of its numbers."""
+    courses = sum(len(course) for course in packed["courses"].values())
+    return len(packed["data"]) + 8 * courses + 16 * len(packed["frames"]) + 1000
+
+
+def _facts(recording: Recording) -> dict[str, Any]:
+    run, frames = recording.run, recording.frames
+    iterations = [frame.iteration for frame in frames]
+    names = ("population_collision", "population_size", "repair_degree", "best_fitness", "evaluations")
+    return {
+        "controller": run.controller,
+        "label": label(run.controller),
+        "points": recording.are_points,
+        "frames": iterations,
+        "finalFitness": run.final_fitness,
+        "courses": {name: _rounded(run.course(name)[: iterations[-1] + 1]) for name in names},
+    }
+
+
+def _rounded(course: Floats) -> list[float]:
+    return [float(f"{value:.{DIGITS}g}") for value in course]
+
+
+def _populations(recording: Recording, fineness: Fineness) -> dict[str, Any]:
+    bits, points, every = fineness
+    frames = recording.frames
+    paths = [_quantised(_thin(frame.paths, points)[::every], frame, bits) for frame in frames]
+    longest = min(points, max(len(frame.best_path) for frame in frames))
+    best = [_quantised(_with_points(frame.best_path[None], longest), frame, bits) for frame in frames]
+    varying, fixed = _columns(paths)
+    streams = [_differences([frame[:, varying] for frame in paths]), _differences(best)]
+    content = b"".join([*(_planes(stream) for stream in streams), _flags(frames, every)])
+    robots = [frame.robot for frame in frames]
+    packed = zlib.compress(content, level=9)
+    return {
+        "bits": bits,
+        "every": every,
+        "sizes": [len(frame) for frame in paths],
+        "members": [len(frame.feasible) for frame in frames],
+        "feasible": [int(frame.feasible.sum()) for frame in frames],
+        "added": [int(frame.new.sum()) for frame in frames],
+        "removed": [int(frame.removed.sum()) for frame in frames],
+        "width": paths[0].shape[1],
+        "bestWidth": best[0].shape[1],
+        "varying": varying.tolist(),
+        "fixed": fixed.tolist(),
+        "robots": None
+        if all(robot is None for robot in robots)
+        else [
+            None if robot is None else _quantised(robot[None, None], frame, bits)[0].tolist()
+            for robot, frame in zip(robots, frames, strict=True)
+        ],
+        "data": base64.b64encode(packed).decode(),
+    }
+
+
+def _thin(paths: Floats, most: int) -> Floats:
+    """Paths (m, k, 2) with at most so many points, the first and the last of them kept."""
+    return _with_points(paths, min(paths.shape[1], most))
+
+
+def _with_points(paths: Floats, number: int) -> Floats:
+    """Paths (m, k, 2) with so many of their points, evenly chosen; some twice where there are too few."""
+    return paths[:, np.linspace(0, paths.shape[1] - 1, number).round().astype(np.int64)]
+
+
+def _quantised(paths: Floats, frame: Frame, bits: int) -> Integers:
+    """(m, 2 k) coordinates as integers of so many bits, 0 being the lower ends of the map."""
+    low, high = np.reshape(extent_of(frame.scenario), (2, 2))
+    steps = (1 << bits) - 1
+    scaled = np.rint((paths - low) / (high - low) * steps)
+    return np.clip(scaled, 0, steps).astype(np.int64).reshape(len(paths), -1)
+
+
+def _columns(paths: Sequence[Integers]) -> tuple[Integers, Integers]:
+    """Which columns of the frames (m, c) differ anywhere, and the values of the others."""
+    first = paths[0][0]
+    differs = np.any([(frame != first).any(axis=0) for frame in paths], axis=0)
+    return np.flatnonzero(differs), np.where(differs, 0, first)
+
+
+def _differences(frames: Sequence[Integers]) -> Integers:
+    """All values less those of the same row in the frame before, which are 0 where there was none."""
+    found = []
+    before = np.zeros((0, frames[0].shape[1]), dtype=np.int64)
+    for frame in frames:
+        change = frame.copy()
+        shared = min(len(frame), len(before))
+        change[:shared] -= before[:shared]
+        found.append(change.ravel())
+        before = frame
+    return np.concatenate(found)
+
+
+def _planes(values: Integers) -> bytes:
+    """All low bytes, then all high bytes, of the values in zigzag order: 0, -1, 1, -2, ..."""
+    zigzag = ((values << 1) ^ (values >> 63)).astype(np.uint16)
+    return (zigzag & 255).astype(np.uint8).tobytes() + (zigzag >> 8).astype(np.uint8).tobytes()
+
+
+def _flags(frames: Sequence[Frame], every: int) -> bytes:
+    """A byte per member that is kept, frame by frame, and one per frame of its best path."""
+    found = []
+    for frame, later in zip(frames, [*frames[1:], None], strict=True):
+        flags = FEASIBLE * frame.feasible + NEW * frame.new
+        if later is not None and len(later.removed) == len(flags):
+            flags = flags + REMOVED * later.removed
+        found.append(flags[::every].astype(np.uint8))
+    best = np.array([FEASIBLE * frame.best_feasible for frame in frames], dtype=np.uint8)
+    return np.concatenate([*found, best]).tobytes()

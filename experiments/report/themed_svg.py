@@ -1,0 +1,85 @@
+"""Figures as SVG that is part of a page: colours from its style sheet, names of its own, fewer digits."""
+
+import re
+
+from matplotlib.figure import Figure
+
+from experiments import figure_style, map_plot
+from experiments.figure_style import render
+
+# Settings of Matplotlib beside `figure_style.settings`: text stays text, which is searched and read out.
+SETTINGS = {"svg.fonttype": "none", "figure.facecolor": "none", "savefig.facecolor": "none"}
+
+# Variables of `report.css` by colour of the figures.
+VARIABLES = {
+    "#ffffff": "paper",
+    "#000000": "ink",
+    figure_style.BLACK: "ink",
+    "#4c4c4c": "faint-ink",
+    figure_style.GREY: "grey",
+    "#bfbfbf": "grey",
+    figure_style.SETTINGS["grid.color"]: "grid",
+    map_plot.OBSTACLE: "obstacle",
+    map_plot.OUTLINE: "outline",
+    "#f0e442": "shortest",
+    figure_style.BLUE: "blue",
+    figure_style.SKY: "sky",
+    figure_style.GREEN: "green",
+    figure_style.ORANGE: "orange",
+    figure_style.RED: "red",
+    figure_style.PINK: "pink",
+}
+_VARIABLES = {colour.lower(): f"var(--{name})" for colour, name in VARIABLES.items()}
+
+# Coordinates are points, of which there are 72 in an inch.
+_LONG_NUMBER = re.compile(r"(\d+\.\d\d)\d+")
+_DRAWN = re.compile(r'(?<=\s)(d|x|y|points)="([^"]*)"')
+
+
+def themed_svg(figure: Figure, prefix: str, title: str) -> str:
+    """The SVG element of a figure, without a background.
+
+    Args:
+        figure: drawn within `figure_style.settings` and `SETTINGS`.
+        prefix: of its identifiers, which no other figure of the page has.
+        title: what it shows, for those who do not see it.
+    """
+    text = render(figure, "svg").decode()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'<style type="text/css">.*?</style>', "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    text = re.sub(r"#[0-9a-fA-F]{6}\b", lambda m: _VARIABLES.get(m[0].lower(), m[0]), text)
+    text = re.sub(r'\bid="', f'id="{prefix}-', text)
+    text = re.sub(r'(href=")#', rf"\1#{prefix}-", text)
+    text = text.replace("url(#", f"url(#{prefix}-")
+    text = _DRAWN.sub(_shortened, text)
+    text = re.sub(r"font-family: [^;\"]*", "font-family: 'DejaVu Sans', sans-serif", text)
+    text = re.sub(r">\s+<", "><", text)
+    width, height = figure.get_size_inches()
+    attributes = f'role="img" aria-labelledby="{prefix}-title" style="--natural: {72 * width:.0f}px"'
+    opening = f'<svg viewBox="0 0 {72 * width:g} {72 * height:g}" {attributes}'
+    return re.sub(
+        r"<svg[^>]*>",
+        lambda _: f'{opening}><title id="{prefix}-title">{_escape(title)}</title>',
+        text,
+        count=1,
+    )
+
+
+def plain_title(figure: Figure) -> str:
+    """The title of a figure without the marks of mathematics, taken off the figure: the page writes it."""
+    title = figure.get_suptitle()
+    figure.suptitle("")
+    title = re.sub(r"\\mathrm\{(\w+)\}", r"\1", title)
+    return title.replace("$", "")
+
+
+def _shortened(attribute: re.Match[str]) -> str:
+    """An attribute with coordinates to two places."""
+    coordinates = " ".join(attribute[2].split())
+    return attribute[1] + '="' + _LONG_NUMBER.sub(r"\1", coordinates) + '"'
+
+
+def _escape(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
