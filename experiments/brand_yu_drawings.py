@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from experiments import map_plot
 from experiments.drawings import Case
 from experiments.figure_style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
-from experiments.results import Run, RunKey, Snapshot
+from experiments.run import Run, RunKey, Snapshot
 from experiments.ways import arrives, length_of, turning_of, way_of
 from swarm_gym.reference import shortest_path
 

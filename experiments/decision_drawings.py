@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from experiments.figure_style import Style, draw_banded_line, legend_below, new_figure
 from experiments.groups import group_controllers, scenario_sets
 from experiments.labels import label
-from experiments.results import Floats, Results, Run
+from experiments.results import Results
+from experiments.run import Floats, Run
 from experiments.suite import Suite
 
 # What is decided per iteration, by name of the trace's column.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from experiments import map_plot
 from experiments.figure_style import GREY, Style, draw_banded_line, legend_below, new_figure
 from experiments.labels import label
-from experiments.results import Floats, Run, RunKey, Snapshot
+from experiments.run import Floats, Run, RunKey, Snapshot
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import StaticScenario, make_scenario, world_at

@@ -8,7 +8,7 @@ import gymnasium
 
 from agents import Controller, make_controller
 from experiments.contestants import contestant
-from experiments.results import RunKey
+from experiments.run import RunKey
 from experiments.suite import Suite
 from swarm_gym.registration import environment_id
 from swarm_gym.simulation import Simulation

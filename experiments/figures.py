@@ -32,7 +32,8 @@ from experiments.outcomes import Outcomes
 from experiments.parameter_drawings import PARAMETER_DRAWINGS
 from experiments.parameter_study import SCENARIO, STUDIES
 from experiments.recovery_drawings import draw_recovery
-from experiments.results import Results, RunKey, Snapshot
+from experiments.results import Results
+from experiments.run import RunKey, Snapshot
 from experiments.suite import Suite
 from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically

@@ -15,7 +15,7 @@ from experiments import map_plot
 from experiments.drawings import Case, best_by_evaluations, columns
 from experiments.figure_style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.labels import label
-from experiments.results import Floats, Run
+from experiments.run import Floats, Run
 from experiments.tables.iafsa import Function
 from experiments.tables.iafsa_routes import A_STAR, make_route
 from swarm_gym.scenarios import GridMap

@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.ticker import MaxNLocator
 
 from experiments.figure_style import BLUE, RED, Style
-from experiments.results import Floats, Run, Snapshot
+from experiments.run import Floats, Run, Snapshot
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import Circle, FunctionScenario, GridMap, Obstacle, Scenario, StaticScenario
 

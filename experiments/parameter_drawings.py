@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, StrMethodFormatter
 from experiments.drawings import MOST_POINTS, Case, columns, draw_optimum, scale_fitness
 from experiments.figure_style import BAND, BLACK, BLUE, GREEN, ORANGE, Style, legend_below, new_figure
 from experiments.parameter_study import Study
-from experiments.results import Floats, Run
+from experiments.run import Floats, Run
 from experiments.statistics import ratio_interval
 
 Runs = dict[float, list[Run]]  # by value of the parameter

@@ -17,7 +17,8 @@ from agents.tuned import load_tuned
 from experiments.contestants import contestant
 from experiments.episode import Episode, controller_of, warm_up
 from experiments.groups import group_key, set_key
-from experiments.results import Results, ResultsError, Run, RunKey, Snapshot
+from experiments.results import Results, ResultsError
+from experiments.run import Run, RunKey, Snapshot
 from experiments.suite import Suite
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.results import Floats, Run
+from experiments.run import Floats, Run
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios.scenario import Point
 

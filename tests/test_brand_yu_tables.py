@@ -11,7 +11,7 @@ from stored_runs import cells_of
 from experiments.brand_yu_numbers import TABLE_1
 from experiments.brand_yu_suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
 from experiments.figures import plan
-from experiments.results import Run, Snapshot
+from experiments.run import Run, Snapshot
 from experiments.suites import DYNAMIC as GATES
 from experiments.tables import make_tables
 from experiments.tables.recovery import Recovery

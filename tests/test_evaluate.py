@@ -12,7 +12,8 @@ from agents.tuned import save_tuned
 from experiments import episode, runner
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.publish_suite import publish_suite
-from experiments.results import Results, ResultsError, Run
+from experiments.results import Results, ResultsError
+from experiments.run import Run
 from experiments.runner import configuration, run_missing, run_one
 from experiments.suites import COLLECTIONS, SUITES, Suite, get_suite
 from experiments.tables import make_tables

@@ -22,7 +22,8 @@ from experiments.drawings import (
 from experiments.figure_style import KNOWN_STYLES, render, settings, styles
 from experiments.figures import load_cases, load_snapshots, plan, write_figures
 from experiments.labels import label
-from experiments.results import Results, Run, Snapshot
+from experiments.results import Results
+from experiments.run import Run, Snapshot
 from experiments.suites import PAPER, Suite
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 

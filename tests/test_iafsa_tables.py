@@ -14,7 +14,7 @@ from experiments.iafsa_drawings import by_evaluations, by_iterations
 from experiments.iafsa_numbers import CONVERGENCE, DIMENSIONS, ITERATIONS, MEAN_BEST, SWARMS, WAYS
 from experiments.iafsa_suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.labels import label
-from experiments.results import Run
+from experiments.run import Run
 from experiments.statistics import holm, rank_sum
 from experiments.suites import Suite
 from experiments.tables import make_tables

@@ -13,7 +13,8 @@ from agents.schedules import SelfAdaptiveSchedule
 from experiments.figures import load_cases, plan, write_figures
 from experiments.parameter_drawings import draw_courses, draw_outcomes
 from experiments.parameter_study import CONTROLLERS, SCENARIO, STUDIES
-from experiments.results import Results, ResultsError, Run
+from experiments.results import Results, ResultsError
+from experiments.run import Run
 from experiments.statistics import ratio_interval
 from experiments.suites import PARAMETERS, get_suite
 from experiments.tables import make_tables

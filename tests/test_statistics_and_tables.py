@@ -11,7 +11,8 @@ from scipy import stats
 from experiments.labels import label
 from experiments.page import write_page
 from experiments.paper_numbers import FITNESS, SECONDS
-from experiments.results import Results, Run
+from experiments.results import Results
+from experiments.run import Run
 from experiments.statistics import compare, holm, mean_interval, summarise
 from experiments.suites import Suite
 from experiments.tables import Table, make_tables

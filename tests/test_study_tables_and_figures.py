@@ -14,7 +14,8 @@ from experiments.figures import plan, write_figures
 from experiments.gap_drawings import draw_front, draw_profiles, logarithmic_ticks
 from experiments.labels import label
 from experiments.outcomes import Outcomes
-from experiments.results import Results, ResultsError, Run
+from experiments.results import Results, ResultsError
+from experiments.run import Run
 from experiments.statistics import holm, hypervolume
 from experiments.suites import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
 from experiments.tables import make_tables

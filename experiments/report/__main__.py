@@ -14,7 +14,8 @@ import tyro
 
 from experiments.report.contents import Request, make_report
 from experiments.report.document import to_html
-from experiments.results import Results, ResultsError, RunKey
+from experiments.results import Results, ResultsError
+from experiments.run import RunKey
 from experiments.runner import environment_configuration
 from experiments.suites import get_suite
 from swarm_gym.files import write_atomically

@@ -15,7 +15,8 @@ from experiments.report.drawn import Drawn, draw_all
 from experiments.report.map_picture import describe_map
 from experiments.report.recording import Recording, ReplayError, record
 from experiments.report.replay import pack
-from experiments.results import Results, ResultsError, RunKey
+from experiments.results import Results, ResultsError
+from experiments.run import RunKey
 from experiments.suite import Suite
 from experiments.tables import TABLES, Table, make_tables
 from swarm_gym.errors import ScenarioError

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.episode import Episode
-from experiments.results import Floats, Run, RunKey
+from experiments.run import Floats, Run, RunKey
 from experiments.suite import Suite
 from swarm_gym.population import Swarms, shrink
 from swarm_gym.rendering import Scene

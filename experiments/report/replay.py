@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from experiments.labels import label
 from experiments.report.map_picture import extent_of
 from experiments.report.recording import Frame, Recording
-from experiments.results import Floats
+from experiments.run import Floats
 
 Integers = NDArray[np.int64]
 

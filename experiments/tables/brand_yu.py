@@ -10,7 +10,7 @@ from experiments.brand_yu_suites import ANTS, FEW
 from experiments.contestants import contestant
 from experiments.labels import OPTIMIZER_LABELS
 from experiments.outcomes import Floats, Outcomes
-from experiments.results import Run
+from experiments.run import Run
 from experiments.statistics import mean_interval, rank_sum
 from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table

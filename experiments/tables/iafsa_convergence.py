@@ -10,7 +10,7 @@ import numpy as np
 from experiments.iafsa_numbers import CONVERGENCE, ITERATIONS
 from experiments.labels import OPTIMIZER_LABELS
 from experiments.outcomes import Floats, Outcomes
-from experiments.results import Run
+from experiments.run import Run
 from experiments.statistics import mean_interval
 from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table

@@ -14,7 +14,7 @@ from experiments.contestants import contestant
 from experiments.iafsa_numbers import WAYS
 from experiments.labels import OPTIMIZER_LABELS
 from experiments.outcomes import Floats, Outcomes
-from experiments.results import Run
+from experiments.run import Run
 from experiments.statistics import holm, mean_interval, rank_sum
 from experiments.suite import Suite
 from experiments.tables.claims import Claim, claims_table

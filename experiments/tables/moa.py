@@ -9,7 +9,7 @@ from experiments.contestants import contestant
 from experiments.labels import label
 from experiments.moa_numbers import PRINTED, THRESHOLDS
 from experiments.outcomes import Outcomes
-from experiments.results import Run
+from experiments.run import Run
 from experiments.suite import Suite
 from experiments.tables.table import Table, percent
 from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE

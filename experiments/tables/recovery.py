@@ -6,7 +6,7 @@ import numpy as np
 
 from experiments.labels import label
 from experiments.outcomes import Floats, Outcomes
-from experiments.results import Run
+from experiments.run import Run
 from experiments.statistics import mean_interval
 from experiments.suite import Suite
 from experiments.tables.table import Table, percent, percent_interval
