@@ -428,3 +428,13 @@ def test_a_recording_of_one_frame_can_be_packed():
     recording = recording_of("fixed:8")
     members, _, _ = unpack(pack(Recording(recording.run, recording.frames[:1], are_points=False)))
     assert len(members) == 1
+
+
+def test_where_an_optimum_is_not_known_nothing_is_said_of_gaps(database, monkeypatch):
+    assert {"gaps", "front"} <= page_of(database).tables.keys()
+    monkeypatch.setattr("experiments.outcomes.known_optimum", lambda _: np.nan)
+    page = page_of(database, figures=True)
+    assert page.tables.keys().isdisjoint({"gaps", "front"})
+    assert "Tables and figures of optimality gaps are left out: gaps need the optimum" in page.text
+    assert "Convergence on case1" in page.text
+    assert "Performance profiles" not in page.text

@@ -21,8 +21,6 @@ from experiments.suite import Suite
 from experiments.tables import TABLES, Table, make_tables
 from swarm_gym.errors import ScenarioError
 
-# Beyond a suite's own tables, where the optima are known.
-FURTHER_TABLES = ("gaps", "front")
 MOST_RUNS = 3000  # that are listed one by one
 REPLAYED_SCENARIOS = 3  # the first ones, where a suite does not say which runs to replay
 
@@ -64,8 +62,9 @@ def make_report(request: Request, results: Results) -> Report:
         )
     outcomes = results.outcomes(part.controllers, part.seeds)
     chosen = _chosen(request, part, outcomes)
-    tables, without = _tables(part, results, outcomes)
-    figures, not_drawn = draw_all(part, results) if request.figures else ([], [])
+    gaps, without = _gaps(part, outcomes)
+    tables = [*make_tables(part, results), *_further_tables(part, outcomes, gaps.tables)]
+    figures, not_drawn = draw_all(part, results, gaps.figures) if request.figures else ([], [])
     replays, not_replayed = _replays(chosen, part, results)
     runs = _table_of_runs(part, outcomes)
     return Report(
@@ -92,16 +91,32 @@ def _number(count: int, what: str) -> str:
     return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
-def _tables(part: Suite, results: Results, outcomes: Outcomes) -> tuple[list[Table], list[str]]:
-    """The suite's tables and, where the optima are known, those of gaps and cost."""
-    tables = make_tables(part, results)
+class Gaps(NamedTuple):
+    """Names of tables and figures of optimality gaps that a report has beyond those of its suite."""
+
+    tables: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+
+
+def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
+    """What can be said of gaps, and why it is nothing."""
+    if part.num_seeds == 1:
+        return Gaps(), []  # intervals over seeds need several
     try:
-        for name in FURTHER_TABLES:
-            if name not in part.tables and part.num_seeds > 1:
-                tables += TABLES[name](part, outcomes)
+        outcomes.gap  # noqa: B018
     except ScenarioError as error:
-        return tables, [f"Tables of optimality gaps are left out: {error}."]
-    return tables, []
+        return Gaps(), [f"Tables and figures of optimality gaps are left out: {error}."]
+    return Gaps(
+        tuple(name for name in GAPS.tables if name not in part.tables),
+        tuple(name for name in GAPS.figures if name not in part.figures),
+    ), []
+
+
+GAPS = Gaps(("gaps", "front"), ("profiles", "front"))
+
+
+def _further_tables(part: Suite, outcomes: Outcomes, names: Sequence[str]) -> list[Table]:
+    return [table for name in names for table in TABLES[name](part, outcomes)]
 
 
 def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:

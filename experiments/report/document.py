@@ -17,14 +17,14 @@ from experiments.tables import Table
 ASSETS = Path(__file__).parent / "assets"
 TEMPLATE = "report.html.jinja"
 SCRIPTS = ("tables.js", "theme.js", "replay.js", "player.js")
-# Marks of the player's key: class, meaning, and what is drawn beside the line.
+# The player's key: class, meaning, what is drawn across the line, and whether it may be a dot instead.
 KEY = (
-    ("feasible", "feasible", ""),
-    ("colliding", "colliding", ""),
-    ("new", "new in this step", "M21 1V13"),
-    ("removed", "removed in this step", "M15 1L27 13M27 1L15 13"),
-    ("best", "best so far", ""),
-    ("shortest", "shortest path", ""),
+    ("feasible", "feasible", "", True),
+    ("colliding", "colliding", "", True),
+    ("new", "new in this step", "M21 1V13", False),
+    ("removed", "removed in this step", "M15 1L27 13M27 1L15 13", False),
+    ("best", "best so far", "", False),
+    ("shortest", "shortest path", "", False),
 )
 
 

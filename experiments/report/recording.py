@@ -1,5 +1,6 @@
 """A run made again, iteration by iteration, for a replay: same seed, same bits; nothing had to be stored."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,7 +77,8 @@ def record(run: Run, suite: Suite) -> Recording:
     """
     key: RunKey = (run.controller, run.scenario, run.seed)
     episode = Episode(key, suite)
-    stride = -(-(len(run.trace) - 1) // (MOST_FRAMES - 1)) or 1
+    done = int((~np.isnan(run.course("population_size"))).sum()) - 1
+    stride = max(1, math.ceil(done / (MOST_FRAMES - 1)))
     frames = []
     before = _Members.of(episode.simulation)
     are_points = False

@@ -240,6 +240,7 @@ class Player {
     this.last = Math.max(...chosen.map(({ frames }) => frames.at(-1)));
     this.slider.max = this.last;
     await Promise.all(panes.map((pane, k) => pane.show(group, chosen[k], this.last)));
+    this.root.classList.toggle("points", chosen.some(({ points }) => points));
     this.seek(Math.min(this.iteration ?? 0, this.last));
     this.root.dataset.ready = "";
   }
