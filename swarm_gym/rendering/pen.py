@@ -32,9 +32,11 @@ OVERSAMPLING = 2
 
 # Lengths in these files are meant for a picture of this size, in pixels, and scale with it.
 DESIGN, SMALLEST_SCALE = (960, 520), 0.8
+# Of a picture, in pixels: below, the map has no room; above, nobody has a screen.
+WIDTHS, HEIGHTS = (320, 4096), (240, 4096)
 MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
 DOT = 2.5  # half its breadth
-SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
+SMALL, MEDIUM, LARGE = 17, 20, 26  # of letters
 
 
 class Pen:
@@ -45,11 +47,18 @@ class Pen:
         self.width, self.height = surface.get_size()
         fits = self.width / DESIGN[0], self.height / DESIGN[1]
         self.scale = max(min(fits), SMALLEST_SCALE * OVERSAMPLING)
-        pygame = self.pygame = require_pygame()
-        self.draw = pygame.draw
-        # Made anew, because fonts do not outlive a `pygame.quit` of somebody else.
-        pygame.font.init()
-        self._fonts = {size: pygame.font.Font(None, self.px(size)) for size in SIZES}
+        self.pygame = require_pygame()
+        self.draw = self.pygame.draw
+        self._fonts: dict[int, pygame.font.Font] = {}
+        self._texts: dict[tuple[str, int], pygame.Surface] = {}
+        self._texts_before: dict[tuple[str, int], pygame.Surface] = {}
+
+    def begin(self, background: "pygame.Surface") -> None:
+        """Begin a picture with this one, of the same size; texts of the last one are kept."""
+        self.surface.blit(background, (0, 0))
+        # Fonts are made anew, because they do not outlive a `pygame.quit` of somebody else; written texts do.
+        self._fonts = {}
+        self._texts_before, self._texts = self._texts, {}
 
     def px(self, length: float) -> int:
         """Convert a length of the design to pixels of the surface, at least one."""
@@ -89,8 +98,15 @@ class Pen:
 
     def text(self, text: str, at: Point, anchor: str, size: int = SMALL) -> "pygame.Rect":
         """Write text, small text faintly, at the point that pygame's rectangles call `anchor`."""
-        image = self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
+        key = (text, size)
+        image = self._texts[key] = self._texts.get(key) or self._texts_before.get(key) or self._written(*key)
         return self.surface.blit(image, image.get_rect(**{anchor: at}))
+
+    def _written(self, text: str, size: int) -> "pygame.Surface":
+        if size not in self._fonts:
+            self.pygame.font.init()
+            self._fonts[size] = self.pygame.font.Font(None, self.px(size))
+        return self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
 
 
 def require_pygame() -> Any:
