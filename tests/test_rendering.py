@@ -199,6 +199,40 @@ def test_feasible_members_are_solid_and_colliding_ones_dashed():
     assert 0.3 < len(covered[False]) / len(covered[True]) < 0.8
 
 
+@pytest.mark.parametrize("width", [0.5, 1, 2, 3])
+def test_dashes_are_where_pygame_would_draw_them(width):
+    rng = np.random.default_rng(0)
+    lines = rng.uniform(50, 350, (40, 2, 2))
+    lines[:20, :, 0], lines[20:, :, 1] = 0.2 * lines[:20, :, 0], 0.2 * lines[20:, :, 1]
+    lines[1, 1, 0], lines[21, 1, 1] = lines[1, 0, 0], lines[21, 0, 1]
+    for line in lines:
+        ours, theirs = (pen.Pen(pygame.Surface((400, 400))) for _ in range(2))
+        ours.dashes((255, 0, 0), line[None], width)
+        # One to three dashes, each of six tenths of its part, the first of which begins the line.
+        count = int(np.clip(np.hypot(*(line[1] - line[0])) // ours.px(14), 1, 3))
+        for k in range(count):
+            begin, end = (line[0] + (k + part) / count * (line[1] - line[0]) for part in (0, 0.6))
+            theirs.draw.line(theirs.surface, (255, 0, 0), begin, end, ours.px(width))
+        marked = [np.argwhere(pygame.surfarray.array_red(each.surface)) for each in (ours, theirs)]
+        apart = np.abs(marked[0][:, None] - marked[1]).max(axis=-1)
+        assert apart.min(axis=0).max() <= 1
+        assert apart.min(axis=1).max() <= 1
+
+
+def test_dashes_stay_within_what_may_be_drawn():
+    each = pen.Pen(pygame.Surface((300, 200)))
+    each.surface.set_clip((40, 30, 100, 80))
+    each.dashes((255, 0, 0), np.random.default_rng(0).uniform(-400, 700, (300, 4, 2)), 2)
+    columns, rows = np.nonzero(pygame.surfarray.array_red(each.surface))
+    assert (columns.min(), rows.min()) >= (40, 30)
+    assert columns.max() < 140
+    assert rows.max() < 110
+    assert len(columns) > 0.7 * 100 * 80
+    for nothing in (np.empty((0, 3, 2)), np.full((2, 3, 2), -9.0)):
+        each.dashes((0, 255, 0), nothing, 1)
+    assert not pygame.surfarray.array_green(each.surface).any()
+
+
 def test_members_that_are_points_are_dots_and_colliding_ones_rings():
     at = np.array([500.0, 380.0])
     empty = empty_scene(OPEN_MAP, are_points=True, paths=np.empty((0, 2, 2)))
