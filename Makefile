@@ -8,7 +8,8 @@ SEEDS ?= 20
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install study study-full test test-slow test-lowest check format benchmark benchmark-peers \
-    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic clean
+    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic \
+    docs-gallery clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -120,6 +121,9 @@ docs-brand-yu: $(INSTALLED) ## regenerate docs/brand-yu-paper.md
 docs-dynamic: $(INSTALLED) ## regenerate docs/dynamic.md
 	$(BIN)/python -m experiments.evaluate --suite dynamic --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/dynamic docs/dynamic.md
+
+docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
+	$(BIN)/python -m experiments.gallery
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
