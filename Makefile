@@ -8,7 +8,7 @@ SEEDS ?= 20
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-lowest check format benchmark benchmark-peers \
-    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic clean
+    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic docs-gallery clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -19,7 +19,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@echo "== installing into $(VENV) (once; a few minutes)"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints.txt --editable '.[maps,render,study,dev]'
+	    --constraint constraints.txt --editable '.[maps,render,video,study,dev]'
 	@touch $@
 
 browser: $(INSTALLED) ## find or install Chromium, which the tests of reports look at pages with
@@ -69,7 +69,7 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 	@echo "== installing the lowest versions into .venv-lowest"
 	$(PYTHON) -m venv .venv-lowest
 	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints-lowest.txt --editable '.[maps,render,study,dev]'
+	    --constraint constraints-lowest.txt --editable '.[maps,render,video,study,dev]'
 	.venv-lowest/bin/python -m swarm_gym.warm_up
 	.venv-lowest/bin/python -m pytest -n auto
 
@@ -101,10 +101,11 @@ benchmark-peers: .venv-peers/.installed ## the same beside other libraries, in a
 	    --constraint constraints.txt --editable '.[peers]'
 	@touch $@
 
-docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 1000 seeds, speed, picture (15 minutes)
+docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 1000 seeds, speed, pictures (15 minutes)
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 1000 --output results/docs
 	$(BIN)/python -m experiments.publish results/docs/paper results/benchmark
 	$(BIN)/python -m experiments.frame docs/results/frame.png
+	$(BIN)/python -m experiments.video --iterations 60 --output docs/results/video.gif
 
 docs-study: study-full ## fill docs/study.md from all suites of the study; OFFLINE=1: from what is in results/study
 	$(if $(filter 1,$(OFFLINE)),,$(BIN)/python -m experiments.sensitivity --output results/study/sensitivity)
@@ -126,6 +127,9 @@ docs-brand-yu: $(INSTALLED) ## regenerate docs/brand-yu-paper.md
 docs-dynamic: $(INSTALLED) ## regenerate docs/dynamic.md
 	$(BIN)/python -m experiments.evaluate --suite dynamic --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/dynamic docs/dynamic.md
+
+docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
+	$(BIN)/python -m experiments.gallery
 
 clean: ## delete environments, caches and results (not trained policies)
 	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \

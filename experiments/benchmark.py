@@ -11,7 +11,7 @@ from pathlib import Path
 import tyro
 from tqdm import tqdm
 
-from experiments.speed import environments, growth, moves, start, threads, training
+from experiments.speed import environments, growth, moves, rendering, start, threads, training
 from experiments.speed.measurement import (
     Measurement,
     Quantity,
@@ -41,6 +41,7 @@ GROUPS: dict[str, Group] = {
     "growth": Group(growth.quantities, growth.summary),
     "start": Group(start.quantities),
     "training": Group(training.quantities),
+    "rendering": Group(rendering.quantities),
 }
 
 

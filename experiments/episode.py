@@ -1,4 +1,4 @@
-"""One run of a suite in a single environment, an iteration at a time."""
+"""A run in a single environment, an iteration at a time; one of a suite by its key."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -39,14 +39,20 @@ class Episode:
 
     def __iter__(self) -> Iterator[Simulation]:
         """The simulation with its first population, and after every iteration."""
-        self._controller.reset(1, self._seed)
-        observation, self.info = self._env.reset(seed=self._seed)
-        yield self.simulation
-        ended = False
-        while not ended:
-            action = self._controller.act(observation[None])[0]
-            observation, _, ended, _, self.info = self._env.step(action)
+        for info in iterate(self._env, self._controller, self._seed):
+            self.info = info
             yield self.simulation
+
+
+def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, Any]]:
+    """Run an episode; what the environment tells of its first population, and after every iteration."""
+    controller.reset(1, seed)
+    observation, info = env.reset(seed=seed)
+    yield info
+    ended = False
+    while not ended:
+        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+        yield info
 
 
 @cache

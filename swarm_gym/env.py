@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.batch import SwarmBatch
+from swarm_gym.checks import require_integer
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.rendering import Renderer, Scene
+from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
 
 ALL = np.ones(1, dtype=np.bool_)
 RENDER_MODES = ("human", "rgb_array")
@@ -56,16 +57,29 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
-        render_mode: None, "human" or "rgb_array".
+        render_mode: None, "human" (a window, whose keys its title says) or "rgb_array".
+        render_width: of frames, in pixels, within `swarm_gym.rendering.WIDTHS`.
+        render_height: likewise, within `swarm_gym.rendering.HEIGHTS`.
         options: see `swarm_gym.settings.Settings`, and the parameters of the optimizer.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 20}  # noqa: RUF012
 
-    def __init__(self, optimizer: str = "firefly", *, render_mode: str | None = None, **options: Any):
+    def __init__(
+        self,
+        optimizer: str = "firefly",
+        *,
+        render_mode: str | None = None,
+        render_width: int = DESIGN[0],
+        render_height: int = DESIGN[1],
+        **options: Any,
+    ):
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise UnknownNameError("render mode", render_mode, RENDER_MODES)
+        require_integer("render_width", render_width, *WIDTHS)
+        require_integer("render_height", render_height, *HEIGHTS)
         self.render_mode = render_mode
+        self.render_width, self.render_height = int(render_width), int(render_height)
         self._batch = SwarmBatch(optimizer, options, num_swarms=1)
         self._renderer: Renderer | None = None
         self.action_space = self._batch.action_space
@@ -102,7 +116,12 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         return self._batch.observe()[0], float(reward[0]), bool(ended[0]), False, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The current frame, (height, width, 3), in mode "rgb_array"; else nothing."""
+        """The current frame, (render_height, render_width, 3), in mode "rgb_array".
+
+        In mode "human" `reset` and `step` show each picture; here the window only reacts to its user.
+        """
+        if self.render_mode == "human":
+            self._get_renderer().respond()
         if self.render_mode != "rgb_array":
             return None
         return self._get_renderer().frame(Scene.of(self._batch.simulation))
@@ -119,7 +138,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     def _get_renderer(self) -> Renderer:
         if self._renderer is None:
-            self._renderer = Renderer(fps=self.metadata["render_fps"])
+            self._renderer = Renderer(self.render_width, self.render_height, fps=self.metadata["render_fps"])
         return self._renderer
 
     def _info(self) -> dict[str, Any]:

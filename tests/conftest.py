@@ -24,3 +24,13 @@ def database(tmp_path):
 def little_imitation(monkeypatch):
     """Imitation that ends before it has learned anything."""
     monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)
+
+
+@pytest.fixture
+def window(monkeypatch):
+    """Windows that no screen shows."""
+    pygame = pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pygame.display.quit()
+    yield
+    pygame.quit()

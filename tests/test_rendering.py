@@ -11,6 +11,7 @@ from gymnasium.error import DependencyNotInstalled
 from gymnasium.utils.env_checker import check_env
 
 import swarm_gym  # noqa: F401
+from swarm_gym.errors import SettingError
 from swarm_gym.problem import FunctionProblem
 from swarm_gym.rendering import Renderer, Scene, pen
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
@@ -80,6 +81,39 @@ def test_a_frame_has_the_size_asked_for(size):
     assert frame.dtype == np.uint8
     assert frame.flags.c_contiguous
     assert frame.std() > 0
+
+
+@pytest.mark.parametrize("size", [(640, 400), (333, 241)])
+def test_frames_of_an_environment_have_the_size_that_it_was_made_with(size):
+    env = make_env(render_width=size[0], render_height=size[1])
+    env.reset(seed=1)
+    frame = env.render()
+    assert frame.flags.writeable
+    np.testing.assert_array_equal(frame, Renderer(*size).frame(Scene.of(env.unwrapped.simulation)))
+
+
+def test_the_size_of_frames_changes_no_result():
+    assert make_env(render_width=640).unwrapped.settings == make_env().unwrapped.settings
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("render_width", 319, r"render_width must lie in \[320, 4096\], got 319"),
+        ("render_height", 4097, r"render_height must lie in \[240, 4096\], got 4097"),
+        ("render_height", 400.0, r"render_height must be an integer, got 400.0"),
+    ],
+)
+def test_sizes_that_frames_cannot_have_are_refused(option, value, message):
+    with pytest.raises(SettingError, match=message):
+        make_env(**{option: value})
+
+
+def test_a_picture_does_not_depend_on_those_before_it():
+    scenes = [scene_after(2), scene_after(0, scenario="case2"), scene_after(3, scenario="case2")]
+    renderer = Renderer(640, 400)
+    for scene in (*scenes, *scenes):
+        np.testing.assert_array_equal(renderer.frame(scene), Renderer(640, 400).frame(scene))
 
 
 def test_the_same_scene_gives_the_same_bytes():
@@ -163,6 +197,40 @@ def test_feasible_members_are_solid_and_colliding_ones_dashed():
         covered[feasible] = set(columns[inside])
     assert len(covered[True]) == 580 - 151
     assert 0.3 < len(covered[False]) / len(covered[True]) < 0.8
+
+
+@pytest.mark.parametrize("width", [0.5, 1, 2, 3])
+def test_dashes_are_where_pygame_would_draw_them(width):
+    rng = np.random.default_rng(0)
+    lines = rng.uniform(50, 350, (40, 2, 2))
+    lines[:20, :, 0], lines[20:, :, 1] = 0.2 * lines[:20, :, 0], 0.2 * lines[20:, :, 1]
+    lines[1, 1, 0], lines[21, 1, 1] = lines[1, 0, 0], lines[21, 0, 1]
+    for line in lines:
+        ours, theirs = (pen.Pen(pygame.Surface((400, 400))) for _ in range(2))
+        ours.dashes((255, 0, 0), line[None], width)
+        # One to three dashes, each of six tenths of its part, the first of which begins the line.
+        count = int(np.clip(np.hypot(*(line[1] - line[0])) // ours.px(14), 1, 3))
+        for k in range(count):
+            begin, end = (line[0] + (k + part) / count * (line[1] - line[0]) for part in (0, 0.6))
+            theirs.draw.line(theirs.surface, (255, 0, 0), begin, end, ours.px(width))
+        marked = [np.argwhere(pygame.surfarray.array_red(each.surface)) for each in (ours, theirs)]
+        apart = np.abs(marked[0][:, None] - marked[1]).max(axis=-1)
+        assert apart.min(axis=0).max() <= 1
+        assert apart.min(axis=1).max() <= 1
+
+
+def test_dashes_stay_within_what_may_be_drawn():
+    each = pen.Pen(pygame.Surface((300, 200)))
+    each.surface.set_clip((40, 30, 100, 80))
+    each.dashes((255, 0, 0), np.random.default_rng(0).uniform(-400, 700, (300, 4, 2)), 2)
+    columns, rows = np.nonzero(pygame.surfarray.array_red(each.surface))
+    assert (columns.min(), rows.min()) >= (40, 30)
+    assert columns.max() < 140
+    assert rows.max() < 110
+    assert len(columns) > 0.7 * 100 * 80
+    for nothing in (np.empty((0, 3, 2)), np.full((2, 3, 2), -9.0)):
+        each.dashes((0, 255, 0), nothing, 1)
+    assert not pygame.surfarray.array_green(each.surface).any()
 
 
 def test_members_that_are_points_are_dots_and_colliding_ones_rings():
@@ -336,14 +404,6 @@ def test_gymnasium_checks_rendering():
     check_env(make_env().unwrapped, skip_render_check=False)
 
 
-@pytest.fixture
-def window(monkeypatch):
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    pygame.display.quit()
-    yield
-    pygame.quit()
-
-
 def test_human_mode_shows_every_step_and_closes_twice(window):
     env = make_env("human")
     env.reset(seed=1)
@@ -352,6 +412,9 @@ def test_human_mode_shows_every_step_and_closes_twice(window):
     shown = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
     np.testing.assert_array_equal(shown, Renderer().frame(Scene.of(env.unwrapped.simulation)))
     assert env.render() is None
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_SPACE))
+    assert env.render() is None  # and has seen the key
+    assert "paused" in pygame.display.get_caption()[0]
     env.unwrapped.close()
     env.unwrapped.close()
     assert pygame.display.get_surface() is None

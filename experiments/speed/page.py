@@ -14,6 +14,7 @@ from experiments.speed.measurement import (
     medians,
     read_measurements,
 )
+from experiments.speed.rendering import STEP_AND_RENDER
 from experiments.speed.start import PEAK_OF_MANY
 from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table
@@ -27,6 +28,7 @@ CAPTIONS = {
     "growth": "Time and memory as things grow",
     "start": "Import, first step, memory",
     "training": "PPO training",
+    "rendering": "Pictures of a swarm",
     "peers": "The same FA-60 run beside others, per evaluation",
     "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
     "fish-peers": "Artificial fish swarms beside others, per evaluation",
@@ -118,6 +120,7 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
         ("start", "import and first step, single, nothing cached"),
         ("training", PACE),
         ("training", ENVIRONMENT),
+        ("rendering", STEP_AND_RENDER),
     ]
     by_name = {(group, m.name): m for group, measurements in groups.items() for m in measurements}
     rows = [_row(by_name[key]) for key in chosen]

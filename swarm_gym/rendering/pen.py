@@ -32,9 +32,11 @@ OVERSAMPLING = 2
 
 # Lengths in these files are meant for a picture of this size, in pixels, and scale with it.
 DESIGN, SMALLEST_SCALE = (960, 520), 0.8
+# Of a picture, in pixels: below, the map has no room; above, nobody has a screen.
+WIDTHS, HEIGHTS = (320, 4096), (240, 4096)
 MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
 DOT = 2.5  # half its breadth
-SIZES = SMALL, MEDIUM, LARGE = 17, 20, 26
+SMALL, MEDIUM, LARGE = 17, 20, 26  # of letters
 
 
 class Pen:
@@ -45,11 +47,18 @@ class Pen:
         self.width, self.height = surface.get_size()
         fits = self.width / DESIGN[0], self.height / DESIGN[1]
         self.scale = max(min(fits), SMALLEST_SCALE * OVERSAMPLING)
-        pygame = self.pygame = require_pygame()
-        self.draw = pygame.draw
-        # Made anew, because fonts do not outlive a `pygame.quit` of somebody else.
-        pygame.font.init()
-        self._fonts = {size: pygame.font.Font(None, self.px(size)) for size in SIZES}
+        self.pygame = require_pygame()
+        self.draw = self.pygame.draw
+        self._fonts: dict[int, pygame.font.Font] = {}
+        self._texts: dict[tuple[str, int], pygame.Surface] = {}
+        self._texts_before: dict[tuple[str, int], pygame.Surface] = {}
+
+    def begin(self, background: "pygame.Surface") -> None:
+        """Begin a picture with this one, of the same size; texts of the last one are kept."""
+        self.surface.blit(background, (0, 0))
+        # Fonts are made anew, because they do not outlive a `pygame.quit` of somebody else; written texts do.
+        self._fonts = {}
+        self._texts_before, self._texts = self._texts, {}
 
     def px(self, length: float) -> int:
         """Convert a length of the design to pixels of the surface, at least one."""
@@ -73,9 +82,7 @@ class Pen:
         # Where a line begins its dashes differs between lines, lest neighbours leave common gaps.
         shift = 0.4 * (0.618 * (segment // (lines.shape[1] - 1)) % 1.0)
         begins = lines[:, :-1].reshape(-1, 2)[segment] + (number + shift)[:, None] * dash
-        ends, thickness = begins + 0.6 * dash, self.px(width)
-        for x0, y0, x1, y1 in zip(*begins.T.tolist(), *ends.T.tolist(), strict=True):
-            self.draw.line(self.surface, colour, (x0, y0), (x1, y1), thickness)
+        self._strokes(colour, begins, 0.6 * dash, self.px(width))
 
     def dots(self, colour: Colour, lines: Floats, width: float) -> None:
         """Draw a dot where each of the lines (m, k, 2) begins."""
@@ -87,10 +94,39 @@ class Pen:
         for point in lines[:, 0]:
             self.draw.circle(self.surface, colour, point, self.px(DOT + width / 2), self.px(width))
 
+    def _strokes(self, colour: Colour, begins: Floats, steps: Floats, thickness: int) -> None:
+        """Draw straight lines from points (m, 2), so far each; all at once, since there are thousands."""
+        lengths = np.ceil(np.abs(steps).max(axis=1)).astype(np.int64)  # pixels along the axis that is nearer
+        counts, per_pixel = lengths + 1, steps / np.maximum(lengths, 1)[:, None]
+        firsts = np.cumsum(counts) - counts
+        pixel = np.arange(counts.sum())
+        columns, rows = (
+            (np.repeat(first, counts) + pixel * np.repeat(slope, counts)).astype(np.int32)
+            for first, slope in zip((begins - firsts[:, None] * per_pixel + 0.5).T, per_pixel.T, strict=True)
+        )
+        before, after = (thickness - 1) // 2, thickness // 2
+        room = self.surface.get_clip()
+        inside = (columns >= room.left + before) & (columns < room.right - after)
+        inside &= (rows >= room.top + before) & (rows < room.bottom - after)
+        is_steep = np.abs(steps[:, 1]) > np.abs(steps[:, 0])
+        aside = np.repeat(np.where(is_steep, 1, self.width), counts)[inside]
+        index = (rows * np.int32(self.width) + columns)[inside]
+        pixels = self.pygame.surfarray.pixels2d(self.surface).T.view()
+        pixels.shape = (-1,)  # never a copy
+        for k in range(-before, after + 1):
+            pixels[index + k * aside] = self.surface.map_rgb(colour)
+
     def text(self, text: str, at: Point, anchor: str, size: int = SMALL) -> "pygame.Rect":
         """Write text, small text faintly, at the point that pygame's rectangles call `anchor`."""
-        image = self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
+        key = (text, size)
+        image = self._texts[key] = self._texts.get(key) or self._texts_before.get(key) or self._written(*key)
         return self.surface.blit(image, image.get_rect(**{anchor: at}))
+
+    def _written(self, text: str, size: int) -> "pygame.Surface":
+        if size not in self._fonts:
+            self.pygame.font.init()
+            self._fonts[size] = self.pygame.font.Font(None, self.px(size))
+        return self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
 
 
 def require_pygame() -> Any:

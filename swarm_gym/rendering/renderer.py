@@ -11,6 +11,7 @@ from swarm_gym.rendering.map_view import MapView
 from swarm_gym.rendering.pen import DESIGN, OVERSAMPLING, Pen, require_pygame
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
+from swarm_gym.rendering.window import Window
 from swarm_gym.scenarios import FunctionScenario, StaticScenario
 
 if TYPE_CHECKING:
@@ -24,49 +25,38 @@ class Renderer:
         DependencyNotInstalled: by the first picture, if pygame is missing.
     """
 
-    def __init__(self, width: int = DESIGN[0], height: int = DESIGN[1], fps: int = 20):
+    def __init__(self, width: int = DESIGN[0], height: int = DESIGN[1], fps: float = 20):
         self.size = (width, height)
-        self.fps = fps
+        self._window = Window(self.size, fps)
         self._view: View | None = None
-        self._clock: pygame.time.Clock | None = None
-        self._dismissed = False
+        self._pen: Pen | None = None
 
     def frame(self, scene: Scene) -> NDArray[np.uint8]:
         """Draw a picture, shape (height, width, 3); needs no display."""
-        pixels = require_pygame().surfarray.array3d(self._draw(scene))
-        return np.ascontiguousarray(pixels.swapaxes(0, 1))
+        pixels = require_pygame().image.tobytes(self._draw(scene), "RGB")
+        return np.frombuffer(bytearray(pixels), dtype=np.uint8).reshape(*self.size[::-1], 3)
 
     def show(self, scene: Scene) -> None:
-        """Put a picture into the window; does nothing once the user has closed it."""
-        if self._dismissed:
-            return
-        pygame = require_pygame()
-        window = pygame.display.get_surface()
-        # Pygame has one window per process, so that another renderer may have closed or resized it.
-        if window is None or window.get_size() != self.size:
-            window = pygame.display.set_mode(self.size)
-            pygame.display.set_caption("swarm_gym")
-        self._clock = self._clock or pygame.time.Clock()
-        if any(event.type == pygame.QUIT for event in pygame.event.get()):
-            self.close()
-            self._dismissed = True
-            return
-        window.blit(self._draw(scene), (0, 0))
-        pygame.display.flip()
-        self._clock.tick(self.fps)
+        """Put a picture into the window, and wait as its user says; does nothing once they have closed it."""
+        if not self._window.is_dismissed:
+            self._window.show(self._draw(scene))
+
+    def respond(self) -> None:
+        """Let the window, if there is one, react to what its user has done."""
+        self._window.respond()
 
     def close(self) -> None:
         """Close the window, if this renderer has shown anything."""
-        if self._clock is not None:
-            require_pygame().display.quit()
-            self._clock = None
+        self._window.close()
 
     def _draw(self, scene: Scene) -> "pygame.Surface":
         pygame = require_pygame()
-        if self._view is None or self._view.scenario != scene.scenario:
+        if self._view is None or self._pen is None or self._view.scenario != scene.scenario:
             canvas = pygame.Surface(OVERSAMPLING * np.array(self.size))
             self._view = _view_of(scene.scenario, Pen(canvas))
-        pen = Pen(self._view.background.copy())
+            self._pen = Pen(canvas.copy())
+        pen = self._pen
+        pen.begin(self._view.background)
         self._view.draw_swarm(pen, scene)
         draw_headline(pen, scene)
         self._view.draw_legend(pen, scene)
