@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from swarm_gym.files import write_atomically
+from swarm_gym.files import remove_partials, write_atomically
 
 
 class RunFolderError(RuntimeError):
@@ -14,7 +14,7 @@ class RunFolderError(RuntimeError):
 
 
 def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
-    """Store the configuration of a new run, or compare that of a run that is resumed.
+    """Store the configuration of a new run, or compare that of a run that is resumed, and tidy up after it.
 
     Args:
         folder: of the run.
@@ -47,6 +47,7 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
     ]
     if different:
         raise RunFolderError(f"--resume: {folder} was run with {'; '.join(different)}")
+    remove_partials(folder)
 
 
 def as_json(config: Any) -> dict[str, Any]:

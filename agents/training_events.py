@@ -1,7 +1,10 @@
 """What TensorBoard shows of a training run: scalars, pictures of each validation, hyperparameters."""
 
 import json
-from collections.abc import Mapping
+import os
+import sys
+import time
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +16,26 @@ from torch.utils.tensorboard.summary import hparams
 from agents.rollout import Episodes
 from agents.training_figures import draw_decisions
 
+FILES = "events.out.tfevents.*"
+
 
 class TrainingEvents:
-    """The events of a run, in its folder; a run that goes on adds to them.
+    """The events of a run, in its folder; a run that goes on adds to those that it had at its checkpoint.
+
+    What came after that is taken off the files: a run that was killed shows every event once, to any reader.
 
     Args:
         folder: of the run.
+        sizes: what `flush` returned for the checkpoint; None for a new run, which leaves all files alone.
+        step: of the checkpoint, for a TensorBoard that is open meanwhile and has read more than that.
     """
 
-    def __init__(self, folder: Path):
-        self._writer = SummaryWriter(str(folder))
+    def __init__(self, folder: Path, sizes: Mapping[str, int] | None, step: int = -1):
+        self._folder = folder
+        if sizes is not None:
+            _cut_off(folder, sizes)
+            _wait_for_a_later_name(sizes)
+        self._writer = SummaryWriter(str(folder), purge_step=None if sizes is None else step + 1)
 
     def add_scalars(self, scalars: Mapping[str, float], step: int) -> None:
         """Add numbers by name."""
@@ -58,12 +71,45 @@ class TrainingEvents:
             self._writer._get_file_writer().add_summary(summary, step)
         self.add_scalars(metrics, step)
 
+    def flush(self) -> dict[str, int]:
+        """Have all events on the disk; returns the files' sizes in bytes by their names."""
+        self._writer.flush()
+        sizes = {}
+        for path in sorted(self._folder.glob(FILES)):
+            with path.open("ab") as file:
+                os.fsync(file.fileno())
+                sizes[path.name] = file.tell()
+        return sizes
+
     def close(self) -> None:
         """Write what is not written yet."""
         self._writer.close()
 
     def _add_picture(self, name: str, picture: NDArray[np.uint8], step: int) -> None:
         self._writer.add_image(name, picture, step, dataformats="HWC")
+
+
+def _cut_off(folder: Path, sizes: Mapping[str, int]) -> None:
+    """Leave of the events in a folder what files of these sizes hold."""
+    for path in folder.glob(FILES):
+        if path.name not in sizes:
+            path.unlink()
+        elif path.stat().st_size > sizes[path.name]:
+            os.truncate(path, sizes[path.name])
+    for name, size in sizes.items():
+        path = folder / name
+        there = path.stat().st_size if path.exists() else 0
+        if there < size:
+            print(
+                f"warning: {path} has {there} of {size} bytes: TensorBoard will lack some of the run",
+                file=sys.stderr,
+            )
+
+
+def _wait_for_a_later_name(names: Iterable[str]) -> None:
+    """Files are read in the order of their names, which begin with the second in which they are made."""
+    while any(name.startswith(f"{FILES[:-1]}{int(time.time()):010}") for name in names):
+        time.sleep(0.05)
 
 
 def _as_scalar(value: Any) -> int | float | str:

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from tqdm import tqdm
 
+from agents.checkpoints import Checkpoints
 from agents.controller import Controller
 from agents.learned import load_learned
 from agents.learners import make_learner
@@ -18,11 +19,10 @@ from agents.policy_file import load_policy, save_policy
 from agents.provenance import provenance
 from agents.replay_strip import make_replay_strip
 from agents.rollout import Episodes, look_away, run_episodes
-from agents.run_folder import RunFolderError, as_json, prepare_folder
+from agents.run_folder import as_json, prepare_folder
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
 from agents.training_events import TrainingEvents
-from swarm_gym.files import write_atomically
 from swarm_gym.simulation import Simulation
 
 # Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
@@ -34,12 +34,12 @@ PACKAGES = ("cmaes", "gymnasium", "numba", "numpy", "sb3-contrib", "stable-basel
 
 
 class TrainingRun:
-    """A run on disk: configuration, checkpoint, TensorBoard events, latest and best policy."""
+    """A run on disk: configuration, checkpoints, TensorBoard events, latest and best policy."""
 
     def __init__(self, config: TrainConfig):
         self.config = config
         self.folder = config.folder
-        self.checkpoint = self.folder / "checkpoint.pt"
+        self.checkpoints = Checkpoints(self.folder, ".pt")
         self.best = self.folder / "best.safetensors"
         self.chunk = 0
         self.best_return = -np.inf
@@ -48,18 +48,18 @@ class TrainingRun:
         self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
         prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
-        self.events = TrainingEvents(self.folder)
+        self._goes_on = config.resume and self._load_checkpoint()
+        if not self._goes_on:
+            self.events = TrainingEvents(self.folder, {} if config.resume else None)
         self.replay = make_replay_strip()
 
     def run(self) -> Path:
         """Train to the end; returns the file of the best policy by validation."""
         config = self.config
-        if config.resume and self.checkpoint.exists():
-            self._load_checkpoint()
-        else:
+        if not self._goes_on:
             self.learner.begin()
         self._baseline = self._run_reference()
-        if self.chunk == 0:
+        if not self._goes_on:
             self._validate()
             self._save_checkpoint()
         with tqdm(
@@ -165,23 +165,27 @@ class TrainingRun:
         save_policy(path, self.learner.weights(), manifest)
 
     def _save_checkpoint(self) -> None:
+        """Store where the run is; events first, since none before a checkpoint is made again."""
         state = {
             "learner": self.learner.state(),
             "chunk": self.chunk,
             "best_return": self.best_return,
+            "events": self.events.flush(),
         }
         content = io.BytesIO()
         torch.save(state, content)
-        write_atomically(self.checkpoint, content.getvalue())
+        self.checkpoints.save(content.getvalue())
 
-    def _load_checkpoint(self) -> None:
-        try:
-            state = torch.load(self.checkpoint, weights_only=True)
-        except Exception as error:
-            raise RunFolderError(f"{self.checkpoint}: not a readable checkpoint ({error})") from error
+    def _load_checkpoint(self) -> bool:
+        """Go on from the last checkpoint, if there is one; what was written after it is made again."""
+        state = self.checkpoints.load(lambda content: torch.load(io.BytesIO(content), weights_only=True))
+        if state is None:
+            return False
         self.learner.load(state["learner"])
         self.chunk = state["chunk"]
         self.best_return = state["best_return"]
+        self.events = TrainingEvents(self.folder, state["events"], self.learner.num_steps)
+        return True
 
 
 def _by_name(prefix: str, results: Mapping[str, Mapping[str, float]]) -> dict[str, float]:

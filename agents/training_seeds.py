@@ -70,8 +70,8 @@ def _train(config: TrainConfig) -> Outcome:
     if config.resume and not (config.folder / "config.json").exists():
         config = dataclasses.replace(config, resume=False)
     try:
+        run = TrainingRun(config)
         with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
-            run = TrainingRun(config)
             best = run.run()
     except Exception as error:
         return Outcome(config.folder, None, float("nan"), f"{type(error).__name__}: {error}")

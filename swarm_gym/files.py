@@ -7,17 +7,50 @@ from pathlib import Path
 
 import platformdirs
 
+PARTIAL = ".partial"
 
-def write_atomically(path: Path, content: bytes | str) -> Path:
+
+def write_atomically(path: Path, content: bytes | str, before: Path | None = None) -> Path:
     """Write a file, text as UTF-8, at once or not at all; makes its folder; returns the path.
 
-    Several processes may write the same file: the last one wins.
+    It is on the disk when this returns, so that neither a killed process nor a power failure leaves a part
+    of it. Several processes may write the same file: the last one wins. A process that is killed here may
+    leave a file `*.partial`, see `remove_partials`.
+
+    Args:
+        path: the file.
+        content: all of it.
+        before: what the file becomes that is there already; at every moment one of the two is whole.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}.partial")
-    partial.write_bytes(content.encode() if isinstance(content, str) else content)
+    partial = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}{PARTIAL}")
+    with partial.open("wb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+        file.flush()
+        os.fsync(file.fileno())
+    if before is not None and path.exists():
+        os.replace(path, before)
     os.replace(partial, path)
+    _synchronise(path.parent)
     return path
+
+
+def remove_partials(folder: Path) -> None:
+    """Remove what processes that were killed while they wrote left in a folder; none may write to it now."""
+    for partial in folder.glob(f"*{PARTIAL}"):
+        partial.unlink(missing_ok=True)
+
+
+def _synchronise(folder: Path) -> None:
+    """Have the names in a folder on the disk, too, where a folder can be opened: not on Windows."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def user_cache() -> Path:

@@ -13,16 +13,15 @@ from typing import Any
 import numpy as np
 from cmaes import CMA
 
+from agents.checkpoints import Checkpoints
 from agents.cma_state import load_strategy, strategy_state
 from agents.open_loop import OpenLoop, save_open_loop
-from agents.run_folder import RunFolderError
 from agents.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import KnotSpace
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.files import write_atomically
 
 
 class OpenLoopTuner(Tuner):
@@ -51,17 +50,13 @@ class OpenLoopTuner(Tuner):
         self._losses = np.empty((0, config.candidates))
 
     def open(self, folder: Path) -> None:
-        """Take up the checkpoint, if there is one."""
-        self._checkpoint = folder / "checkpoint.npz"
-        if not self._checkpoint.exists():
+        """Take up the last checkpoint, if there is one."""
+        self._checkpoints = Checkpoints(folder, ".npz")
+        state = self._checkpoints.load(_arrays)
+        if state is None:
             return
-        try:
-            with np.load(self._checkpoint, allow_pickle=False) as stored:
-                content = {name: stored[name] for name in stored.files}
-            self._points, self._losses = content.pop("points"), content.pop("losses")
-            load_strategy(self._strategy, content)
-        except Exception as error:
-            raise RunFolderError(f"{self._checkpoint}: not a readable checkpoint ({error})") from error
+        self._points, self._losses = state.pop("points"), state.pop("losses")
+        load_strategy(self._strategy, state)
         self.rounds = len(self._losses)
 
     def advance(self) -> dict[str, float]:
@@ -78,7 +73,7 @@ class OpenLoopTuner(Tuner):
         state: dict[str, Any] = {"points": self._points, "losses": self._losses}
         state |= strategy_state(self._strategy)
         np.savez_compressed(content, **state)
-        write_atomically(self._checkpoint, content.getvalue())
+        self._checkpoints.save(content.getvalue())
         return {"best": losses.min(), "mean": losses.mean(), "sigma": float(self._strategy._sigma)}
 
     def seeds(self) -> list[int]:
@@ -94,3 +89,9 @@ class OpenLoopTuner(Tuner):
         decided = self._space.decode(self._strategy.mean)
         config = self._config
         save_open_loop(path, config.initial_population_size, list(config.knots), *decided, manifest)
+
+
+def _arrays(content: bytes) -> dict[str, Any]:
+    """The arrays of a checkpoint, by name."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+        return {name: stored[name] for name in stored.files}
