@@ -76,7 +76,11 @@ class OpenLoop(Controller):
         if knobs:
             _check_knobs(knobs, optimizer)
         self.action = "extended" if knobs else "natural"
-        self.initial_population_size = limits.clip(initial_population_size)
+        if not isinstance(initial_population_size, int | np.integer):
+            raise ValueError(
+                f"open loop: initial_population_size must be an integer, got {initial_population_size!r}"
+            )
+        self.initial_population_size = limits.clip(int(initial_population_size))
         iterations = np.arange(knots[-1] + 1)
         # Clipped, since exp(log(x)) may be the next number after x, and x the bound of an action.
         table = [
