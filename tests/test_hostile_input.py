@@ -221,6 +221,9 @@ def test_obstacles_of_anything_are_well_formed_or_refused(circle, vertices, extr
     name=things, start=points, target=points, obstacles=st.lists(st.just(Circle(1, 1, 1)) | things) | things,
     workspace=st.tuples(things, things, things, things) | things, initial_range=points,
 )  # fmt: skip
+@example(
+    name=HUGE, start=(0, 0), target=(1, 0), obstacles=[HUGE], workspace=(0, 0, 1, 1), initial_range=None
+)  # fmt: skip
 @fuzzed
 def test_a_scenario_of_anything_is_well_formed_or_refused(**parts):
     with suppress(ScenarioError):

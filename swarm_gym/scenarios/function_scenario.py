@@ -82,7 +82,7 @@ class FunctionScenario:
     optimum: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        where = f"scenario {self.name!r}"
+        where = f"scenario {shown(self.name)}"
         require_dimension(where, self.function, self.dimension)
         given = self.optimum
         if isinstance(given, tuple) and not given:

@@ -137,7 +137,7 @@ class Scenario:
     initial_range: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        where = f"scenario {self.name!r}"
+        where = f"scenario {shown(self.name)}"
         object.__setattr__(self, "obstacles", _sequence(where, "obstacles", self.obstacles))
         for part, length in (("start", 2), ("target", 2), ("workspace", 4), ("initial_range", 2)):
             given = getattr(self, part)
@@ -154,7 +154,7 @@ class Scenario:
             for number, obstacle in enumerate(self.obstacles):
                 if not isinstance(obstacle, Circle | Polygon):
                     raise ScenarioError(
-                        f"{where}: obstacle {number} is {obstacle!r}, expected a Circle or a Polygon"
+                        f"{where}: obstacle {number} is {shown(obstacle)}, expected a Circle or a Polygon"
                     )
                 if obstacle.depth(point) > TOUCHING:
                     raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
