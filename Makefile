@@ -52,6 +52,8 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all ker
 	$(BIN)/python -m swarm_gym.warm_up
 	@echo "== running the slow tests"
 	$(BIN)/python -m pytest -n auto -m slow
+	@echo "== any input: 10,000 examples of each"
+	$(BIN)/python -m pytest -n auto -m fuzzed --hypothesis-profile=thorough
 	@echo "== kernels as plain Python"
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
 	@echo "== compiling the kernels with bounds checks"

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.controller import Controller, SizeLimits
-from agents.policy_file import PolicyFileError, Weights
+from agents.manifest import FEEDFORWARD, PRICED, PolicyFileError, require_features
+from agents.policy_file import Weights
 from agents.residual import Base, carried_out
-from swarm_gym.action import ACTIONS, make_action
-from swarm_gym.checks import look_up
-from swarm_gym.errors import UnknownNameError
-from swarm_gym.observation import make_observation
+from swarm_gym.action import Action, make_action
+from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
@@ -25,7 +24,7 @@ class FeedforwardController(Controller):
 
     Args:
         path: the file, for messages; see `agents.learned.load_learned`.
-        weights: what the file holds.
+        weights: what the file holds, as `agents.policy_file.load_policy` has checked it.
         manifest: what it says of them.
         limits: the sizes that the environment allows.
         price: what evaluations cost, for a policy that sees it.
@@ -35,23 +34,25 @@ class FeedforwardController(Controller):
         network: the kind of network, as the manifest names it.
 
     Raises:
-        PolicyFileError: if weights and manifest do not fit together, or the policy is for something else.
+        PolicyFileError: if the policy is for something else.
     """
 
-    network = "feedforward"
+    network = FEEDFORWARD
 
     def __init__(
         self, path: Path, weights: Weights, manifest: dict[str, Any], limits: SizeLimits, price: float | None
     ):
         self.manifest = manifest
-        self._check_layouts(path, limits)
+        trained = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
+        if trained != limits:
+            raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
         self.initial_population_size = self.manifest["initial_population_size"]
         self.max_evaluations = self.manifest.get("max_evaluations")
-        self._base = self._make_base(path, limits)
-        self._read_weights(path, weights)
+        self._base = self._make_base(path, self._make_layout(path, limits), limits)
+        self._read_weights(weights)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """The policy itself has no memory and takes no chances; the controller that it corrects may."""
@@ -69,9 +70,10 @@ class FeedforwardController(Controller):
             hidden = np.tanh(affine(hidden, weight, bias))
         return carried_out(affine(hidden, *self._layers[-1]), proposal)
 
-    def _read_weights(self, path: Path, weights: Weights) -> None:
-        """Keep the weights, held against the shapes that the manifest implies."""
-        self._layers = read_layers(path, weights, self.manifest, len(self.manifest["features"]))
+    def _read_weights(self, weights: Weights) -> None:
+        """Keep the weights, layer by layer."""
+        numbers = range(len(self.manifest["hidden_layers"]) + 1)
+        self._layers = [(weights[f"{number}.weight"], weights[f"{number}.bias"]) for number in numbers]
 
     def _features(self, seen: NDArray) -> NDArray:
         """What the first layer gets, of what the policy sees, (B, number of features) float32."""
@@ -79,7 +81,7 @@ class FeedforwardController(Controller):
 
     def _checked_price(self, path: Path, price: float | None) -> float | None:
         """The price that is shown to the policy; without one, the middle of those it was trained with."""
-        if "priced" not in self.manifest["observation"].split("+"):
+        if PRICED not in self.manifest["observation"].split("+"):
             if price is not None:
                 raise PolicyFileError(f"{path}: this policy does not see a price, got {price:g}")
             return None
@@ -90,12 +92,8 @@ class FeedforwardController(Controller):
             raise PolicyFileError(f"{path}: trained with prices in [{low:g}, {high:g}], got {price:g}")
         return price
 
-    def _make_base(self, path: Path, limits: SizeLimits) -> Base | None:
-        name = self.manifest["base"]
-        if name == "none":
-            return None
-        from agents import make_controller
-
+    def _make_layout(self, path: Path, limits: SizeLimits) -> Action:
+        """The layout of the decisions, which are as many as the last layer says."""
         settings = Settings(
             action=self.action,
             min_population_size=limits.smallest,
@@ -103,32 +101,32 @@ class FeedforwardController(Controller):
             initial_population_size=limits.smallest,
             max_evaluations=self.max_evaluations,
         )
-        layout = make_action(settings, get_optimizer(self.manifest["optimizer"]))
+        try:
+            layout = make_action(settings, get_optimizer(self.manifest["optimizer"]))
+        except SettingError as error:
+            raise PolicyFileError(f"{path}: {error}") from error
+        if len(layout.labels) != self.manifest["num_decisions"]:
+            raise PolicyFileError(
+                f"{path}: num_decisions must be {len(layout.labels)} with action {self.action!r} "
+                f"({', '.join(layout.labels)}), got {self.manifest['num_decisions']}"
+            )
+        return layout
+
+    def _make_base(self, path: Path, layout: Action, limits: SizeLimits) -> Base | None:
+        name = self.manifest["base"]
+        if name == "none":
+            return None
+        from agents import make_controller
+
         corrected_from = self.manifest.get("corrected_from", 0)
         try:
             base = Base(make_controller(name, limits), layout, corrected_from, self.max_evaluations)
         except ValueError as error:
             raise PolicyFileError(f"{path}: base {name!r}: {error}") from error
+        require_features(path, self.manifest, base.features(self.observation))
         self.corrects = base.controller
         self.observation = f"{self.corrects.observation}+{self.observation}"
         return base
-
-    def _check_layouts(self, path: Path, limits: SizeLimits) -> None:
-        manifest = self.manifest
-        try:
-            look_up("action layout", manifest["action"], ACTIONS)
-            layout = make_observation(manifest["observation"])
-        except UnknownNameError as error:
-            raise PolicyFileError(f"{path}: {error}") from error
-        features = [feature.name for feature in layout.features]
-        if manifest["features"][: len(features)] != features:
-            raise PolicyFileError(
-                f"{path}: trained with observation features {manifest['features']}, "
-                f"but {manifest['observation']!r} has {features}"
-            )
-        trained = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
-        if trained != limits:
-            raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
 
 
 def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
@@ -137,37 +135,3 @@ def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
     Each sum is made alone, in float64, so that it is the same in any company.
     """
     return (values[..., None, :] * weight).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
-
-
-def read_layers(
-    path: Path, weights: Weights, manifest: dict[str, Any], inputs: int
-) -> list[tuple[NDArray, NDArray]]:
-    """Weights and biases by layer, the first of this many inputs, held against the manifest.
-
-    Raises:
-        PolicyFileError: if a tensor is missing or has another shape.
-    """
-    sizes = [inputs, *manifest["hidden_layers"], manifest["num_decisions"]]
-    layers = []
-    for number, shape in enumerate(zip(sizes[1:], sizes, strict=False)):
-        layers.append(read_layer(path, weights, number, shape))
-    return layers
-
-
-def read_layer(
-    path: Path, weights: Weights, name: int | str, shape: tuple[int, int]
-) -> tuple[NDArray, NDArray]:
-    """Weight and bias of one layer, of shape (outputs, inputs).
-
-    Raises:
-        PolicyFileError: if a tensor is missing or has another shape.
-    """
-    try:
-        weight, bias = weights[f"{name}.weight"], weights[f"{name}.bias"]
-    except KeyError as error:
-        raise PolicyFileError(f"{path}: tensor {error} is missing") from error
-    if weight.shape != shape or bias.shape != shape[:1]:
-        raise PolicyFileError(
-            f"{path}: layer {name} has shapes {weight.shape} and {bias.shape}, expected {shape}"
-        )
-    return weight, bias

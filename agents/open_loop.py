@@ -6,7 +6,9 @@ the optimizer in the logarithm, phi in its square root. Where the knots come fro
 """
 
 import json
+import reprlib
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,8 @@ from swarm_gym.optimizers import get_optimizer
 
 FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "open_loops"
+# Far beyond an episode; the table of decisions has as many rows.
+MAX_KNOT = 10**5
 
 
 class OpenLoopFileError(ValueError):
@@ -58,8 +62,12 @@ class OpenLoop(Controller):
         if any(len(column) != len(knots) for column in columns):
             raise ValueError(f"open loop: {len(knots)} knots, but {[len(c) for c in columns]} values")
         whole = all(isinstance(knot, int | np.integer) for knot in knots)
-        if not whole or len(knots) < 1 or knots[0] != 0 or (np.diff(knots) <= 0).any():
-            raise ValueError(f"open loop: knots must be integers, begin with 0 and increase, got {knots}")
+        if not whole or len(knots) < 1 or knots[0] != 0 or any(b <= a for a, b in pairwise(knots)):
+            raise ValueError(
+                f"open loop: knots must be integers, begin with 0 and increase, got {reprlib.repr(knots)}"
+            )
+        if knots[-1] > MAX_KNOT:
+            raise ValueError(f"open loop: knots go up to {MAX_KNOT}, got {knots[-1]}")
         positive = [sizes, *knobs.values()]
         if not all(0 < value < np.inf for column in positive for value in column) or not all(
             0 <= degree <= 1 for degree in repair_degrees
@@ -68,7 +76,11 @@ class OpenLoop(Controller):
         if knobs:
             _check_knobs(knobs, optimizer)
         self.action = "extended" if knobs else "natural"
-        self.initial_population_size = limits.clip(initial_population_size)
+        if not isinstance(initial_population_size, int | np.integer):
+            raise ValueError(
+                f"open loop: initial_population_size must be an integer, got {initial_population_size!r}"
+            )
+        self.initial_population_size = limits.clip(int(initial_population_size))
         iterations = np.arange(knots[-1] + 1)
         # Clipped, since exp(log(x)) may be the next number after x, and x the bound of an action.
         table = [

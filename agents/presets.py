@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from agents.shipped import find_file, shipped_names
+from agents.shipped import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
 from agents.train_config import TrainConfig
 
 PRESETS = Path(__file__).parent / "presets"
@@ -42,8 +42,9 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     if path is None:
         raise PresetError(f"preset {name!r}: neither one of {', '.join(preset_names())} nor a file")
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
+    # A ValueError is also what is no UTF-8, and a number of thousands of digits.
+    except (OSError, ValueError, RecursionError) as error:
         raise PresetError(f"{path}: not a readable preset ({error})") from error
     kinds = {field.name: _HINTS[field.name] for field in dataclasses.fields(TrainConfig)}
     del kinds["preset"]

@@ -5,13 +5,12 @@ gate of F. Gers et al., Neural Computation 12 (2000); gates in the order of `tor
 numbers lack the population size: a memory can make up for what an observation does not show.
 """
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.feedforward import FeedforwardController, affine, read_layer, read_layers
-from agents.policy_file import PolicyFileError, Weights
+from agents.feedforward import FeedforwardController, affine
+from agents.manifest import LSTM
+from agents.policy_file import Weights
 from swarm_gym.observation import ITERATION
 
 
@@ -22,7 +21,7 @@ class RecurrentController(FeedforwardController):
     `lstm_size`, and the layers after it.
     """
 
-    network = "lstm"
+    network = LSTM
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Forget what was seen."""
@@ -30,14 +29,10 @@ class RecurrentController(FeedforwardController):
         self._hidden = np.zeros((num_swarms, self._size), dtype=np.float32)
         self._cell = np.zeros((num_swarms, self._size), dtype=np.float32)
 
-    def _read_weights(self, path: Path, weights: Weights) -> None:
-        size = self.manifest.get("lstm_size")
-        if not isinstance(size, int) or size < 1:
-            raise PolicyFileError(f"{path}: lstm_size must be a positive integer, got {size!r}")
-        self._size = size
-        inputs = len(self.manifest["features"])
-        self._lstm = read_layer(path, weights, "lstm", (4 * size, inputs + size))
-        self._layers = read_layers(path, weights, self.manifest, size)
+    def _read_weights(self, weights: Weights) -> None:
+        super()._read_weights(weights)
+        self._size = self.manifest["lstm_size"]
+        self._lstm = weights["lstm.weight"], weights["lstm.bias"]
 
     def _features(self, seen: NDArray) -> NDArray:
         """The state h (B, size) after what is seen now."""

@@ -1,8 +1,12 @@
 """Files that come with the project: found by name, or at the path that is given."""
 
 import json
+import os
 from pathlib import Path
 from typing import Any
+
+# Of the text files of controllers and presets, in bytes; the largest that ships has 51 kB.
+MAX_TEXT_FILE = 2**20
 
 
 def shipped_names(folder: Path, suffix: str) -> list[str]:
@@ -14,9 +18,25 @@ def shipped_names(folder: Path, suffix: str) -> list[str]:
 def find_file(name: str, folder: Path, suffix: str) -> Path | None:
     """The shipped file of that name, or the one at that path, or nothing."""
     for path in (folder / f"{name}{suffix}", Path(name)):
-        if path.is_file():
+        if os.path.isfile(path):  # unlike the method of `Path`, this takes any name
             return path
     return None
+
+
+def read_bytes(path: Path, limit: int) -> bytes:
+    """The content of a regular file of at most so many bytes.
+
+    Raises:
+        OSError: if it cannot be read, or is no regular file: a device might have no end.
+        ValueError: if it has more bytes.
+    """
+    if not os.path.isfile(path):
+        raise OSError("not a regular file" if os.path.exists(path) else "no such file")
+    with path.open("rb") as file:
+        data = file.read(limit + 1)
+    if len(data) > limit:
+        raise ValueError(f"expected at most {limit} bytes, the file has more")
+    return data
 
 
 def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Path:
@@ -38,7 +58,10 @@ def read_json(path: Path, form: str) -> Any:
     Raises:
         OSError, KeyError, TypeError, ValueError: if it is not readable, or of another format.
     """
-    content = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        content = json.loads(read_bytes(path, MAX_TEXT_FILE).decode())
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
     if content["format"] != form:
         raise ValueError(f"expected format {form!r}, got {content['format']!r}")
     return content

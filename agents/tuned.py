@@ -34,7 +34,8 @@ def load_tuned(name: str) -> str:
     try:
         content = read_json(path, FORMAT)
         controller = content["controller"]
-        if not isinstance(controller, str) or controller.partition(":")[0] == "tuned":
+        # Files of these two families may name others, and so each other for ever.
+        if not isinstance(controller, str) or controller.partition(":")[0] in ("tuned", "learned"):
             raise ValueError(f"expected the name of a controller with its parameters, got {controller!r}")
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise TunedFileError(f"{path}: not a readable tuned controller ({error})") from error

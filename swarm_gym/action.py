@@ -13,7 +13,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
-from swarm_gym.errors import ActionError, SettingError
+from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
@@ -190,16 +190,17 @@ class Action:
         space = self.space
         try:
             given = np.asarray(actions)
-        except ValueError as error:
-            raise ActionError(f"an action must be numbers, got {actions!r}") from error
+        except Exception as error:  # of an object that makes an array of itself, anything may come
+            raise ActionError(f"an action must be numbers, got {shown(actions)}") from error
         if given.dtype.kind not in "fiu":
-            raise ActionError(f"an action must be numbers, got {given.dtype} ({_shorten(actions)})")
+            raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
         if given.shape != (len(chosen), *space.shape):
             raise ActionError(
                 f"an action must have shape {space.shape} ({', '.join(self.labels)}), one per swarm, "
                 f"{len(chosen)} in all; got {given.shape}"
             )
-        values = given.astype(np.float64)
+        with np.errstate(over="ignore"):  # infinite then, and refused
+            values = given.astype(np.float64)
         valid = (values >= space.low) & (values <= space.high)  # not a number is neither
         if not valid.all():
             wrong = chosen & ~valid.all(axis=1)
@@ -268,8 +269,3 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     dtype = np.float64 if natural else np.float32
     values = optimizer.knob_values(dict(settings.knobs))
     return Action(settings.action, settings, scales, {place: values[place] for place in decided}, dtype)
-
-
-def _shorten(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError, shown
 
 Entry = TypeVar("Entry")
 
@@ -17,9 +17,9 @@ def require_number(name: str, value: object, low: float, high: float) -> None:
         SettingError: with name, value and interval.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        raise SettingError(f"{name} must be a number, got {value!r}")
+        raise SettingError(f"{name} must be a number, got {shown(value)}")
     if not low <= value <= high:
-        raise SettingError(f"{name} must lie in [{low:g}, {high:g}], got {value!r}")
+        raise SettingError(f"{name} must lie in [{low:g}, {high:g}], got {shown(value)}")
 
 
 def require_integer(name: str, value: object, low: int, high: int = 10**9) -> None:
@@ -29,9 +29,9 @@ def require_integer(name: str, value: object, low: int, high: int = 10**9) -> No
         SettingError: with name, value and interval.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise SettingError(f"{name} must be an integer, got {value!r}")
+        raise SettingError(f"{name} must be an integer, got {shown(value)}")
     if not low <= value <= high:
-        raise SettingError(f"{name} must lie in [{low}, {high}], got {value!r}")
+        raise SettingError(f"{name} must lie in [{low}, {high}], got {shown(value)}")
 
 
 def look_up(kind: str, name: object, registry: Mapping[str, Entry]) -> Entry:

@@ -98,7 +98,14 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray, dict[str, Any]]:
-        """Begin an episode; see the class for the options."""
+        """Begin an episode; see the class for the options.
+
+        Raises:
+            UnknownNameError: for an option or scenario that is not there.
+            SettingError: for a value that an option cannot have.
+            gymnasium.error.Error: for a seed that is no natural number.
+        """
+        self._batch.simulation.read_options(options)  # before anything is drawn
         super().reset(seed=seed)
         self._batch.reset(ALL, [self.np_random], options)
         self._show()
@@ -155,5 +162,5 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 def _as_batch(action: object) -> object:
     try:
         return np.asarray(action)[None]
-    except ValueError:
+    except Exception:  # which the check of actions meets again, and reports
         return action

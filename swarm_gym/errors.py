@@ -1,6 +1,20 @@
 """The errors of this package; each names the value, what was expected and where it came from."""
 
+import reprlib
 from collections.abc import Iterable
+
+# A message shows what was wrong, and need not be longer than a screen.
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel, _SHORT.maxlist, _SHORT.maxtuple, _SHORT.maxdict = 3, 12, 12, 6
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 400
+
+
+def shown(value: object) -> str:
+    """A value for a message, shortened where it is long; of any object."""
+    try:
+        return _SHORT.repr(value)
+    except Exception:  # an integer of thousands of digits, or whatever a foreign object does
+        return f"<{type(value).__name__}>"
 
 
 class SwarmGymError(Exception):
@@ -15,7 +29,7 @@ class UnknownNameError(SwarmGymError, ValueError):
     """A name is not in its registry."""
 
     def __init__(self, kind: str, name: object, valid: Iterable[str]):
-        super().__init__(f"unknown {kind} {name!r}; valid: {', '.join(sorted(valid))}")
+        super().__init__(f"unknown {kind} {shown(name)}; valid: {', '.join(sorted(valid))}")
 
 
 class SettingError(SwarmGymError, ValueError):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
 from swarm_gym.driving import make_robots
-from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
@@ -129,7 +129,7 @@ class Simulation:
             UnknownNameError: for an option or scenario that is not there.
             SettingError: for a value that an option cannot have.
         """
-        size, population, scenario = self._read_options(options or {})
+        size, population, scenario = self.read_options(options)
         swarms, rows = self.swarms, np.flatnonzero(chosen)
         budget = self.settings.max_evaluations
         for row, seed in zip(rows, seeds, strict=True):
@@ -288,14 +288,23 @@ class Simulation:
         record[:, len(HISTORY) :] = knobs
         self.history[rows, self.iteration[rows]] = record[rows]
 
-    def _read_options(self, options: Mapping[str, Any]) -> tuple[int, Floats | None, int | None]:
+    def read_options(self, options: Mapping[str, Any] | None) -> tuple[int, Floats | None, int | None]:
+        """Size and content of the first population, and the number of the scenario, where they are given.
+
+        Raises:
+            UnknownNameError: for an option or scenario that is not there.
+            SettingError: for a value that an option cannot have.
+        """
+        options = {} if options is None else options
+        if not isinstance(options, Mapping):
+            raise SettingError(f"options must be a mapping, got {shown(options)}")
         for name in options:
             if name not in RESET_OPTIONS:
                 raise UnknownNameError("reset option", name, RESET_OPTIONS)
         scenario = None
         if "scenario" in options:
             names = self.worlds.scenario_names
-            if options["scenario"] not in names:
+            if not isinstance(options["scenario"], str) or options["scenario"] not in names:
                 raise UnknownNameError("scenario of this environment", options["scenario"], names)
             scenario = names.index(options["scenario"])
         size = options.get("initial_population_size", self.settings.initial_population_size)
@@ -317,7 +326,11 @@ class Simulation:
 
     def _read_population(self, population: object) -> Floats:
         n = self.dimension
-        array = np.asarray(population, dtype=np.float64)
+        try:
+            with np.errstate(over="ignore"):  # infinite then, and refused
+                array = np.asarray(population, dtype=np.float64)
+        except Exception as error:  # of an object that makes an array of itself, anything may come
+            raise SettingError(f"initial_population must be numbers, got {shown(population)}") from error
         if array.ndim != 2 or array.shape[1] != n:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
         lower, upper = self.worlds.common_bounds

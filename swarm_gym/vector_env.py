@@ -1,5 +1,6 @@
 """Many swarms as one Gymnasium vector environment, advanced in one compiled call."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from swarm_gym.batch import SwarmBatch
-from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError, shown
 
 Flags = NDArray[np.bool_]
 
@@ -87,12 +88,23 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         Args:
             seed: of the first swarm, the others count up from it; or a list with one seed per swarm.
             options: as for `SwarmEnv.reset`, for all swarms, and `reset_mask`.
+
+        Raises:
+            UnknownNameError: for an option or scenario that is not there.
+            SettingError: for a value that an option cannot have, or no seeds.
+            gymnasium.error.Error: for a seed that is no natural number.
         """
-        options = dict(options or {})
-        chosen = self._read_mask(options.pop("reset_mask", None))
-        for row, one in enumerate(self._read_seeds(seed)):
-            if one is not None and chosen[row]:
-                self._generators[row] = seeding.np_random(one)[0]
+        mask = None
+        if isinstance(options, Mapping):
+            mask, options = options.get("reset_mask"), {k: v for k, v in options.items() if k != "reset_mask"}
+        chosen = self._read_mask(mask)
+        self._batch.simulation.read_options(options)
+        # All are refused before one is taken over.
+        generators = [
+            seeding.np_random(one)[0] if one is not None and chosen[row] else self._generators[row]
+            for row, one in enumerate(self._read_seeds(seed))
+        ]
+        self._generators = generators
         self._batch.reset(chosen, self._generators, options)
         self._ended[chosen] = False
         return self._batch.observe(), self._infos(chosen)
@@ -177,7 +189,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if mask is None:
             return np.ones(self.num_envs, dtype=np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise SettingError(f"reset_mask must be a boolean NumPy array, got {mask!r}")
+            raise SettingError(f"reset_mask must be a boolean NumPy array, got {shown(mask)}")
         if mask.shape != (self.num_envs,) or not mask.any():
             raise SettingError(f"reset_mask must have shape ({self.num_envs},) and a true value, got {mask}")
         return mask
@@ -187,6 +199,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
+        if not isinstance(seed, Sequence | np.ndarray) or isinstance(seed, str | bytes):
+            raise SettingError(f"seed must be an integer or a list of integers, got {shown(seed)}")
         if len(seed) != self.num_envs:
             raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
         return list(seed)

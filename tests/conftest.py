@@ -2,6 +2,10 @@
 
 import numba
 import pytest
+from hypothesis import settings
+
+# `make test-slow` asks for it; the usual run has the default number of examples, 100.
+settings.register_profile("thorough", max_examples=10_000)
 
 
 @pytest.fixture(scope="session")

@@ -1,15 +1,48 @@
-"""Files that are almost right."""
+"""Files and values that are almost right, and what a reader of any of them may take."""
 
+import functools
+import tracemalloc
+from contextlib import contextmanager
+from datetime import timedelta
+
+import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-# For tests that write each example to the same folder.
-fuzzed = settings(
-    deadline=None,
+# What a refusal may take of time, per example (milliseconds, where the machine is not busy), and of memory.
+DEADLINE = timedelta(seconds=5)
+MAX_MEMORY = 200 * 2**20
+
+# How many examples: those of the profile in force, 100 in the usual run and 10,000 in `make test-slow`. The
+# second is for tests that write each example to the same folder.
+_settings = settings(
+    deadline=DEADLINE,
     derandomize=True,
-    max_examples=300,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
+
+
+def fuzzed(test):
+    """For a property of any input: bounded in time and memory, and one of those that `-m fuzzed` selects."""
+
+    @functools.wraps(test)
+    def bounded(*args, **kwargs):
+        with bounded_memory():
+            test(*args, **kwargs)
+
+    return pytest.mark.fuzzed(_settings(bounded))
+
+
+@contextmanager
+def bounded_memory(limit=MAX_MEMORY):
+    """Fail if more memory is taken than a refusal needs, in bytes."""
+    tracemalloc.start()
+    try:
+        yield
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < limit
 
 
 def mutated(content, *insertions):

@@ -209,8 +209,8 @@ def test_a_policy_that_is_something_else_is_refused(policy):
         ({"observation": "everything"}, "everything"),
         ({"action": "raw"}, "raw"),
         ({"features": ["temperature"]}, "temperature"),
-        ({"hidden_layers": [9]}, "layer 0"),
-        ({"hidden_layers": [8, 8]}, "layer 1"),
+        ({"hidden_layers": [9]}, "tensor '0.weight'"),
+        ({"hidden_layers": [8, 8]}, "tensor '1.weight'"),
         ({"max_population_size": 50}, "50"),
     ],
 )

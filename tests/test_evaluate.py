@@ -161,7 +161,11 @@ def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
     loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
     save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
     save_tuned(tuned, "spsfa:growth=500", {})
-    features = [*(f.name for f in OBSERVATIONS["extended"].features), "proposed size", "proposed degree"]
+    features = [
+        *(f.name for f in OBSERVATIONS["extended"].features),
+        "proposed population size",
+        "proposed repair degree",
+    ]
     policy = make_policy(
         tmp_path / "p.safetensors", np.random.default_rng(0), extra_features=2, features=features,
         base=f"open-loop:{loop}",

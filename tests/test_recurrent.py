@@ -115,13 +115,13 @@ def test_every_layout_tells_the_beginning_of_an_episode(layout):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"network": "transformer"}, "transformer.*feedforward, lstm"),
-        ({"network": ["lstm"]}, "is not one of"),
-        ({"lstm_size": 7}, "layer lstm has shapes"),
+        ({"network": "transformer"}, "network must be one of feedforward, lstm.*transformer"),
+        ({"network": ["lstm"]}, "network must be one of"),
+        ({"lstm_size": 7}, "tensor 'lstm.weight'"),
         ({"lstm_size": None}, "lstm_size"),
-        ({"network": "feedforward"}, "layer 0"),
-        ({"weights": {"lstm.bias": np.zeros(3, np.float32)}}, "layer lstm has shapes"),
-        ({"weights": {"0.weight": np.zeros((8, 9), np.float32)}}, "layer 0"),
+        ({"network": "feedforward"}, "tensor '0.weight'"),
+        ({"weights": {"lstm.bias": np.zeros(3, np.float32)}}, "tensor 'lstm.bias'"),
+        ({"weights": {"0.weight": np.zeros((8, 9), np.float32)}}, "tensor '0.weight'"),
     ],
 )
 def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):

@@ -218,6 +218,7 @@ def test_of_any_bytes_a_description_is_read_or_refused(folder, content):
 
 
 @pytest.mark.parametrize("kind", ["pgm", "png"])
+@pytest.mark.fuzzed
 def test_of_any_bytes_an_image_is_read_or_refused(folder, kind):
     path = image(folder, PIXELS, name=f"small.{kind}")
     whole = (folder / f"small.{kind}").read_bytes()

@@ -24,7 +24,7 @@ def find_data_file(*names: str) -> Path:
     level deep.
 
     Raises:
-        ScenarioError: if there is none, or a relative name leads out of the folder.
+        ScenarioError: if there is none, or a relative name leads out of the folder, be it by a link.
     """
     for name in names:
         _check(name)
@@ -34,12 +34,25 @@ def find_data_file(*names: str) -> Path:
         for place in places:
             # An absolute name replaces the place.
             if os.path.isfile(place / name):
+                if not PurePath(name).is_absolute():
+                    require_inside(folder, place / name)
                 return place / name
     searched = "" if PurePath(names[0]).is_absolute() else f"; searched {folder} and its sub-folders"
     raise ScenarioError(
         f"no file {' or '.join(names)}{searched}. `python -m swarm_gym.scenarios.download` gets public maps, "
         "and SWARM_GYM_DATA names another folder"
     )
+
+
+def require_inside(folder: Path, path: Path) -> None:
+    """Refuse a path that leads out of a folder, by its parts or by links.
+
+    Raises:
+        ScenarioError: if it does.
+    """
+    real = os.path.realpath(path)
+    if not PurePath(real).is_relative_to(os.path.realpath(folder)):
+        raise ScenarioError(f"{path} leads out of the folder {folder}, to {real}")
 
 
 def open_file(path: Path) -> BinaryIO:

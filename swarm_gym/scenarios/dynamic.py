@@ -69,6 +69,11 @@ def expand(name: str) -> tuple[str, ...]:
     from swarm_gym.scenarios import expand_name
 
     parts = _parse(name)
+    # Names could be as deep as they are long.
+    if parts.base.partition(":")[0] == NAME:
+        raise ScenarioError(
+            f"scenario {name!r}: the base must be a scenario of a fixed map, got {parts.base!r}"
+        )
     if parts.event is not None:
         look_up(
             f"event on {parts.base!r}", parts.event, look_up("base of dynamic scenarios", parts.base, EVENTS)

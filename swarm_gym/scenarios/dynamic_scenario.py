@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move, Obstacles
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
@@ -54,12 +54,14 @@ class DynamicScenario:
     drive: Drive | None = None
 
     def __post_init__(self) -> None:
-        where = f"scenario {self.name!r}"
+        where = f"scenario {shown(self.name)}"
         if not isinstance(self.base, Scenario | GridScenario):
-            raise ScenarioError(f"{where}: the base must be a Scenario or a GridScenario, got {self.base!r}")
+            raise ScenarioError(
+                f"{where}: the base must be a Scenario or a GridScenario, got {shown(self.base)}"
+            )
         object.__setattr__(self, "events", _events(where, self.events))
         if not isinstance(self.drive, Drive | None):
-            raise ScenarioError(f"{where}: drive must be a Drive or None, got {self.drive!r}")
+            raise ScenarioError(f"{where}: drive must be a Drive or None, got {shown(self.drive)}")
         for event in self.events:
             if event.iteration < 1:
                 raise ScenarioError(f"{where}: {event}: events can follow iterations from 1 on")
@@ -120,6 +122,6 @@ def _events(where: str, given: Any) -> tuple[Event, ...]:
     for event in events:
         if not isinstance(event, Appear | Move | Disappear):
             raise ScenarioError(
-                f"{where}: events must be a sequence of Appear, Move and Disappear, got {event!r}"
+                f"{where}: events must be a sequence of Appear, Move and Disappear, got {shown(event)}"
             )
     return events

@@ -8,7 +8,7 @@ appeared has a number, from 0 on.
 from dataclasses import dataclass
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, require_numbers
 
 # By number; None is one that is gone.
@@ -23,9 +23,9 @@ class Appear:
     obstacle: Obstacle
 
     def __post_init__(self) -> None:
-        require_integer(f"{self}: iteration", self.iteration, 0)
+        require_integer(f"{shown(self)}: iteration", self.iteration, 0)
         if not isinstance(self.obstacle, Circle | Polygon):
-            raise ScenarioError(f"{self}: expected a Circle or a Polygon, got {self.obstacle!r}")
+            raise ScenarioError(f"{shown(self)}: expected a Circle or a Polygon, got {shown(self.obstacle)}")
 
     def change(self, obstacles: Obstacles) -> None:
         """Let it happen."""
@@ -41,8 +41,8 @@ class Move:
     by: Point
 
     def __post_init__(self) -> None:
-        require_integer(f"{self}: iteration", self.iteration, 0)
-        require_integer(f"{self}: number", self.number, 0)
+        require_integer(f"{shown(self)}: iteration", self.iteration, 0)
+        require_integer(f"{shown(self)}: number", self.number, 0)
         object.__setattr__(self, "by", require_numbers(self, "by", self.by, 2))
 
     def change(self, obstacles: Obstacles) -> None:
@@ -58,8 +58,8 @@ class Disappear:
     number: int
 
     def __post_init__(self) -> None:
-        require_integer(f"{self}: iteration", self.iteration, 0)
-        require_integer(f"{self}: number", self.number, 0)
+        require_integer(f"{shown(self)}: iteration", self.iteration, 0)
+        require_integer(f"{shown(self)}: number", self.number, 0)
 
     def change(self, obstacles: Obstacles) -> None:
         """Let it happen."""
@@ -85,9 +85,9 @@ class Drive:
     distance: float
 
     def __post_init__(self) -> None:
-        require_integer(f"{self}: first", self.first, 1)
-        require_integer(f"{self}: every", self.every, 1)
-        require_number(f"{self}: distance", self.distance, 1e-9, 1e9)
+        require_integer(f"{shown(self)}: first", self.first, 1)
+        require_integer(f"{shown(self)}: every", self.every, 1)
+        require_number(f"{shown(self)}: distance", self.distance, 1e-9, 1e9)
 
 
 def _present(event: Move | Disappear, obstacles: Obstacles) -> Obstacle:

@@ -4,8 +4,11 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
+from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios.dynamic_scenario import AnyScenario
 
+# How many scenarios one name can stand for.
+MAX_RANGE = 200_000
 # The pattern of a number in a name: no sign and no leading zero, so that a scenario has one name.
 NUMBER = "(?:0|[1-9][0-9]{0,8})"
 
@@ -26,7 +29,18 @@ class Family(NamedTuple):
     make: Callable[[str], AnyScenario]
 
 
-def parse_numbers(text: str) -> range:
-    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text."""
+def parse_numbers(text: str, name: str) -> range:
+    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text.
+
+    Args:
+        text: what stands for numbers.
+        name: of the scenarios, which it is a part of.
+
+    Raises:
+        ScenarioError: if they are more than `MAX_RANGE`.
+    """
     match = re.fullmatch(rf"({NUMBER})(?:-({NUMBER}))?", text)
-    return range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
+    numbers = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
+    if len(numbers) > MAX_RANGE:
+        raise ScenarioError(f"scenario {name!r}: expected a range of at most {MAX_RANGE} numbers, got {text}")
+    return numbers

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from swarm_gym.checks import look_up
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.scenario import require_numbers
 
 MAX_DIMENSION = 1000
@@ -82,7 +82,7 @@ class FunctionScenario:
     optimum: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        where = f"scenario {self.name!r}"
+        where = f"scenario {shown(self.name)}"
         require_dimension(where, self.function, self.dimension)
         given = self.optimum
         if isinstance(given, tuple) and not given:
@@ -116,5 +116,5 @@ def require_dimension(where: str, function: str, dimension: object) -> None:
     if not is_integer or dimension not in dimensions:
         first, second, last = dimensions[0], dimensions[1], dimensions[-1]
         raise ScenarioError(
-            f"{where}: {function!r} has the dimensions {first}, {second}, ..., {last}, not {dimension!r}"
+            f"{where}: {function!r} has the dimensions {first}, {second}, ..., {last}, not {shown(dimension)}"
         )

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.scenario import Point, require_numbers
 
@@ -35,7 +35,7 @@ class GridScenario:
 
     def __post_init__(self) -> None:
         if not isinstance(self.map, GridMap):
-            raise ScenarioError(f"scenario {self.name!r}: map must be a GridMap, got {self.map!r}")
+            raise ScenarioError(f"scenario {shown(self.name)}: map must be a GridMap, got {self.map!r}")
         cells = {role: self._check(role) for role in ("start", "target")}
         if self.start == self.target:
             raise ScenarioError(f"{self._where()}: start and target are the same point {self.start}")
@@ -98,4 +98,4 @@ class GridScenario:
         return cell
 
     def _where(self) -> str:
-        return f"scenario {self.name!r} on map {self.map.name!r}"
+        return f"scenario {shown(self.name)} on map {self.map.name!r}"

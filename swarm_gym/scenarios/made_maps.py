@@ -174,7 +174,7 @@ def _family(name: str, number: int, draw: Callable[[np.random.Generator], Blocke
 
     def expand(given: str) -> tuple[str, ...]:
         """The names of single maps that a name stands for: `...:0-9` for ten of them, the last included."""
-        seeds = parse_numbers(given.removeprefix(f"{name}:"))
+        seeds = parse_numbers(given.removeprefix(f"{name}:"), given)
         if not seeds or seeds[-1] >= NUM_SEEDS:
             raise ScenarioError(
                 f"scenario {given!r}: expected {usage}, a number from 0 to {NUM_SEEDS - 1} or a range "

@@ -8,8 +8,10 @@ right from 0, y downwards from 0. Swamp counts as free and water as blocked, so 
 the lengths in the problem files may not be the shortest ones.
 """
 
+import itertools
 import os
 import re
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -28,7 +30,7 @@ USAGE = f"{NAME}:<map>#<problem> or {NAME}:<map>?start=<x>,<y>&goal=<x>,<y>"
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
 MAX_PROBLEMS = 100_000
-MAX_PROBLEM_FILE = 2**26  # bytes
+MAX_PROBLEM_FILE = 2**24  # bytes, more than so many problems have
 
 _HEADER_LINES = 4
 _LONGEST_LINE = 1024
@@ -156,7 +158,7 @@ def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
         cells, problems = ((x, y), (goal_x, goal_y)), range(0)
     else:
         match = re.fullmatch(rf"{NAME}:(.+)#([^#]*)", name)
-        cells, problems = None, parse_numbers(match[2]) if match else range(0)
+        cells, problems = None, parse_numbers(match[2], name) if match else range(0)
     if not match or not (cells or (problems and problems[-1] < MAX_PROBLEMS)):
         raise ScenarioError(
             f"scenario {name!r}: expected {USAGE}, with integers, where <problem> is a number from 0 to "
@@ -216,19 +218,30 @@ def _read_numbered(path: Path) -> list[tuple[int, BenchmarkProblem]]:
             size = os.fstat(file.fileno()).st_size
             if size > MAX_PROBLEM_FILE:
                 raise ScenarioError(f"{path}: expected at most {MAX_PROBLEM_FILE} bytes, got {size}")
-            lines = file.read(MAX_PROBLEM_FILE).split(b"\n")
+            numbered = list(_problems(path, file))
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error}") from error
-    if not re.fullmatch(rb"version\s+1(\.0)?\s*", lines[0]):
-        raise _malformed(path, 1, f"expected 'version 1', got {_shown(lines[0])}")
-    numbered = [
-        (number, _parse_problem(path, number, text))
-        for number, text in enumerate(lines[1:], start=2)
-        if text.strip()
-    ]
     if not numbered:
         raise ScenarioError(f"{path}: no problems after line 1")
     return numbered
+
+
+def _problems(path: Path, file: BinaryIO) -> Iterator[tuple[int, BenchmarkProblem]]:
+    """Problems, each with its line: never more of the file in memory than is known to be well-formed."""
+    first = file.readline(_LONGEST_LINE)
+    if not re.fullmatch(rb"version\s+1(\.0)?\s*", first):
+        raise _malformed(path, 1, f"expected 'version 1', got {_shown(first)}")
+    found = 0
+    for line in itertools.count(2):
+        text = file.readline(_LONGEST_LINE)
+        if not text:
+            return
+        text = text.removesuffix(b"\n")
+        if found == MAX_PROBLEMS or line > 2 * MAX_PROBLEMS:
+            raise _malformed(path, line, f"expected at most {MAX_PROBLEMS} problems, and as many blank lines")
+        if text.strip():
+            found += 1
+            yield line, _parse_problem(path, line, text)
 
 
 def _parse_problem(path: Path, line: int, text: bytes) -> BenchmarkProblem:

@@ -60,7 +60,7 @@ def expand(name: str) -> tuple[str, ...]:
         raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
     _, split, numbers = parts
     size = look_up("split of random fields", split, SPLITS).size
-    chosen = parse_numbers(numbers)
+    chosen = parse_numbers(numbers, name)
     if not chosen or chosen[-1] >= size:
         raise ScenarioError(
             f"scenario {name!r}: expected a number from 0 to {size - 1}, or a range of them such as 0-511, "

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import MissingExtraError, ScenarioError
-from swarm_gym.scenarios.data_files import find_data_file, open_file, stamp_of
+from swarm_gym.errors import MissingExtraError, ScenarioError, shown
+from swarm_gym.scenarios.data_files import find_data_file, open_file, require_inside, stamp_of
 from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.grid_map import MAX_RESOLUTION, MAX_SIDE, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -138,7 +138,7 @@ class _Entries:
         self._entries = entries
 
     def refused(self, key: str, expected: str) -> ScenarioError:
-        return ScenarioError(f"{self._path}: {key} must be {expected}, got {self._entries[key]!r}")
+        return ScenarioError(f"{self._path}: {key} must be {expected}, got {shown(self._entries[key])}")
 
     def text(self, key: str, default: str | None = None) -> str:
         if key not in self._entries:
@@ -172,7 +172,9 @@ class _Entries:
         if not given.isprintable() or not path.name:
             raise self.refused("image", "a file name")
         if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
-            raise self.refused("image", "absolute or in the folder of the YAML file")
+            raise self.refused("image", "in the folder of the YAML file")
+        # A description does not choose which files are opened. ROS writes absolute paths into that folder.
+        require_inside(self._path.parent, self._path.parent / path)
         return self._path.parent / path
 
 

@@ -2,13 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 
 Point = tuple[float, float]
 
+# Of coordinates and lengths, in map units: products of two, and what they differ by, stay numbers.
+MAX_COORDINATE = 1e9
 # How deep, in map units, what only touches an obstacle may lie in it, since numbers are rounded; more than a
 # path may and still be called feasible.
 TOUCHING = 1e-8
@@ -64,10 +66,13 @@ class Polygon:
     @classmethod
     def rectangle(cls, x_min: float, y_min: float, x_max: float, y_max: float) -> "Polygon":
         """An axis-parallel rectangle from its extremes."""
-        if not (x_min < x_max and y_min < y_max):
-            raise ScenarioError(
-                f"rectangle ({x_min}, {y_min}, {x_max}, {y_max}): needs x_min < x_max and y_min < y_max"
-            )
+        extremes = (x_min, y_min, x_max, y_max)
+        try:
+            ordered = x_min < x_max and y_min < y_max
+        except (TypeError, ValueError) as error:
+            raise ScenarioError(f"rectangle {shown(extremes)}: expected four numbers") from error
+        if not ordered:
+            raise ScenarioError(f"rectangle {shown(extremes)}: needs x_min < x_max and y_min < y_max")
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
     def edges(self) -> list[tuple[Point, Point]]:
@@ -132,7 +137,7 @@ class Scenario:
     initial_range: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        where = f"scenario {self.name!r}"
+        where = f"scenario {shown(self.name)}"
         object.__setattr__(self, "obstacles", _sequence(where, "obstacles", self.obstacles))
         for part, length in (("start", 2), ("target", 2), ("workspace", 4), ("initial_range", 2)):
             given = getattr(self, part)
@@ -149,7 +154,7 @@ class Scenario:
             for number, obstacle in enumerate(self.obstacles):
                 if not isinstance(obstacle, Circle | Polygon):
                     raise ScenarioError(
-                        f"{where}: obstacle {number} is {obstacle!r}, expected a Circle or a Polygon"
+                        f"{where}: obstacle {number} is {shown(obstacle)}, expected a Circle or a Polygon"
                     )
                 if obstacle.depth(point) > TOUCHING:
                     raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
@@ -176,24 +181,38 @@ def _sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
     try:
         return tuple(values)
     except TypeError as error:
-        raise ScenarioError(f"{where}: {part} must be a sequence, got {values!r}") from error
+        raise ScenarioError(f"{_shown(where)}: {part} must be a sequence, got {shown(values)}") from error
 
 
 def require_numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
-    """The values as a tuple of that many finite floats.
+    """The values as a tuple of that many floats, at most `MAX_COORDINATE` in size.
 
     Raises:
         ScenarioError: if they are not.
     """
     try:
-        numbers = tuple(float(value) for value in values)
+        given = tuple(islice(values, length + 1))
+        # A text of digits is no number here, and a circle keeps what it is given.
+        if any(isinstance(value, str | bytes) for value in given):
+            raise TypeError
+        numbers = tuple(float(value) for value in given)
     except (TypeError, ValueError, OverflowError) as error:
-        raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}") from error
+        raise ScenarioError(
+            f"{_shown(where)}: {part} must be {length} numbers, got {shown(values)}"
+        ) from error
     if len(numbers) != length:
-        raise ScenarioError(f"{where}: {part} must be {length} numbers, got {values!r}")
-    if not all(map(math.isfinite, numbers)):
-        raise ScenarioError(f"{where}: {part} must be finite, got {values!r}")
+        raise ScenarioError(f"{_shown(where)}: {part} must be {length} numbers, got {shown(values)}")
+    if not all(abs(number) <= MAX_COORDINATE for number in numbers):
+        raise ScenarioError(
+            f"{_shown(where)}: {part} must be finite and at most {MAX_COORDINATE:g} in size, "
+            f"got {shown(values)}"
+        )
     return numbers
+
+
+def _shown(where: object) -> str:
+    """What an error is about: a text as it is, or an object that may hold anything."""
+    return where if isinstance(where, str) else shown(where)
 
 
 def _cross(a: Point, b: Point, c: Point) -> float:

@@ -33,7 +33,7 @@ def expand(name: str) -> tuple[str, ...]:
     require_dimension(f"scenario {name!r}", function, dimension)
     if numbers is None:
         return (name,)
-    chosen = parse_numbers(numbers)
+    chosen = parse_numbers(numbers, name)
     if not chosen or chosen[-1] >= NUM_SHIFTED:
         raise ScenarioError(
             f"scenario {name!r}: expected a number from 0 to {NUM_SHIFTED - 1}, or a range of them such as "

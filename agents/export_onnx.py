@@ -1,0 +1,121 @@
+"""Write a policy's network as ONNX: `python -m agents.export_onnx POLICY OUTPUT`.
+
+POLICY is the name of a shipped policy or a file; needs the extra `onnx`. The graph is the network alone, in
+float32, of any number of swarms N at once:
+
+| name | shape | what |
+|---|---|---|
+| in: `observation` | (N, features) | what the policy sees, scaled as its observation layout says |
+| with a memory, in: `hidden`, `cell`; out: `next_hidden`, `next_cell` | (N, size) | the memory's state |
+| out: `action` | (N, decisions) | clipped to [-1, 1], in the policy's action layout |
+
+Scaling what is seen and reading what is decided stay outside, in `swarm_gym.observation` and
+`swarm_gym.action`. So does the base of a policy that corrects another controller: its proposals are the last
+features, and `action` is the correction that is added to them. The state of a memory is zeros at the start of
+an episode. Metadata of the model holds the manifest.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from agents.manifest import LSTM, PolicyFileError
+from agents.policy_file import Weights, load_policy, resolve
+from swarm_gym.errors import MissingExtraError
+from swarm_gym.files import write_atomically
+
+# Old enough for runtimes of 2022 and later; nothing newer is needed.
+OPSET = 17
+IR_VERSION = 8
+
+SEEN, ACTION = "observation", "action"
+STATE = ("hidden", "cell")
+
+
+def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
+    """The `onnx.ModelProto` of a policy's network.
+
+    Raises:
+        MissingExtraError: if the library onnx is missing.
+    """
+    try:
+        from onnx import TensorProto, checker, helper, numpy_helper
+    except ImportError as error:
+        raise MissingExtraError("exporting a policy", "onnx", "onnx") from error
+
+    import numpy as np
+
+    constants = {**weights, "low": np.float32(-1.0), "high": np.float32(1.0)}
+    num_layers, memory = len(manifest["hidden_layers"]) + 1, manifest.get("network") == LSTM
+    nodes, entry = [], SEEN
+    if memory:
+        nodes, entry = _memory(helper), "next_hidden"
+    for number in range(num_layers):
+        affine = f"affine {number}"
+        nodes.append(_affine(helper, entry, str(number), affine))
+        if number < num_layers - 1:
+            entry = f"layer {number}"
+            nodes.append(helper.make_node("Tanh", [affine], [entry]))
+    nodes.append(helper.make_node("Clip", [affine, "low", "high"], [ACTION]))
+
+    def described(names: Sequence[str], width: int) -> list[Any]:
+        return [helper.make_tensor_value_info(name, TensorProto.FLOAT, ["N", width]) for name in names]
+
+    size = manifest.get("lstm_size") or 0
+    graph = helper.make_graph(
+        nodes,
+        "policy",
+        described([SEEN], len(manifest["features"])) + (described(STATE, size) if memory else []),
+        described([ACTION], manifest["num_decisions"])
+        + (described([f"next_{name}" for name in STATE], size) if memory else []),
+        [numpy_helper.from_array(np.asarray(array), name) for name, array in constants.items()],
+    )
+    imports = [helper.make_opsetid("", OPSET)]
+    model = helper.make_model(graph, opset_imports=imports, ir_version=IR_VERSION, producer_name="swarm_gym")
+    helper.set_model_props(model, {"manifest": json.dumps(manifest, sort_keys=True)})
+    checker.check_model(model, full_check=True)
+    return model
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Export as the command line says."""
+    parser = argparse.ArgumentParser(
+        prog="python -m agents.export_onnx", description="Write the network of a policy as an ONNX model."
+    )
+    parser.add_argument("policy", metavar="POLICY", help="name of a shipped policy, or a file")
+    parser.add_argument("output", metavar="OUTPUT", type=Path, help="the .onnx file to write")
+    options = parser.parse_args(arguments)
+    try:
+        model = to_onnx(*load_policy(resolve(options.policy)))
+        write_atomically(options.output, model.SerializeToString())
+    except (PolicyFileError, MissingExtraError, OSError) as error:
+        sys.exit(f"error: {error}")
+    print(f"wrote {options.output}")
+
+
+def _affine(helper: Any, entry: str, layer: str, result: str) -> Any:
+    return helper.make_node("Gemm", [entry, f"{layer}.weight", f"{layer}.bias"], [result], transB=1)
+
+
+def _memory(helper: Any) -> list[Any]:
+    """One step of an LSTM, as in `agents.recurrent`; the operator of that name takes a whole sequence."""
+    gates = ("keep_new", "keep_old", "new", "show")  # i, f, g, o
+    squash = {"keep_new": "Sigmoid", "keep_old": "Sigmoid", "new": "Tanh", "show": "Sigmoid"}
+    return [
+        helper.make_node("Concat", [SEEN, "hidden"], ["both"], axis=1),
+        _affine(helper, "both", "lstm", "all gates"),
+        helper.make_node("Split", ["all gates"], [f"raw {gate}" for gate in gates], axis=1),
+        *(helper.make_node(squash[gate], [f"raw {gate}"], [gate]) for gate in gates),
+        helper.make_node("Mul", ["keep_old", "cell"], ["kept"]),
+        helper.make_node("Mul", ["keep_new", "new"], ["added"]),
+        helper.make_node("Add", ["kept", "added"], ["next_cell"]),
+        helper.make_node("Tanh", ["next_cell"], ["shown"]),
+        helper.make_node("Mul", ["show", "shown"], ["next_hidden"]),
+    ]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,197 @@
+"""Make a policy file of a stable-baselines3 zip: `python -m agents.import_sb3 --help`.
+
+The zip is one that PPO of stable-baselines3 saved: an `MlpPolicy` with tanh, on the observations and actions
+of this project's environments. Only its weights are read, as tensors, and the part of its `data` that is
+plain JSON; the pickles in there are left alone, so that no code of the zip runs. What they would tell, the
+layouts and sizes, has to be said on the command line.
+
+Weights that PyTorch does not read that way are refused, unless `--trust-pickle` is given: then they are
+unpickled, which runs whatever code the zip holds, with the rights of whoever calls this.
+"""
+
+import io
+import json
+import math
+import pickle
+import re
+import sys
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from agents.controller import SizeLimits
+from agents.learned import load_learned
+from agents.manifest import MAX_LAYERS, PolicyFileError
+from agents.policy_file import MAX_FILE, Weights, encode_policy
+from agents.provenance import provenance
+from agents.shipped import read_bytes
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.files import write_atomically
+from swarm_gym.observation import make_observation
+
+# Of what a zip unpacks to, in bytes: actor, critic and the optimizer's two moments of both.
+MAX_UNPACKED = 8 * MAX_FILE
+
+_HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """What is imported, and what its pickles would tell."""
+
+    zip: tyro.conf.Positional[Path]
+    """The zip that stable-baselines3 saved."""
+    output: tyro.conf.Positional[Path]
+    """The policy file to write."""
+    observation: str = "extended"
+    """Observation layout that it was trained with, without a price."""
+    action: str = "normalised"
+    """Action layout that it was trained with, scaled to [-1, 1]."""
+    optimizer: str = "firefly"
+    """The optimizer that it controls."""
+    initial_population_size: int = 80
+    """PS(0)."""
+    min_population_size: int = 2
+    """Smallest size that it can ask for."""
+    max_population_size: int = 200
+    """Largest size that it can ask for."""
+    max_evaluations: int = 0
+    """Evaluation budget of its episodes; 0 is no budget."""
+    trust_pickle: bool = False
+    """Unpickle the weights where they cannot be read as tensors alone. THIS RUNS CODE FROM THE ZIP."""
+
+
+def import_sb3(options: ImportOptions) -> None:
+    """Write the policy file.
+
+    Raises:
+        PolicyFileError: if the zip is unreadable, too large or of another network, or the options do not
+            fit it.
+    """
+    path = options.zip
+    weights = _actor(path, _read_state(path, options.trust_pickle))
+    try:
+        features = [feature.name for feature in make_observation(options.observation).features]
+    except UnknownNameError as error:
+        raise PolicyFileError(f"{path}: {error}") from error
+    manifest = {
+        "action": options.action,
+        "base": "none",
+        "features": features,
+        "hidden_layers": [len(weights[f"{number}.bias"]) for number in range(len(weights) // 2 - 1)],
+        "imported_from": path.name,
+        "initial_population_size": options.initial_population_size,
+        "max_evaluations": options.max_evaluations or None,
+        "max_population_size": options.max_population_size,
+        "min_population_size": options.min_population_size,
+        "network": "feedforward",
+        "num_decisions": len(weights[f"{len(weights) // 2 - 1}.bias"]),
+        "observation": options.observation,
+        "optimizer": options.optimizer,
+        "provenance": provenance("numpy", "torch"),
+    }
+    # Beside the output until it is known that it can be loaded: a wrong option replaces nothing.
+    draft = write_atomically(
+        options.output.with_name(f"{options.output.name}.draft"), encode_policy(weights, manifest)
+    )
+    try:
+        load_learned(draft, SizeLimits(options.min_population_size, options.max_population_size))
+        draft.replace(options.output)
+    except ValueError as error:
+        raise PolicyFileError(f"{path}: does not fit these options: {error}") from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Import as the command line says."""
+    options = tyro.cli(ImportOptions, description=__doc__, args=arguments)
+    try:
+        import_sb3(options)
+    except (PolicyFileError, OSError) as error:
+        sys.exit(f"error: {error}")
+    print(f"wrote {options.output}; use it as controller learned:{options.output}")
+
+
+def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
+    """Tensors of the policy by name."""
+    import torch
+
+    try:
+        with _opened(read_bytes(path, MAX_FILE)) as archive:
+            _require_tanh(path, json.loads(archive.read("data")))
+            content = archive.read("policy.pth")
+        if zipfile.is_zipfile(io.BytesIO(content)):
+            _opened(content).close()
+    except PolicyFileError:
+        raise
+    except (
+        OSError,
+        KeyError,
+        ValueError,
+        RecursionError,
+        NotImplementedError,
+        RuntimeError,
+        zipfile.BadZipFile,
+    ) as error:
+        raise PolicyFileError(f"{path}: not a zip of stable-baselines3 ({error})") from error
+    try:
+        state = torch.load(io.BytesIO(content), map_location="cpu", weights_only=not trust_pickle)
+    except pickle.UnpicklingError as error:
+        raise PolicyFileError(
+            f"{path}: its weights hold more than tensors, and reading them may run code from the zip. If you "
+            "trust where it comes from, --trust-pickle does so"
+        ) from error
+    except Exception as error:  # of malformed bytes, anything may come
+        raise PolicyFileError(f"{path}: unreadable weights ({type(error).__name__})") from error
+    if not isinstance(state, dict):
+        raise PolicyFileError(f"{path}: expected weights by name, got {type(state).__name__}")
+    return state
+
+
+def _opened(content: bytes) -> zipfile.ZipFile:
+    """A zip that unpacks to no more than is allowed."""
+    archive = zipfile.ZipFile(io.BytesIO(content))
+    unpacked = sum(entry.file_size for entry in archive.infolist())
+    if unpacked > MAX_UNPACKED:
+        raise ValueError(f"expected to unpack at most {MAX_UNPACKED} bytes, got {unpacked}")
+    return archive
+
+
+def _require_tanh(path: Path, data: Any) -> None:
+    """Refuse another network than ours, by what `data` says in words beside its pickles."""
+    told = data.get("policy_kwargs", {}) if isinstance(data, dict) else None
+    activation = told.get("activation_fn", "Tanh") if isinstance(told, dict) else None
+    if not isinstance(activation, str) or not activation.rstrip("'>").endswith("Tanh"):
+        raise PolicyFileError(f"{path}: expected a policy with activation_fn Tanh, got {activation!r:.80}")
+
+
+def _actor(path: Path, state: dict[str, Any]) -> Weights:
+    """The layers of the actor, as our files name them: numbers in order."""
+    import torch
+
+    places = sorted(int(match[1]) for name in state if (match := _HIDDEN.fullmatch(str(name))))
+    layers = [*(f"mlp_extractor.policy_net.{place}" for place in places[:MAX_LAYERS]), "action_net"]
+    weights = {}
+    for number, layer in enumerate(layers):
+        for part, dimensions in (("weight", 2), ("bias", 1)):
+            tensor: Any = state.get(f"{layer}.{part}")
+            plain = (
+                isinstance(tensor, torch.Tensor) and tensor.dtype is torch.float32 and not tensor.is_sparse
+            )
+            # A view can announce more than it has.
+            if not plain or tensor.ndim != dimensions or 4 * math.prod(tensor.shape) > MAX_FILE:
+                raise PolicyFileError(
+                    f"{path}: expected an MlpPolicy, with float32 numbers of {dimensions} dimensions as "
+                    f"{layer}.{part}"
+                )
+            weights[f"{number}.{part}"] = tensor.detach().numpy().copy()
+    return weights
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,181 @@
+"""What the manifest of a policy has to say: every entry that is used later is checked before any is used.
+
+Entries that are not named here are allowed: they tell people where a policy comes from.
+"""
+
+import reprlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from swarm_gym.action import ACTIONS
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import make_observation
+from swarm_gym.optimizers import OPTIMIZERS
+
+# Far beyond what is trained here (two layers of 64), and little enough that no product of them is a burden.
+MAX_WIDTH = 4096
+MAX_LAYERS = 16
+MAX_TEXT = 1000  # characters of a name
+MAX_FEATURES = 1000
+MAX_NUMBER = 10**9
+
+FEEDFORWARD, LSTM = "feedforward", "lstm"
+PRICED = "priced"  # the observation layout that shows a price
+
+
+class PolicyFileError(ValueError):
+    """A policy file is missing, damaged, or not for this version; the message names the file."""
+
+
+class _Entry(NamedTuple):
+    """What a value must be, in words and as a test of any value that JSON has."""
+
+    expected: str
+    fits: Callable[[Any], bool]
+
+
+def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
+    """Refuse a manifest that lacks an entry, or has a value that nothing could be done with.
+
+    Raises:
+        PolicyFileError: with file, entry, value and what was expected.
+    """
+    missing = [key for key in _REQUIRED if key not in manifest]
+    if missing:
+        raise PolicyFileError(f"{path}: the manifest lacks {', '.join(missing)}")
+    for key, entry in {**_REQUIRED, **_OPTIONAL}.items():
+        if key in manifest:
+            _require(path, manifest, key, entry)
+    smallest, largest = manifest["min_population_size"], manifest["max_population_size"]
+    _require(path, manifest, "max_population_size", _integer(smallest))
+    _require(path, manifest, "initial_population_size", _integer(smallest, largest))
+    if manifest.get("max_evaluations") is not None:
+        _require(path, manifest, "max_evaluations", _integer(manifest["initial_population_size"]))
+    if manifest.get("network") == LSTM:
+        _require(path, manifest, "lstm_size", _integer(1, MAX_WIDTH))
+    if PRICED in manifest["observation"].split("+"):
+        _require(path, manifest, "price", _PRICES)
+    if manifest["base"] == "none":
+        own = [feature.name for feature in make_observation(manifest["observation"]).features]
+        require_features(path, manifest, own)
+
+
+def require_features(path: Path, manifest: Mapping[str, Any], features: list[str]) -> None:
+    """Refuse a policy that was trained to see something else than it would be shown.
+
+    Raises:
+        PolicyFileError: if its features are not these.
+    """
+    if manifest["features"] != features:
+        raise PolicyFileError(
+            f"{path}: trained with observation features {reprlib.repr(manifest['features'])}, but "
+            f"{manifest['observation']!r} with base {manifest['base']!r} has {features}"
+        )
+
+
+def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
+    """The tensors that a policy has, by name: all that its file holds. Weights are (outputs, inputs)."""
+    inputs = len(manifest["features"])
+    shapes: dict[str, tuple[int, ...]] = {}
+    if manifest.get("network") == LSTM:
+        size = manifest["lstm_size"]
+        shapes["lstm.weight"], shapes["lstm.bias"] = (4 * size, inputs + size), (4 * size,)
+        inputs = size
+    for number, outputs in enumerate([*manifest["hidden_layers"], manifest["num_decisions"]]):
+        shapes[f"{number}.weight"], shapes[f"{number}.bias"] = (outputs, inputs), (outputs,)
+        inputs = outputs
+    return shapes
+
+
+def _require(path: Path, manifest: Mapping[str, Any], key: str, entry: _Entry) -> None:
+    value = manifest.get(key)
+    if not entry.fits(value):
+        raise PolicyFileError(f"{path}: {key} must be {entry.expected}, got {reprlib.repr(value)}")
+
+
+def _integer(low: int, high: int = MAX_NUMBER) -> _Entry:
+    # A bool is no integer here.
+    return _Entry(
+        f"an integer from {low} to {high}", lambda value: type(value) is int and low <= value <= high
+    )
+
+
+def _one_of(*names: str) -> _Entry:
+    return _Entry(
+        f"one of {', '.join(sorted(names))}", lambda value: isinstance(value, str) and value in names
+    )
+
+
+def _optional(entry: _Entry) -> _Entry:
+    return _Entry(f"{entry.expected}, or null", lambda value: value is None or entry.fits(value))
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and 0 < len(value) <= MAX_TEXT and value.isprintable()
+
+
+def _is_observation(value: object) -> bool:
+    try:
+        return isinstance(value, str) and len(value) <= MAX_TEXT and bool(make_observation(value).features)
+    except UnknownNameError:
+        return False
+
+
+def _is_base(value: object) -> bool:
+    # Scaled decisions, as those of policies are, cannot be corrected; and files might name each other
+    # for ever.
+    return isinstance(value, str) and _is_text(value) and value.partition(":")[0] != "learned"
+
+
+def _is_prices(value: object) -> bool:
+    if not isinstance(value, list) or len(value) not in (1, 2):
+        return False
+    numbers = all(type(number) in (int, float) and 0 <= number <= MAX_NUMBER for number in value)
+    return numbers and value == sorted(value)
+
+
+_SIZES = _Entry(
+    f"a list of at most {MAX_LAYERS} integers from 1 to {MAX_WIDTH}",
+    lambda value: (
+        isinstance(value, list)
+        and len(value) <= MAX_LAYERS
+        and all(_integer(1, MAX_WIDTH).fits(size) for size in value)
+    ),
+)
+_FEATURES = _Entry(
+    f"a list of 1 to {MAX_FEATURES} names",
+    lambda value: isinstance(value, list) and 0 < len(value) <= MAX_FEATURES and all(map(_is_text, value)),
+)
+_PRICES = _Entry(
+    f"a list of positive numbers up to {MAX_NUMBER:g}, one or (low, high)",
+    lambda value: _is_prices(value) and value[0] > 0,
+)
+_DIGEST = _Entry(
+    "a digest of 64 hexadecimal digits",
+    lambda value: isinstance(value, str) and len(value) == 64 and not set(value) - set("0123456789abcdef"),
+)
+_REQUIRED = {
+    # What a network says lies in [-1, 1].
+    "action": _one_of(*(name for name, layout in ACTIONS.items() if layout.size != "natural")),
+    "base": _Entry("'none' or the name of a controller that is no policy itself", _is_base),
+    "features": _FEATURES,
+    "hidden_layers": _SIZES,
+    "initial_population_size": _integer(1),
+    "max_population_size": _integer(1),
+    "min_population_size": _integer(1),
+    "num_decisions": _integer(1, MAX_WIDTH),
+    "observation": _Entry("an observation layout, or several joined by +", _is_observation),
+    "optimizer": _one_of(*OPTIMIZERS),
+    "weights_sha256": _DIGEST,
+}
+# The first files lack these.
+_OPTIONAL = {
+    "config": _Entry("a table of options", lambda value: isinstance(value, dict)),
+    "corrected_from": _integer(0),
+    "lstm_size": _optional(_integer(1, MAX_WIDTH)),
+    "manifest_sha256": _DIGEST,
+    "max_evaluations": _optional(_integer(1)),
+    "network": _one_of(FEEDFORWARD, LSTM),
+    "price": _Entry("a list of one or two numbers in order", _is_prices),
+}

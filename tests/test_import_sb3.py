@@ -1,0 +1,182 @@
+"""Policies that stable-baselines3 saved become policy files, and no code of theirs runs."""
+
+import base64
+import io
+import json
+import pickle
+import zipfile
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.spaces import Box
+
+from agents.import_sb3 import main
+from agents.learned import load_learned
+from agents.policy_file import load_policy
+
+torch = pytest.importorskip("torch")
+stable_baselines3 = pytest.importorskip("stable_baselines3")
+
+FEATURES = 9  # of the layout `extended`
+
+
+class Nothing(gymnasium.Env):
+    """Spaces like those of the project's environments."""
+
+    observation_space = Box(-1, 1, (FEATURES,), np.float32)
+    action_space = Box(-1, 1, (2,), np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        return np.zeros(FEATURES, np.float32), {}
+
+    def step(self, action):
+        return np.zeros(FEATURES, np.float32), 0.0, True, False, {}
+
+
+class Malicious:
+    """Pickled, it is a call that writes a file."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return exec, (f"open({self.path!r}, 'w').close()",)
+
+
+def saved(folder, **options):
+    """A model of random weights, saved."""
+    model = stable_baselines3.PPO(
+        "MlpPolicy", Nothing(), n_steps=8, batch_size=8, seed=0, device="cpu", policy_kwargs=options
+    )
+    model.save(folder / "some.zip")
+    return model, folder / "some.zip"
+
+
+@pytest.fixture
+def zipped(tmp_path):
+    return saved(tmp_path, net_arch=[8, 6])[1]
+
+
+def rewritten(path, **members):
+    """The zip with other members, by name up to the dot."""
+    with zipfile.ZipFile(path) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in content.items():
+            archive.writestr(name, members.get(name.partition(".")[0], data))
+    return path
+
+
+def data_of(path):
+    with zipfile.ZipFile(path) as archive:
+        return json.loads(archive.read("data"))
+
+
+@pytest.mark.parametrize("net_arch", [[8, 6], [], None])
+def test_the_policy_decides_as_the_model(tmp_path, net_arch):
+    model, path = saved(tmp_path, **({} if net_arch is None else {"net_arch": net_arch}))
+    output = tmp_path / "some.safetensors"
+    main([str(path), str(output)])
+    seen = np.random.default_rng(0).normal(size=(50, FEATURES)).astype(np.float32)
+    expected = model.predict(seen, deterministic=True)[0]
+    np.testing.assert_allclose(load_learned(output).act(seen), expected, rtol=0, atol=1e-6)
+    manifest = load_policy(output)[1]
+    assert manifest["hidden_layers"] == ([64, 64] if net_arch is None else net_arch)
+    assert manifest["imported_from"] == "some.zip"
+    assert sorted(tmp_path.iterdir()) == [output, path]
+
+
+def refused(path, message, *options):
+    output = path.with_name("refused.safetensors")
+    with pytest.raises(SystemExit, match=message):
+        main([str(path), str(output), *options])
+    assert list(path.parent.glob("refused*")) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--observation", "rich"], "does not fit these options: .*tensor '0.weight'"),
+        (["--observation", "everything"], "unknown observation layout 'everything'"),
+        (["--action", "natural"], "action must be one of .*normalised.*'natural'"),
+        (["--action", "extended-normalised"], "num_decisions must be 4"),
+        (["--action", "paced"], "max_evaluations"),
+        (["--initial-population-size", "300"], "initial_population_size must be .*300"),
+        (["--min-population-size", "0"], "population sizes must satisfy"),
+        (["--optimizer", "bees"], "optimizer must be one of .*firefly.*'bees'"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(zipped, options, message):
+    refused(zipped, message, *options)
+
+
+def test_another_activation_is_refused(tmp_path):
+    refused(saved(tmp_path, activation_fn=torch.nn.ReLU)[1], "activation_fn Tanh, got .*ReLU")
+
+
+def test_pickles_beside_the_weights_are_left_alone(zipped, tmp_path):
+    data, mark = data_of(zipped), tmp_path / "ran"
+    for entry in data.values():
+        if isinstance(entry, dict) and ":serialized:" in entry:
+            entry[":serialized:"] = base64.b64encode(pickle.dumps(Malicious(mark))).decode()
+    rewritten(zipped, data=json.dumps(data).encode())
+    main([str(zipped), str(tmp_path / "some.safetensors")])
+    assert not mark.exists()
+    load_learned(tmp_path / "some.safetensors")
+
+
+@pytest.mark.parametrize("legacy", [False, True])
+def test_weights_that_hold_code_run_it_only_where_that_is_asked_for(zipped, tmp_path, legacy):
+    content, mark = io.BytesIO(), tmp_path / "ran"
+    with zipfile.ZipFile(zipped) as archive:
+        state = torch.load(io.BytesIO(archive.read("policy.pth")), weights_only=True)
+    torch.save({**state, "more": Malicious(mark)}, content, _use_new_zipfile_serialization=not legacy)
+    rewritten(zipped, policy=content.getvalue())
+    refused(zipped, "may run code from the zip.*--trust-pickle")
+    assert not mark.exists()
+    main([str(zipped), str(tmp_path / "some.safetensors"), "--trust-pickle"])
+    assert mark.exists()  # the marker would tell
+
+
+@pytest.mark.parametrize(
+    ("members", "message"),
+    [
+        ({"policy": b""}, "unreadable weights"),
+        ({"policy": b"\x80\x04]."}, "unreadable weights|more than tensors"),
+        ({"data": b"{"}, "not a zip"),
+        ({"data": b"[" * 100_000}, "not a zip"),
+        ({"data": b"[]"}, "activation_fn"),
+        ({"data": b'{"policy_kwargs": {"activation_fn": 3}}'}, "activation_fn"),
+        ({"policy": b"\0" * 2**20}, "unpack at most"),
+    ],
+)
+def test_a_damaged_zip_is_refused(zipped, members, message, monkeypatch):
+    monkeypatch.setattr("agents.import_sb3.MAX_UNPACKED", 2**19)
+    refused(rewritten(zipped, **members), message)
+
+
+def with_state(path, state):
+    content = io.BytesIO()
+    torch.save(state, content)
+    return rewritten(path, policy=content.getvalue())
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        {},
+        {"action_net.weight": torch.zeros(2, 9)},
+        {"action_net.weight": torch.zeros(2, 9, dtype=torch.bfloat16), "action_net.bias": torch.zeros(2)},
+        {"action_net.weight": torch.zeros(1).expand(10**6, 10**6), "action_net.bias": torch.zeros(2)},
+        {"action_net.weight": "nothing", "action_net.bias": torch.zeros(2)},
+    ],
+)
+def test_weights_of_another_network_are_refused(zipped, state):
+    refused(with_state(zipped, state), "expected an MlpPolicy")
+
+
+@pytest.mark.parametrize("kept", [0, 100, -1])
+def test_a_truncated_zip_is_refused(zipped, kept):
+    zipped.write_bytes(zipped.read_bytes()[:kept])
+    refused(zipped, "not a zip")
