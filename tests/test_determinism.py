@@ -155,6 +155,13 @@ def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
     assert found == fingerprint()
 
 
+@pytest.mark.slow
+def test_compiled_anew_and_read_from_the_cache(tmp_path):
+    found = [fingerprint_elsewhere(SWARM_GYM_CACHE=str(tmp_path)) for _ in range(2)]
+    assert any(tmp_path.rglob("*.nbi"))
+    assert found == [fingerprint()] * 2
+
+
 def test_different_seeds_differ(singles):
     first = {tuple(steps[0][0]) for steps in singles.values()}
     assert len(first) == WIDEST
