@@ -2,7 +2,7 @@
 
 `tests/golden` has a file per optimizer with the courses of short runs. Where a change is meant, write a line
 about it into CHANGELOG.md and run these tests with UPDATE_GOLDEN set to (a part of) that line, which the
-files then quote.
+files then quote; with `-m ''`, so that none is left out, and in one process.
 """
 
 import json
@@ -25,9 +25,18 @@ ITERATIONS = 8
 TOLERANCE = 1e-9
 
 
-def scenarios_of(optimizer):
-    """Walkers have no test functions."""
-    return [name for name in SCENARIOS if not (is_walker(optimizer) and "function" in name)]
+def plan():
+    """Optimizers and scenarios. Walkers have no test functions; for these, kernels are compiled first."""
+    return [
+        pytest.param(
+            optimizer,
+            scenario,
+            marks=[pytest.mark.slow] if "function" in scenario and optimizer != "firefly" else [],
+        )
+        for optimizer in OPTIMIZERS
+        for scenario in SCENARIOS
+        if not (is_walker(optimizer) and "function" in scenario)
+    ]
 
 
 def course(optimizer, scenario):
@@ -43,23 +52,30 @@ def golden(optimizer):
     return json.loads((GOLDEN / f"{optimizer}.json").read_text())
 
 
-@pytest.mark.parametrize("optimizer", OPTIMIZERS)
-def test_results_are_those_of_the_version_before(optimizer):
-    found = {scenario: course(optimizer, scenario).tolist() for scenario in scenarios_of(optimizer)}
+def update(optimizer, scenario, found, reason):
+    """Replace what is stored; not for several processes at once."""
+    path = GOLDEN / f"{optimizer}.json"
+    courses = golden(optimizer)["courses"] if path.exists() else {}
+    content = {"because": reason, "columns": HISTORY, "courses": {**courses, scenario: found.tolist()}}
+    path.write_text(json.dumps(content, indent=1) + "\n")
+
+
+@pytest.mark.parametrize(("optimizer", "scenario"), plan())
+def test_results_are_those_of_the_version_before(optimizer, scenario):
+    found = course(optimizer, scenario)
     reason = os.environ.get("UPDATE_GOLDEN")
     if reason:
-        content = {"because": reason, "columns": HISTORY, "courses": found}
-        (GOLDEN / f"{optimizer}.json").write_text(json.dumps(content, indent=1) + "\n")
+        update(optimizer, scenario, found, reason)
     stored = golden(optimizer)
     assert tuple(stored["columns"]) == HISTORY
-    assert found.keys() == stored["courses"].keys()
-    for scenario, values in found.items():
-        then = stored["courses"][scenario]
-        np.testing.assert_allclose(
-            values, then, rtol=TOLERANCE, atol=TOLERANCE,
-            err_msg=f"{optimizer} on {scenario} has other results than before; if that is meant, say so in "
-            "CHANGELOG.md and run this test with UPDATE_GOLDEN set to that line",
-        )  # fmt: skip
+    np.testing.assert_allclose(
+        found,
+        stored["courses"][scenario],
+        rtol=TOLERANCE,
+        atol=TOLERANCE,
+        err_msg=f"{optimizer} on {scenario} has other results than before; if that is meant, say so in "
+        "CHANGELOG.md and run this test with UPDATE_GOLDEN set to that line",
+    )
 
 
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)

@@ -227,6 +227,15 @@ def test_a_run_that_does_not_repeat_is_not_replayed(database):
     assert [replay["controller"] for replay in group["replays"]] == ["fixed:8"]
 
 
+def test_a_run_whose_policy_is_gone_is_not_replayed(database):
+    for table in ("runs", "snapshots"):
+        change(database, f"UPDATE {table} SET controller = 'learned:gone' WHERE controller = 'spsfa'")
+    page = page_of(database, replays=("learned:gone,case1,0", "fixed:8,case1,0"))
+    assert "the run cannot be repeated: learned:gone on case1: policy 'gone': neither" in page.text
+    [group] = replays_of(page)
+    assert [replay["controller"] for replay in group["replays"]] == ["fixed:8"]
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [

@@ -313,6 +313,7 @@ def test_a_logarithmic_axis_has_labels_enough(low, high, expected):
     np.testing.assert_allclose(logarithmic_ticks(low, high), expected)
 
 
+@pytest.mark.slow
 def test_figures_of_the_study_leave_out_who_decides_nothing(results, tmp_path):
     assert list(plan(SUITE, results)) == ["profiles", "front", "decisions-learned-a-seeds"]
     first = {path.name: path.read_bytes() for path in write_figures(SUITE, results, tmp_path / "one")}

@@ -25,6 +25,16 @@ MOST_RUNS = 3000  # that are listed one by one
 REPLAYED_SCENARIOS = 3  # the first ones, where a suite does not say which runs to replay
 
 
+class Gaps(NamedTuple):
+    """Names of tables and figures of optimality gaps that a report has beyond those of its suite."""
+
+    tables: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+
+
+GAPS = Gaps(("gaps", "front"), ("profiles", "front"))
+
+
 class Request(NamedTuple):
     """What a report is asked for.
 
@@ -91,13 +101,6 @@ def _number(count: int, what: str) -> str:
     return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
-class Gaps(NamedTuple):
-    """Names of tables and figures of optimality gaps that a report has beyond those of its suite."""
-
-    tables: tuple[str, ...] = ()
-    figures: tuple[str, ...] = ()
-
-
 def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
     """What can be said of gaps, and why it is nothing."""
     if part.num_seeds == 1:
@@ -110,9 +113,6 @@ def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
         tuple(name for name in GAPS.tables if name not in part.tables),
         tuple(name for name in GAPS.figures if name not in part.figures),
     ), []
-
-
-GAPS = Gaps(("gaps", "front"), ("profiles", "front"))
 
 
 def _further_tables(part: Suite, outcomes: Outcomes, names: Sequence[str]) -> list[Table]:

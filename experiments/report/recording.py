@@ -73,10 +73,14 @@ def record(run: Run, suite: Suite) -> Recording:
     """Make a run of a suite again.
 
     Raises:
-        ReplayError: if it ends otherwise than what is stored, which another version or machine made.
+        ReplayError: if it cannot be made, or ends otherwise than what is stored, which another version or
+            machine made.
     """
     key: RunKey = (run.controller, run.scenario, run.seed)
-    episode = Episode(key, suite)
+    try:
+        episode = Episode(key, suite)
+    except (ValueError, OSError) as error:  # a policy or a map that is elsewhere
+        raise ReplayError(f"{run.controller} on {run.scenario}: {error}") from error
     done = int((~np.isnan(run.course("population_size"))).sum()) - 1
     stride = max(1, math.ceil(done / (MOST_FRAMES - 1)))
     frames = []
