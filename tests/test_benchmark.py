@@ -132,7 +132,7 @@ def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
     assert fish.rastrigin(np.array([0.5, 2.0])) == pytest.approx(20.25 + 4.0)
 
 
-@pytest.mark.parametrize("scenario", [fish.FUNCTION, fish.CASE])
+@pytest.mark.parametrize("scenario", [pytest.param(fish.FUNCTION, marks=pytest.mark.slow), fish.CASE])
 def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
     problem = fish.environment(scenario).simulation.problems[0]
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
@@ -188,7 +188,7 @@ def test_every_part_of_a_move_runs(part):
         pytest.param(environments.vector(3, 4, 1), id="vector"),
         pytest.param(moves.per_move("case2", 0.2, 3), id="move"),
         pytest.param(moves.run_milliseconds("case2"), id="run"),
-        pytest.param(start.first_step(start.FIRST_STEP, cold=False), id="first step"),
+        pytest.param(start.first_step(start.FIRST_STEP, cold=False), id="first step", marks=pytest.mark.slow),
     ],
 )
 def test_what_is_measured_runs_more_than_once(once):
@@ -202,6 +202,7 @@ def test_a_vector_is_measured_past_the_ends_of_episodes():
         assert once() > 0
 
 
+@pytest.mark.slow
 def test_processes_run_side_by_side_and_end():
     with threads.processes(2, 2, 4, 100) as together:
         assert together() > 0

@@ -105,7 +105,7 @@ def test_episodes_are_the_naive_ones(optimizer, kind):
     run(optimizer, problems(optimizer)[kind], knobs=knobs, size=7, iterations=len(PLAN))
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @with_an_oracle
 def test_episodes_of_several_seeds_are_the_naive_ones(optimizer, seed):
     plan = [(10, seed / 3), (14, 0.0), (9, 1.0), (9, 0.0), (20, 0.5)]

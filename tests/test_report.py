@@ -374,7 +374,7 @@ def test_members_that_stay_are_followed_through_a_shrinking_population():
     assert shrunk > 0
 
 
-@pytest.mark.parametrize(("members", "points"), [(5000, 2), (400, 400)])
+@pytest.mark.parametrize(("members", "points"), [(400, 400), pytest.param(5000, 2, marks=pytest.mark.slow)])
 def test_a_replay_never_takes_more_than_its_share_of_the_page(members, points):
     rng = np.random.default_rng(1)
     recording = recording_of("fixed:8")

@@ -236,7 +236,9 @@ def test_two_controllers_and_other_scenarios_can_be_chosen(report, open_page):
 
 
 @pytest.mark.parametrize("color_scheme", ["light", "dark"])
-@pytest.mark.parametrize("viewport", [PHONE, DESKTOP], ids=["phone", "desktop"])
+@pytest.mark.parametrize(
+    "viewport", [PHONE, pytest.param(DESKTOP, marks=pytest.mark.slow)], ids=["phone", "desktop"]
+)
 def test_nothing_is_wider_than_the_screen(report, open_page, viewport, color_scheme):
     page = open_page(report, viewport, color_scheme)
     assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
