@@ -23,9 +23,9 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@touch $@
 
 browser: $(INSTALLED) ## find or install Chromium, which the tests of reports look at pages with
-	@if command -v chromium chromium-browser google-chrome; then true; \
-	elif [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
-	    apt-get -qq update && apt-get -qq --yes --no-install-recommends install chromium > /dev/null; \
+	@for name in chromium chromium-browser google-chrome google-chrome-stable; do command -v $$name && exit; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	    apt-get -qq update && apt-get -qq --yes --no-install-recommends install chromium fonts-dejavu-core > /dev/null; \
 	else $(BIN)/python -m playwright install chromium; fi
 
 study: $(INSTALLED) ## run the paper's study; its tables, figures and report.html are in results/paper then
