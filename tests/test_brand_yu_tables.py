@@ -84,6 +84,7 @@ def static(database):
     return dataclasses.replace(STATIC, **of, snapshots=shown)
 
 
+@pytest.mark.slow
 def test_counts_are_means_of_the_runs_that_arrived_beside_the_papers(database, static):
     ten, none, one, few, many = cells_of(make_tables(static, database), "brand-yu-static-counts")
     optimum = hypot(6.5, 16.5) + 6.0 + hypot(6.5, 17.5)  # around the right end of the block

@@ -250,7 +250,14 @@ def test_a_table_put_into_a_row_is_as_if_stacked(encoding):
 # Episodes.
 
 
-@all_optimizers
+# For the others, kernels are compiled first.
+QUICK = ("firefly", "ant-colony")
+
+
+@pytest.mark.parametrize(
+    "optimizer",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in OPTIMIZERS],
+)
 def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
     for options in on_maps(optimizer):
         env = small(optimizer, **options)
