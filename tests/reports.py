@@ -1,7 +1,5 @@
-"""A small suite with every kind of member, and its database, for tests of reports."""
+"""A small suite with every kind of member, for tests of reports."""
 
-from experiments.results import Results
-from experiments.runner import configuration, run_missing
 from experiments.suite import Suite
 
 SUITE = Suite(
@@ -13,10 +11,3 @@ SUITE = Suite(
     options={"iterations": 12},
     replayed=("spsfa-tip", "spsfa"),
 )
-
-
-def make_database(path, suite=SUITE):
-    results = Results(path, configuration(suite))
-    run_missing(suite, results, jobs=1)
-    results.close()
-    return path

@@ -5,6 +5,7 @@ import sqlite3
 
 import numpy as np
 import pytest
+from stored_runs import make_database
 from trainings import make_policy
 
 from agents.open_loop import save_open_loop
@@ -35,11 +36,7 @@ KEYS = {(c, s, k) for c in SUITE.controllers for s in SUITE.scenarios for k in r
 
 @pytest.fixture(scope="module")
 def database(tmp_path_factory):
-    path = tmp_path_factory.mktemp("results") / "tiny.sqlite"
-    results = Results(path, configuration(SUITE))
-    run_missing(SUITE, results, jobs=1)
-    results.close()
-    return path
+    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite", SUITE)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from mutations import fuzzed, mutated
-from trainings import make_policy
+from trainings import add_memory, change_policy, make_policy
 
 from agents import make_controller
 from agents.learned import load_learned
@@ -38,18 +38,7 @@ def policy(tmp_path):
 
 
 def with_memory(path):
-    rng = np.random.default_rng(1)
-    weights, manifest = load_policy(path)
-    weights["0.weight"] = rng.normal(size=(8, SIZE)).astype(np.float32)
-    weights["lstm.weight"] = rng.normal(size=(4 * SIZE, FEATURES + SIZE)).astype(np.float32)
-    weights["lstm.bias"] = rng.normal(size=4 * SIZE).astype(np.float32)
-    save_policy(path, weights, {**manifest, "network": "lstm", "lstm_size": SIZE})
-    return path
-
-
-def change(path, weights=None, **changes):
-    stored, manifest = load_policy(path)
-    save_policy(path, {**stored, **(weights or {})}, {**manifest, **changes})
+    return add_memory(path, np.random.default_rng(1), SIZE)
 
 
 def refused(path, *expected):
@@ -160,7 +149,7 @@ def test_any_bytes_are_a_policy_or_refused(policy, network):
     ],
 )
 def test_another_tensor_than_the_manifest_implies_is_refused(policy, name, tensor):
-    change(policy, weights={name: tensor})
+    change_policy(policy, weights={name: tensor})
     refused(policy, "tensor", name)
 
 
@@ -182,9 +171,9 @@ def test_tensors_that_share_bytes_are_refused(policy):
 
 def test_the_largest_weights_that_are_allowed_decide_without_overflow(policy):
     weights, _ = load_policy(policy)
-    change(policy, {name: np.full_like(array, MAX_WEIGHT) for name, array in weights.items()})
+    change_policy(policy, {name: np.full_like(array, MAX_WEIGHT) for name, array in weights.items()})
     assert decides_or_is_refused(policy)
-    change(
+    change_policy(
         with_memory(policy), {"lstm.weight": np.full((4 * SIZE, FEATURES + SIZE), -MAX_WEIGHT, np.float32)}
     )
     assert decides_or_is_refused(policy)
@@ -266,9 +255,9 @@ def test_a_value_that_nothing_can_be_done_with_is_refused(policy, key, value):
 
 
 def test_an_action_layout_of_more_decisions_is_refused(policy):
-    change(policy, action="extended-normalised")
+    change_policy(policy, action="extended-normalised")
     refused(policy, "num_decisions must be 4", "attractiveness")
-    change(policy, action="paced", max_evaluations=None)
+    change_policy(policy, action="paced", max_evaluations=None)
     refused(policy, "max_evaluations")
 
 
@@ -289,7 +278,7 @@ def test_a_memory_without_a_size_is_refused(policy):
 
 
 def test_more_may_be_said_than_is_needed(policy):
-    change(policy, notes={"made by": ["somebody", None, 1.5, {"unicode": "\u00e9\ud800"}]})
+    change_policy(policy, notes={"made by": ["somebody", None, 1.5, {"unicode": "\u00e9\ud800"}]})
     assert decides_or_is_refused(policy)
 
 

@@ -6,7 +6,7 @@ import torch
 from gymnasium.vector import AutoresetMode
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 from test_controllers import make_policy, random_observations
-from trainings import STEPS, tiny_config, train
+from trainings import STEPS, add_memory, change_policy, tiny_config, train
 
 from agents import make_controller
 from agents.feedforward import FeedforwardController
@@ -14,7 +14,7 @@ from agents.imitation import _cut, demonstrate, imitate
 from agents.learned import NETWORKS, load_learned
 from agents.learners import make_learner
 from agents.learners.recurrent import SequencePolicy
-from agents.policy_file import PolicyFileError, load_policy, save_policy
+from agents.policy_file import PolicyFileError, load_policy
 from agents.recurrent import ITERATION, RecurrentController
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -31,21 +31,10 @@ def _little(little_imitation):
 @pytest.fixture
 def policy(tmp_path):
     """A file with random weights."""
-    path, rng = tmp_path / "some.safetensors", np.random.default_rng(0)
-    make_policy(path, rng)
-    weights, manifest = load_policy(path)
-    features = len(manifest["features"])
-    weights["0.weight"] = rng.normal(size=(8, SIZE)).astype(np.float32)
-    weights["1.weight"] *= 0.1
-    weights["lstm.weight"] = rng.normal(size=(4 * SIZE, features + SIZE)).astype(np.float32)
-    weights["lstm.bias"] = rng.normal(size=4 * SIZE).astype(np.float32)
-    save_policy(path, weights, {**manifest, "network": "lstm", "lstm_size": SIZE})
+    rng = np.random.default_rng(0)
+    path = add_memory(make_policy(tmp_path / "some.safetensors", rng), rng, SIZE)
+    change_policy(path, {"1.weight": 0.1 * load_policy(path)[0]["1.weight"]})
     return path
-
-
-def change(path, weights=None, **changes):
-    stored, manifest = load_policy(path)
-    save_policy(path, {**stored, **(weights or {})}, {**manifest, **changes})
 
 
 @pytest.mark.parametrize("base", ["none", "spsfa-tip"])
@@ -125,7 +114,7 @@ def test_every_layout_tells_the_beginning_of_an_episode(layout):
     ],
 )
 def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):
-    change(policy, **changes)
+    change_policy(policy, **changes)
     with pytest.raises(PolicyFileError, match=message):
         load_learned(policy)
 

@@ -11,7 +11,8 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from reports import SUITE, make_database
+from reports import SUITE
+from stored_runs import make_database
 
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
@@ -30,7 +31,7 @@ MADE_WITH = {"commit": "c" * 40, "numba": "1"}
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite")
+    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite", SUITE)
 
 
 @pytest.fixture

@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image, ImageFilter
-from reports import SUITE, make_database
+from reports import SUITE
+from stored_runs import make_database
 
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.report.__main__ import ReportConfig, write_report
@@ -51,7 +52,7 @@ def browser():
 
 @pytest.fixture(scope="module")
 def database(tmp_path_factory):
-    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite")
+    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite", SUITE)
 
 
 @pytest.fixture(scope="module")

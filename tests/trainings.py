@@ -4,7 +4,7 @@ import numpy as np
 
 from agents.controller import SizeLimits
 from agents.distilled import DistilledRule, Formula, save_rule
-from agents.policy_file import save_policy
+from agents.policy_file import load_policy, save_policy
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
 from swarm_gym.observation import OBSERVATIONS
@@ -55,6 +55,22 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     }
     save_policy(path, weights, manifest)
     return path
+
+
+def add_memory(path, rng, size):
+    """Let the policy of a file have a memory of that size, with random weights."""
+    weights, manifest = load_policy(path)
+    weights["0.weight"] = rng.normal(size=(8, size)).astype(np.float32)
+    weights["lstm.weight"] = rng.normal(size=(4 * size, len(manifest["features"]) + size)).astype(np.float32)
+    weights["lstm.bias"] = rng.normal(size=4 * size).astype(np.float32)
+    save_policy(path, weights, {**manifest, "network": "lstm", "lstm_size": size})
+    return path
+
+
+def change_policy(path, weights=None, **changes):
+    """Replace some weights and entries of the manifest of a policy file."""
+    stored, manifest = load_policy(path)
+    save_policy(path, {**stored, **(weights or {})}, {**manifest, **changes})
 
 
 def make_rule(path, max_evaluations):

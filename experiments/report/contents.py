@@ -1,5 +1,6 @@
 """What a report of a results database says: tables, figures, replays, and how all of it came about."""
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +19,7 @@ from experiments.report.replay import pack
 from experiments.results import Results, ResultsError
 from experiments.run import RunKey
 from experiments.suite import Suite
-from experiments.tables import TABLES, Table, make_tables
+from experiments.tables import Table, make_tables
 from swarm_gym.errors import ScenarioError
 
 MOST_RUNS = 3000  # that are listed one by one
@@ -73,7 +74,7 @@ def make_report(request: Request, results: Results) -> Report:
     outcomes = results.outcomes(part.controllers, part.seeds)
     chosen = _chosen(request, part, outcomes)
     gaps, without = _gaps(part, outcomes)
-    tables = [*make_tables(part, results), *_further_tables(part, outcomes, gaps.tables)]
+    tables = make_tables(dataclasses.replace(part, tables=(*part.tables, *gaps.tables)), results)
     figures, not_drawn = draw_all(part, results, gaps.figures) if request.figures else ([], [])
     replays, not_replayed = _replays(chosen, part, results)
     runs = _table_of_runs(part, outcomes)
@@ -113,10 +114,6 @@ def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
         tuple(name for name in GAPS.tables if name not in part.tables),
         tuple(name for name in GAPS.figures if name not in part.figures),
     ), []
-
-
-def _further_tables(part: Suite, outcomes: Outcomes, names: Sequence[str]) -> list[Table]:
-    return [table for name in names for table in TABLES[name](part, outcomes)]
 
 
 def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:

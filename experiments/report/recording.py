@@ -101,13 +101,13 @@ def _check(run: Run, simulation: Simulation) -> None:
     trace = simulation.history[0]
     if simulation.columns != run.columns or not np.array_equal(trace, run.trace, equal_nan=True):
         raise ReplayError(
-            f"{run.controller} on {run.scenario}, seed {run.seed}, ends at {trace_end(trace)} here, while "
+            f"{run.controller} on {run.scenario}, seed {run.seed}, ends at {_trace_end(trace)} here, while "
             f"the stored run, of swarm_gym {run.provenance.get('swarm_gym', 'unknown')}, commit "
             f"{run.provenance.get('commit', 'unknown')[:10]}, ended at {run.final_fitness:.6g}"
         )
 
 
-def trace_end(trace: Floats) -> str:
+def _trace_end(trace: Floats) -> str:
     """The last best fitness of a trace."""
     ended = trace[~np.isnan(trace[:, 0])]
     return f"{ended[-1, 3]:.6g}"

@@ -1,5 +1,6 @@
 """Figures as SVG that is part of a page: colours from its style sheet, names of its own, fewer digits."""
 
+import html
 import re
 
 from matplotlib.figure import Figure
@@ -61,7 +62,7 @@ def themed_svg(figure: Figure, prefix: str, title: str) -> str:
     opening = f'<svg viewBox="0 0 {72 * width:g} {72 * height:g}" {attributes}'
     return re.sub(
         r"<svg[^>]*>",
-        lambda _: f'{opening}><title id="{prefix}-title">{_escape(title)}</title>',
+        lambda _: f'{opening}><title id="{prefix}-title">{html.escape(title, quote=False)}</title>',
         text,
         count=1,
     )
@@ -79,7 +80,3 @@ def _shortened(attribute: re.Match[str]) -> str:
     """An attribute with coordinates to two places."""
     coordinates = " ".join(attribute[2].split())
     return attribute[1] + '="' + _LONG_NUMBER.sub(r"\1", coordinates) + '"'
-
-
-def _escape(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
