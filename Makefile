@@ -7,7 +7,7 @@ SEEDS ?= 20
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install browser study study-full test test-slow test-lowest check format benchmark benchmark-peers \
+.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format benchmark benchmark-peers \
     docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic docs-gallery clean
 
 help: ## show this list
@@ -60,12 +60,31 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all ker
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS) \
 	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
+	@$(MAKE) test-supply
 
 PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
     test_functions.py sight.py population.py firefly.py)
 OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
     re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py)
+
+PYTHONS = python3.11 python3.12 python3.13 python3.14
+
+test-supply: ## run the tests with the lowest versions allowed, and with the newest on every Python there is
+	@$(MAKE) test-lowest
+	@for python in $(PYTHONS); do \
+	    if $$python --version > /dev/null 2>&1; then $(MAKE) test-newest PYTHON=$$python || exit 1; \
+	    else echo "== no $$python here: skipped"; fi; \
+	done
+
+test-newest: ## run the tests with the newest versions there are, on PYTHON
+	@echo "== installing the newest versions into .venv-newest-$(notdir $(PYTHON))"
+	rm -rf .venv-newest-$(notdir $(PYTHON))
+	$(PYTHON) -m venv .venv-newest-$(notdir $(PYTHON))
+	.venv-newest-$(notdir $(PYTHON))/bin/python -m pip install --quiet --disable-pip-version-check \
+	    --editable '.[maps,render,video,study,dev]'
+	.venv-newest-$(notdir $(PYTHON))/bin/python -m swarm_gym.warm_up
+	.venv-newest-$(notdir $(PYTHON))/bin/python -m pytest -n auto
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"
@@ -74,6 +93,18 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 	    --constraint constraints-lowest.txt --editable '.[maps,render,video,study,dev]'
 	.venv-lowest/bin/python -m swarm_gym.warm_up
 	.venv-lowest/bin/python -m pytest -n auto
+
+SECONDS = 3600
+
+fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/fuzz_finds
+	PYTHONPATH=tests .venv-fuzz/bin/python tests/fuzz.py --seconds $(SECONDS)
+
+.venv-fuzz/.installed: pyproject.toml constraints.txt
+	@echo "== installing a fuzzer into .venv-fuzz"
+	$(PYTHON) -m venv .venv-fuzz
+	.venv-fuzz/bin/python -m pip install --quiet --disable-pip-version-check \
+	    --constraint constraints.txt --editable '.[maps,fuzz]'
+	@touch $@
 
 check: $(INSTALLED) ## lint, formatting, types, layers
 	@echo "== ruff, mypy, import-linter"
@@ -134,6 +165,6 @@ docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on eve
 	$(BIN)/python -m experiments.gallery
 
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build results .pytest_cache .mypy_cache .ruff_cache .hypothesis \
 	    .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

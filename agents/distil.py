@@ -8,7 +8,6 @@ prediction to no-regret online learning", AISTATS 2011). Of all rules on the way
 the one is taken that earns the highest mean return as a controller on validation seeds.
 """
 
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +35,7 @@ from agents.rule_fit import select_forward, share_out
 from agents.seeds import ANALYSIS, VALIDATION, training_seed
 from agents.train_config import TrainConfig, stored_config
 from agents.watching import decision_names, watch
+from swarm_gym.command import command
 
 Floats = NDArray[np.float64]
 
@@ -252,7 +252,7 @@ def _options(training: TrainConfig, price: float | None) -> dict[str, Any]:
 def main() -> None:
     """Distil as the command line says."""
     config = tyro.cli(DistilConfig, description=__doc__)
-    try:
+    with command():
         policy = make_controller(config.policy)
         manifest = getattr(policy, "manifest", {})
         training = stored_config(manifest)
@@ -277,8 +277,6 @@ def main() -> None:
                 "provenance": provenance("numba", "numpy"),
             },
         )  # fmt: skip
-    except (OSError, ValueError) as error:
-        sys.exit(f"error: {error}")
     print("\n".join([f"\n{found.rule.num_numbers} numbers:", *found.rule.lines(), ""]))
     for name, score in scores.items():
         print(f"{name}: {describe(score)}")

@@ -17,13 +17,13 @@ an episode. Metadata of the model holds the manifest.
 
 import argparse
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from agents.manifest import LSTM, PolicyFileError
+from agents.manifest import LSTM
 from agents.policy_file import Weights, load_policy, resolve
+from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 
@@ -88,11 +88,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("policy", metavar="POLICY", help="name of a shipped policy, or a file")
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="the .onnx file to write")
     options = parser.parse_args(arguments)
-    try:
+    with command(MissingExtraError):
         model = to_onnx(*load_policy(resolve(options.policy)))
         write_atomically(options.output, model.SerializeToString())
-    except (PolicyFileError, MissingExtraError, OSError) as error:
-        sys.exit(f"error: {error}")
     print(f"wrote {options.output}")
 
 

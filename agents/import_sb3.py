@@ -14,7 +14,6 @@ import json
 import math
 import pickle
 import re
-import sys
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +28,7 @@ from agents.manifest import MAX_LAYERS, PolicyFileError
 from agents.policy_file import MAX_FILE, Weights, encode_policy
 from agents.provenance import provenance
 from agents.shipped import read_bytes
+from swarm_gym.command import command
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
@@ -110,10 +110,8 @@ def import_sb3(options: ImportOptions) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Import as the command line says."""
     options = tyro.cli(ImportOptions, description=__doc__, args=arguments)
-    try:
+    with command():
         import_sb3(options)
-    except (PolicyFileError, OSError) as error:
-        sys.exit(f"error: {error}")
     print(f"wrote {options.output}; use it as controller learned:{options.output}")
 
 

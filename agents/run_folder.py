@@ -6,15 +6,22 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from swarm_gym.files import remove_partials, write_atomically
+
+LOCK = "lock"
 
 
 class RunFolderError(RuntimeError):
     """A run cannot be started or resumed."""
 
 
-def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
+def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> FileLock:
     """Store the configuration of a new run, or compare that of a run that is resumed, and tidy up after it.
+
+    Returns:
+        The lock on the folder, to be released when the run ends; however a process ends, it is.
 
     Args:
         folder: of the run.
@@ -23,8 +30,29 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
         not_compared: entries that a resumed run may have changed.
 
     Raises:
-        RunFolderError: if a new run is there already, or a resumed one is not, or was another.
+        RunFolderError: if a new run is there already, or a resumed one is not, or was another, or another
+            process works on it.
+        OSError: if the folder cannot be written.
     """
+    if resume and not (folder / "config.json").exists():
+        raise RunFolderError(f"--resume: there is no run in {folder}")
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(folder / LOCK)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout as error:
+        raise RunFolderError(f"{folder}: another process works on this run") from error
+    except NotImplementedError:  # a file system without locks
+        pass
+    try:
+        _prepare(folder, config, resume, not_compared)
+    except BaseException:
+        lock.release()
+        raise
+    return lock
+
+
+def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
     stored = folder / "config.json"
     mine = as_json(config)
     if not resume:
@@ -32,8 +60,6 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
             raise RunFolderError(f"{folder} holds a run already; use --resume, another --name, or delete it")
         write_atomically(stored, json.dumps(mine, indent=2) + "\n")
         return
-    if not stored.exists():
-        raise RunFolderError(f"--resume: there is no run in {folder}")
     try:
         theirs = dict(json.loads(stored.read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:

@@ -19,6 +19,7 @@ from agents.run_folder import RunFolderError
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
 from agents.training_seeds import configs_of_seeds, describe, train_seeds
+from swarm_gym.command import command
 
 
 @dataclass(frozen=True)
@@ -48,14 +49,12 @@ def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Train as the command line says."""
-    try:
+    with command(RunFolderError, kept="--resume goes on from the last checkpoint, if there is one"):
         given = read_command_line(arguments)
         if given.seeds:
             _train_seeds(given)
             return
         best = TrainingRun(given.config).run()
-    except (RunFolderError, ValueError) as error:
-        sys.exit(f"error: {error}")
     print(f"best policy by validation: {best}\nuse it as controller learned:{best}")
 
 

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import threading
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -17,6 +18,7 @@ from agents.rollout import Episodes
 from agents.training_figures import draw_decisions
 
 FILES = "events.out.tfevents.*"
+MOST_WAIT = 10  # seconds, for a clock that was set back a little
 
 
 class TrainingEvents:
@@ -36,6 +38,8 @@ class TrainingEvents:
             _cut_off(folder, sizes)
             _wait_for_a_later_name(sizes)
         self._writer = SummaryWriter(str(folder), purge_step=None if sizes is None else step + 1)
+        if threading.excepthook is threading.__excepthook__:
+            threading.excepthook = _leave_to_the_caller
 
     def add_scalars(self, scalars: Mapping[str, float], step: int) -> None:
         """Add numbers by name."""
@@ -89,6 +93,12 @@ class TrainingEvents:
         self._writer.add_image(name, picture, step, dataformats="HWC")
 
 
+def _leave_to_the_caller(arguments: threading.ExceptHookArgs) -> None:
+    """Do not print what TensorBoard's thread cannot write: whoever adds the next event or flushes gets it."""
+    if not (type(arguments.thread).__module__.startswith("tensorboard") and arguments.exc_type is OSError):
+        threading.__excepthook__(arguments)
+
+
 def _cut_off(folder: Path, sizes: Mapping[str, int]) -> None:
     """Leave of the events in a folder what files of these sizes hold."""
     for path in folder.glob(FILES):
@@ -108,8 +118,20 @@ def _cut_off(folder: Path, sizes: Mapping[str, int]) -> None:
 
 def _wait_for_a_later_name(names: Iterable[str]) -> None:
     """Files are read in the order of their names, which begin with the second in which they are made."""
-    while any(name.startswith(f"{FILES[:-1]}{int(time.time()):010}") for name in names):
+    last = max(map(_second, names), default=0)
+    if last > time.time() + MOST_WAIT:
+        print(
+            f"warning: the clock has been set back since {FILES[:-1]}{last:010} was begun: TensorBoard may "
+            "show the run in the wrong order",
+            file=sys.stderr,
+        )
+        return
+    while time.time() < last + 1:
         time.sleep(0.05)
+
+
+def _second(name: str) -> int:
+    return int(name.removeprefix(FILES[:-1]).partition(".")[0])
 
 
 def _as_scalar(value: Any) -> int | float | str:

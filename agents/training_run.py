@@ -47,7 +47,7 @@ class TrainingRun:
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
         # Only now, since a configuration that cannot be run shall leave nothing behind.
-        prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
+        self._lock = prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
         self._goes_on = config.resume and self._load_checkpoint()
         if not self._goes_on:
             self.events = TrainingEvents(self.folder, {} if config.resume else None)
@@ -55,6 +55,16 @@ class TrainingRun:
 
     def run(self) -> Path:
         """Train to the end; returns the file of the best policy by validation."""
+        try:
+            return self._run()
+        except OSError as error:
+            if error.filename is None:  # TensorBoard does not name its files
+                raise OSError(error.errno, error.strerror, str(self.folder)) from error
+            raise
+        finally:
+            self._lock.release()
+
+    def _run(self) -> Path:
         config = self.config
         if not self._goes_on:
             self.learner.begin()

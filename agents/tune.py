@@ -8,7 +8,6 @@ controllers have cost the same. A run that was stopped and resumed equals one th
 
 import argparse
 import dataclasses
-import sys
 from collections.abc import Sequence
 
 import tyro
@@ -18,6 +17,7 @@ from agents.run_folder import RunFolderError
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 from agents.tuning.tuners import kind_defaults
+from swarm_gym.command import command
 
 FROM_PRESET = (
     "preset",
@@ -43,11 +43,9 @@ def read_command_line(arguments: Sequence[str] | None = None) -> TuneConfig:
 
 def main() -> None:
     """Tune as the command line says."""
-    try:
+    with command(RunFolderError, kept="--resume goes on after the last round, if there is one"):
         run = TuningRun(read_command_line())
         result = run.run()
-    except (RunFolderError, ValueError) as error:
-        sys.exit(f"error: {error}")
     print(f"tuned in {run.num_steps} steps: {result}\nuse it as controller {run.tuner.family}:{result}")
 
 

@@ -22,7 +22,7 @@ from experiments.speed.measurement import (
 )
 from experiments.speed.page import write_page
 from swarm_gym.checks import look_up
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.command import command
 from swarm_gym.warm_up import warm_up
 
 
@@ -85,16 +85,11 @@ def measured_before(file: Path) -> dict[str, list[Measurement]]:
 def main() -> None:
     """Measure, print and store."""
     config = tyro.cli(BenchmarkConfig, description=__doc__)
-    try:
+    with command():
         measured = run_benchmark(config)
-    except UnknownNameError as error:
-        raise SystemExit(f"error: {error}") from error
-    file = config.output / "benchmark.json"
-    write_measurements(file, measured_before(file) | measured)
-    try:
+        file = config.output / "benchmark.json"
+        write_measurements(file, measured_before(file) | measured)
         page = write_page(config.output)
-    except ValueError as error:
-        raise SystemExit(f"error: {error}") from error
     print(page.read_text(encoding="utf-8"))
     print(f"written: {page}")
 

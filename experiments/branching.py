@@ -7,7 +7,6 @@ gap, as a rank correlation. A controller can gain by seeing only where runs diff
 changed. Seeds are of those for validation, and none that a model was selected by.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +27,7 @@ from experiments.results import ResultsError
 from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.action import make_action
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -207,13 +207,11 @@ def write_report(found: Branching, folder: Path) -> Path:
 def main() -> None:
     """Analyse as the command line says."""
     config = tyro.cli(BranchingConfig, description=__doc__)
-    try:
+    with command(ResultsError):
         seeds = analysis_seeds(config.seeds)
         controller = make_controller(config.controller)
         found = analyse(config.controller, controller, config.scenarios, seeds, config.threads)
-    except (ResultsError, ValueError) as error:
-        sys.exit(f"error: {error}")
-    print(f"results: {write_report(found, config.output)}")
+        print(f"results: {write_report(found, config.output)}")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ all: tables and figures come from the database, and where that lacks runs, they 
 """
 
 import dataclasses
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -20,6 +19,7 @@ from experiments.runner import configuration, environment_configuration, refuse_
 from experiments.suite import Suite
 from experiments.suites import COLLECTIONS, get_suite
 from experiments.tables import make_tables
+from swarm_gym.command import command
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,11 @@ def evaluate(config: EvaluateConfig) -> Path:
     database = config.database or config.output / f"{suite.name}.sqlite"
     if not config.simulate and not database.exists():
         raise ResultsError(f"{database} does not exist, and --no-simulate forbids to make its runs")
-    results = Results(database, configuration(suite) if config.simulate else environment_configuration(suite))
+    results = (
+        Results(database, configuration(suite))
+        if config.simulate
+        else Results.stored(database, environment_configuration(suite))
+    )
     try:
         if config.simulate:
             run_missing(suite, results, config.jobs or cpu_count())
@@ -95,10 +99,9 @@ def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
 
 def main() -> None:
     """Evaluate as the command line says."""
-    try:
-        page = evaluate(tyro.cli(EvaluateConfig, description=__doc__))
-    except (ResultsError, ValueError) as error:
-        sys.exit(f"error: {error}")
+    config = tyro.cli(EvaluateConfig, description=__doc__)
+    with command(ResultsError, kept="runs that finished are stored, and the same command goes on"):
+        page = evaluate(config)
     print(f"results: {page}")
 
 

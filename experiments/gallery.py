@@ -18,6 +18,7 @@ from tqdm import tqdm
 from agents import make_controller
 from experiments.episode import iterate
 from experiments.video_files import Frame, nearest, palette_of
+from swarm_gym.command import command
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import OPTIMIZERS
@@ -171,6 +172,12 @@ def page(rows: list[list[Panel]]) -> str:
 
 def main() -> None:
     """Write the page and its pictures, and delete pictures that are no longer on it."""
+    with command(kept="pictures that were drawn are kept"):
+        write_gallery()
+
+
+def write_gallery() -> None:
+    """The same, and say what was written."""
     rows = plan()
     panels = [panel for row in rows for panel in row if not panel.refusal]
     with tqdm(panels, unit="picture", desc="gallery") as bar:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from experiments.documents import replace_block
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 
 DOCS = Path("docs/results")
@@ -46,10 +47,8 @@ def main() -> None:
     """Publish what the command line names."""
     if len(sys.argv) != 3:
         sys.exit("usage: python -m experiments.publish SUITE_FOLDER BENCHMARK_FOLDER")
-    try:
+    with command():
         publish(Path(sys.argv[1]), Path(sys.argv[2]))
-    except (OSError, ValueError) as error:
-        sys.exit(f"error: {error}")
 
 
 if __name__ == "__main__":

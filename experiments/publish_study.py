@@ -10,6 +10,7 @@ from pathlib import Path
 
 from experiments.documents import block_names, replace_block
 from experiments.study_blocks import BLOCKS, FIGURES, Source
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 
 STUDY = Path("docs/study.md")
@@ -42,10 +43,8 @@ def main() -> None:
     """Publish what the command line names."""
     if len(sys.argv) != 2:
         sys.exit("usage: python -m experiments.publish_study FOLDER")
-    try:
+    with command():
         publish_study(Path(sys.argv[1]))
-    except (OSError, ValueError) as error:
-        sys.exit(f"error: {error}")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from experiments.documents import block_names, replace_block
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 
 
@@ -35,10 +36,8 @@ def main() -> None:
     """Publish what the command line names."""
     if len(sys.argv) != 3:
         sys.exit("usage: python -m experiments.publish_suite SUITE_FOLDER DOCUMENT")
-    try:
+    with command():
         publish_suite(Path(sys.argv[1]), Path(sys.argv[2]))
-    except (OSError, ValueError) as error:
-        sys.exit(f"error: {error}")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ environments, geometry of the scenarios, weights of the policies. Runs made with
 """
 
 import json
+import os
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
@@ -46,6 +47,9 @@ CREATE TABLE IF NOT EXISTS snapshots (
 """
 
 
+PATIENCE = 60.0  # seconds, while other processes write into the same database
+
+
 class ResultsError(RuntimeError):
     """A results database cannot be used; the message names the file and the reason."""
 
@@ -62,10 +66,8 @@ class Results:
     """
 
     def __init__(self, path: Path, configuration: Mapping[str, Any] | None = None):
-        self.path = path
         path.parent.mkdir(parents=True, exist_ok=True)
-        self._connection = sqlite3.connect(path)
-        with self._closed_if_unusable():
+        with self._opened(path, str(path)):
             self._connection.execute("PRAGMA journal_mode = WAL")
             self._connection.executescript(SCHEMA)
             self._check_columns()
@@ -81,9 +83,7 @@ class Results:
         if not path.is_file():
             raise ResultsError(f"{path}: there is no such results database")
         results = cls.__new__(cls)
-        results.path = path
-        results._connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
-        with results._closed_if_unusable():
+        with results._opened(path, _to_be_read(path)):
             results._check_columns()
             results._compare(configuration or {})
         return results
@@ -102,9 +102,13 @@ class Results:
         return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
 
     def add(self, run: Run) -> None:
-        """Store a run and its snapshots in one transaction; a run that is there stays as it is."""
+        """Store a run and its snapshots in one transaction; a run that is there stays as it is.
+
+        Raises:
+            ResultsError: if the file cannot be written; what was stored before is still there.
+        """
         key = (run.controller, run.scenario, run.seed)
-        with self._connection as connection:
+        with self._writing() as connection:
             connection.execute(
                 "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
@@ -206,15 +210,33 @@ class Results:
         return found
 
     @contextmanager
-    def _closed_if_unusable(self) -> Iterator[None]:
+    def _opened(self, path: Path, name: str) -> Iterator[None]:
+        """Open a file, by the name that SQLite knows it by, and close it if it turns out to be unusable."""
+        self.path = path
+        try:
+            self._connection = sqlite3.connect(name, timeout=PATIENCE, uri=name.startswith("file:"))
+        except sqlite3.Error as error:
+            raise ResultsError(f"{path}: cannot be opened ({error})") from error
         try:
             yield
-        except sqlite3.DatabaseError as error:
+        except sqlite3.Error as error:
             self._connection.close()
-            raise ResultsError(f"{self.path}: not a usable results database ({error})") from error
+            raise ResultsError(f"{path}: not a usable results database ({error})") from error
         except ResultsError:
             self._connection.close()
             raise
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """A transaction."""
+        try:
+            with self._connection as connection:
+                yield connection
+        except sqlite3.Error as error:
+            raise ResultsError(
+                f"{self.path}: cannot be written ({error}); what was stored before is still there, and the "
+                "same command goes on"
+            ) from error
 
     def _check_columns(self) -> None:
         there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
@@ -243,8 +265,15 @@ class Results:
         return {key: value for key, value in new.items() if key not in stored}
 
     def _adopt(self, new: Mapping[str, str]) -> None:
-        with self._connection as connection:
+        with self._writing() as connection:
             connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
+
+
+def _to_be_read(path: Path) -> str:
+    """A file that nothing is written to, as SQLite is told of it."""
+    # A reader, too, puts files beside a database, lest others write; where that cannot be, nobody does.
+    alone = not os.access(path.parent, os.W_OK) and not path.with_name(f"{path.name}-wal").exists()
+    return f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
 
 
 def _run(row: tuple) -> Run:

@@ -6,6 +6,7 @@ from collections import Counter
 from typing import Any
 
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from agents import Controller
@@ -25,6 +26,7 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings, make_problem
 
 MOST_NAMED = 10  # in a message
+MOST_DEATHS = 3  # of worker processes, without a run that finishes between them
 
 
 def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
@@ -43,7 +45,13 @@ def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
 
 
 def run_missing(suite: Suite, results: Results, jobs: int) -> None:
-    """Run what the database lacks on this many processes; each run is stored as it finishes."""
+    """Run what the database lacks on this many processes; each run is stored as it finishes.
+
+    What a worker process that was killed leaves unfinished is run again.
+
+    Raises:
+        ResultsError: if worker processes are killed again and again, or the database cannot be written.
+    """
     missing = missing_runs(suite, results)
     if not missing:
         print(f"{results.path}: all runs are there", flush=True)
@@ -51,10 +59,26 @@ def run_missing(suite: Suite, results: Results, jobs: int) -> None:
     made_with = provenance("gymnasium", "numba", "numpy")
     for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
         warm_up(optimizer, suite)
-    tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
-    workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    for run in tqdm(workers(tasks), total=len(missing), unit="run", desc=suite.name):
-        results.add(run)
+    deaths = 0
+    with tqdm(total=len(missing), unit="run", desc=suite.name) as bar:
+        while missing:
+            tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
+            workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
+            try:
+                for run in workers(tasks):
+                    results.add(run)
+                    bar.update()
+                    deaths = 0
+            except TerminatedWorkerError as error:
+                deaths += 1
+                if deaths == MOST_DEATHS:
+                    raise ResultsError(
+                        f"worker processes were killed {deaths} times before one could finish a run; is "
+                        f"memory short? {len(missing_runs(suite, results))} runs are missing in "
+                        f"{results.path}, and the same command goes on"
+                    ) from error
+                bar.write("a worker process was killed; the runs that were under way are made again")
+            missing = missing_runs(suite, results)
 
 
 def refuse_missing(suite: Suite, results: Results) -> None:

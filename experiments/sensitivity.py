@@ -7,7 +7,6 @@ iteration, the controller is a fixed schedule of its own; what it loses then is 
 worth to it. Seeds are of those for validation, and none that a model was selected by.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from agents.train_config import TrainConfig, stored_config
 from agents.watching import Watched, decision_names, watch
 from experiments.analysis import Outcome, analysis_seeds, outcome
 from experiments.results import ResultsError
+from swarm_gym.command import command
 
 Floats = NDArray[np.float64]
 
@@ -151,17 +151,15 @@ def _side_by_side(parts: list[NDArray]) -> NDArray:
 def main() -> None:
     """Analyse as the command line says."""
     config = tyro.cli(SensitivityConfig, description=__doc__)
-    try:
+    from experiments.sensitivity_report import write_report
+
+    with command(ResultsError):
         seeds = analysis_seeds(config.seeds)
         controller = make_controller(config.policy)
         training = stored_config(getattr(controller, "manifest", {}))
         scenarios = config.scenarios or training.validation_scenarios or training.scenarios
         found = analyse(config.policy, controller, training, scenarios, seeds, config.threads)
-    except (ResultsError, ValueError) as error:
-        sys.exit(f"error: {error}")
-    from experiments.sensitivity_report import write_report
-
-    print(f"results: {write_report(found, config.output)}")
+        print(f"results: {write_report(found, config.output)}")
 
 
 if __name__ == "__main__":

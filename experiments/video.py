@@ -1,6 +1,5 @@
 """A run as a video: `python -m experiments.video --help`."""
 
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from experiments.contestants import contestant
 from experiments.episode import iterate
 from experiments.video_files import VIDEO_FILES, Frame
 from swarm_gym.checks import look_up, require_integer
+from swarm_gym.command import command
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
 from swarm_gym.rendering import HEIGHTS, WIDTHS
@@ -110,10 +110,8 @@ def _made(config: VideoConfig) -> tuple[Any, Controller]:
 def main() -> None:
     """Write what the command line asks for."""
     config = tyro.cli(VideoConfig, description=__doc__)
-    try:
+    with command(ImportError, DependencyNotInstalled):
         write_video(config)
-    except (ValueError, OSError, ImportError, DependencyNotInstalled) as error:
-        sys.exit(f"error: {error}")
     print("written:", ", ".join(str(path) for path in config.output))
 
 

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -21,17 +22,27 @@ def write_atomically(path: Path, content: bytes | str, before: Path | None = Non
         path: the file.
         content: all of it.
         before: what the file becomes that is there already; at every moment one of the two is whole.
+
+    Raises:
+        OSError: naming the file, if it cannot be written; what was there is still there.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}{PARTIAL}")
-    with partial.open("wb") as file:
-        file.write(content.encode() if isinstance(content, str) else content)
-        file.flush()
-        os.fsync(file.fileno())
-    if before is not None and path.exists():
-        os.replace(path, before)
-    os.replace(partial, path)
-    _synchronise(path.parent)
+    try:
+        with partial.open("wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
+        if before is not None and path.exists():
+            os.replace(path, before)
+        os.replace(partial, path)
+        _synchronise(path.parent)
+    except BaseException as error:
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+        if isinstance(error, OSError):  # that a disk is full is said without a name
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
     return path
 
 

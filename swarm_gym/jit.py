@@ -6,8 +6,10 @@ cache folder is named by a digest of all sources of the package and of the bound
 can happen.
 """
 
+import hashlib
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,7 +18,7 @@ import numba
 import numpy as np
 from filelock import FileLock
 from numba.core import types
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.registry import CPUDispatcher
 from numba.core.types.containers import BaseTuple
 from numba.extending import overload
@@ -145,27 +147,81 @@ def _compile(function: Function, **options: Any) -> Function:
     if numba.config.DISABLE_JIT:
         # Words of a random stream wrap around by design; NumPy's scalars would warn of it.
         return np.errstate(over="ignore")(function)
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
-    try:
-        always = {"cache": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-        # Whether references are counted is said of every kernel: else it goes by who calls it first.
-        dispatcher = numba.njit(**{"_nrt": True, **always, **options})(function)
-    finally:
-        numba.config.CACHE_DIR = previous
-    dispatcher._cache.__class__ = _LockedCache
+    always = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    # Whether references are counted is said of every kernel: else it goes by who calls it first.
+    dispatcher = numba.njit(**{"_nrt": True, **always, **options})(function)
+    dispatcher._cache = _KernelCache(function)
     return dispatcher
 
 
-class _LockedCache(FunctionCache):
-    """Numba's cache, into which processes save one after the other.
+class _Place:
+    """Where the code of a function is cached: in our folder, which may be a read-only one."""
 
-    Numba numbers the files of a function by its index: two processes that save at once may take the same
-    number, and what the index then names is the code of another signature.
+    def __init__(self, function: Callable[..., Any], file: str):
+        self._folder = cache_folder() / function.__module__
+        self._file = file
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> "_Place":
+        return cls(function, file)
+
+    def ensure_cache_path(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> bytes:
+        return _digest_of_file(self._file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+class _Code(CompileResultCacheImpl):
+    _locator_classes = (_Place,)
+
+
+class _KernelCache(FunctionCache):
+    """Numba's cache, in our folder; without it, kernels are compiled in every process, which is said once.
+
+    Processes save one after the other: Numba numbers the files of a function by its index, two processes that
+    save at once may take the same number, and what the index then names is the code of another signature.
     """
+
+    _impl_class = _Code
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        try:
+            return super().load_overload(signature, context)
+        except OSError:
+            return None
+        except Exception as error:  # half a file, after a power failure, may be anything
+            _warn_once(f"compiled kernels in {self.cache_path} are damaged ({error!r}) and compiled anew")
+            with suppress(OSError):
+                self.flush()
+            return None
 
     def save_overload(self, signature: Any, data: Any) -> None:
         folder = cache_folder()
-        folder.mkdir(parents=True, exist_ok=True)
-        with FileLock(folder / "lock"):
-            super().save_overload(signature, data)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with FileLock(folder / "lock"):
+                super().save_overload(signature, data)
+        # The second, of file systems without locks.
+        except (OSError, NotImplementedError) as error:
+            _warn_once(
+                f"compiled kernels cannot be kept in {folder} ({error}): each process compiles them again. "
+                "SWARM_GYM_CACHE names another folder"
+            )
+
+
+@cache
+def _digest_of_file(file: str) -> bytes:
+    return hashlib.sha256(Path(file).read_bytes()).digest()
+
+
+@cache
+def _warn_once(message: str) -> None:
+    logging.getLogger("swarm_gym").warning(message)

@@ -7,13 +7,14 @@ import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from typing import Any
 
 import gymnasium
 import numba
 import numpy as np
 
+from swarm_gym.command import command
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 
@@ -40,8 +41,13 @@ def warm_up(num_processes: int = 1, report: Callable[[str], None] = _say_nothing
             report(_warm_up_kind(name, options))
         return
     with ProcessPoolExecutor(min(num_processes, len(tasks)), get_context("spawn"), _hush) as pool:
-        for future in as_completed([pool.submit(_warm_up_kind, *task) for task in tasks]):
-            report(future.result())
+        try:
+            for future in as_completed([pool.submit(_warm_up_kind, *task) for task in tasks]):
+                report(future.result())
+        except BaseException:  # else all that is not compiled yet would be, first
+            for child in active_children():
+                child.terminate()
+            raise
 
 
 def warm_up_single(optimizer: str, **options: Any) -> None:
@@ -50,8 +56,8 @@ def warm_up_single(optimizer: str, **options: Any) -> None:
 
 
 def _hush() -> None:
-    """Let this process not warn that compiling takes long."""
-    logging.getLogger("swarm_gym").setLevel(logging.ERROR)
+    """Let this process not warn that compiling takes long; other warnings come."""
+    logging.getLogger("swarm_gym").addFilter(lambda record: not record.getMessage().startswith("compiling "))
 
 
 def _warm_up_kind(optimizer: str, options: dict[str, Any]) -> str:
@@ -78,7 +84,8 @@ def main() -> None:
     """Warm up, in as many processes as there are processors, and say how long it took."""
     begin = time.perf_counter()
     print("compiling the kernels, once per version of the sources ...", flush=True)
-    warm_up(numba.config.NUMBA_NUM_THREADS, lambda what: print(f"  {what}", flush=True))
+    with command(kept="what was compiled is kept"):
+        warm_up(numba.config.NUMBA_NUM_THREADS, lambda what: print(f"  {what}", flush=True))
     print(f"ready after {time.perf_counter() - begin:.1f} s")
 
 

@@ -1,6 +1,7 @@
 """What TensorBoard shows of a folder, without the times."""
 
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+from tensorboard.plugins.hparams.plugin_data_pb2 import HParamsPluginData
 
 EVERYTHING = {"images": 0, "scalars": 0, "tensors": 0, "histograms": 0}
 
@@ -17,5 +18,10 @@ def shown(folder, purge=True):
     return {
         "scalars": {tag: [(e.step, e.value) for e in events.Scalars(tag)] for tag in tags["scalars"]},
         "images": {tag: [(e.step, e.encoded_image_string) for e in pictures[tag]] for tag in pictures},
-        "hparams": dict(events.PluginTagToContent("hparams")),
+        "hparams": {tag: _sorted(content) for tag, content in events.PluginTagToContent("hparams").items()},
     }
+
+
+def _sorted(content):
+    """The same message with its maps in order, which is another one in each process."""
+    return HParamsPluginData.FromString(content).SerializeToString(deterministic=True)

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from small_commands import Command
 
 CONTEXT = multiprocessing.get_context("forkserver")
 COMMANDS = ["agents.train", "agents.tune", "experiments.evaluate"]
@@ -50,14 +51,6 @@ PHASES = {
     "experiments.tables.make_tables": "tables",
     "experiments.page.write_page": "tables",
 }
-
-
-class Command(NamedTuple):
-    """A module and its arguments, and values that are set before it runs, by their dotted names."""
-
-    module: str
-    arguments: Sequence[str]
-    patches: dict[str, object]
 
 
 class Moment(NamedTuple):

@@ -1,6 +1,7 @@
 """Checkpoints: two are kept, damage is noticed, and events go as far as they do and no further."""
 
 import os
+import time
 
 import numpy as np
 import pytest
@@ -134,11 +135,22 @@ def test_a_file_is_on_the_disk_before_it_has_its_name_and_its_name_after(tmp_pat
 
 
 def test_what_a_killed_process_left_is_removed_when_the_run_goes_on(tmp_path):
-    run = train(tmp_path, **LITTLE)
-    left = run.folder / "checkpoint.pt.1-2.partial"
+    left = train(tmp_path, **LITTLE).folder / "checkpoint.pt.1-2.partial"
     left.write_bytes(b"half")
     train(tmp_path, **LITTLE, resume=True)
     assert not left.exists()
+
+
+@pytest.mark.parametrize("hours", [-1, 1])
+def test_a_clock_that_is_set_meanwhile(tmp_path, monkeypatch, capsys, hours):
+    train(tmp_path, name="whole", **LITTLE).run()
+    train(tmp_path, name="it", **{**LITTLE, "total_steps": LITTLE["total_steps"] // 3}).run()
+    right = time.time
+    monkeypatch.setattr(time, "time", lambda: right() + 3600 * hours)
+    train(tmp_path, name="it", **LITTLE, resume=True).run()
+    ours, theirs = (load_policy(tmp_path / name / "best.safetensors")[0] for name in ("whole", "it"))
+    assert all((ours[name] == theirs[name]).all() for name in ours)
+    assert ("the clock has been set back" in capsys.readouterr().err) is (hours < 0)
 
 
 LITTLE = {

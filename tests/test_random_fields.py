@@ -10,7 +10,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from swarm_gym.errors import ScenarioError, UnknownNameError
+from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import shortest_path
@@ -199,7 +199,7 @@ def test_a_range_is_refused_where_one_scenario_is_expected():
 def test_a_number_that_is_not_in_the_split_is_refused_with_what_was_expected(make, numbers):
     with pytest.raises(ScenarioError) as caught:
         make(f"random-fields:test:{numbers}")
-    for mention in (repr(f"random-fields:test:{numbers}"), "from 0 to 99999", "0-511", repr(numbers)):
+    for mention in (shown(f"random-fields:test:{numbers}"), "from 0 to 99999", "0-511", shown(numbers)):
         assert mention in str(caught.value)
 
 

@@ -78,8 +78,10 @@ def soak(optimizer, options, budget, steps, rng):
     )
     space = env.single_observation_space
     static = "dynamic" not in options["scenario"][0]
+    keeps_all = optimizer != "multivariate"  # a point that no list has a place for is dropped
     observation, info = env.reset(seed=int(rng.integers(2**31)))
     done, before = np.zeros(NUM_SWARMS, dtype=int), info
+    beginning = info["evaluations"][0]  # an episode evaluates as many before it begins
     rounds = steps // NUM_SWARMS
     schedule = actors(rng)
     turns = np.array_split(np.arange(rounds), 2 * len(schedule))
@@ -102,24 +104,36 @@ def soak(optimizer, options, budget, steps, rng):
             assert np.isfinite(last["best_fitness"]).all(), here
             if static:
                 assert (last["best_fitness"] <= before["best_fitness"]).all(), here
+            assert (last["population_size"] <= np.maximum(wanted, before["population_size"])).all(), here
             if budget is None:
-                assert (last["population_size"] == wanted).all(), here
+                if keeps_all:
+                    assert (last["population_size"] == wanted).all(), here
                 assert (ended == (done == ITERATIONS)).all(), here
             else:
-                assert (last["population_size"] <= np.maximum(wanted, before["population_size"])).all(), here
                 assert (last["evaluations"] <= budget).all(), here
                 assert (ended == ((done == ITERATIONS) | (last["evaluations"] == budget))).all(), here
             done[ended] = 0
             assert (observation[:, ITERATION] == done).all(), here
             # In the same step the next episode has begun, with a population that was evaluated.
-            assert (info["evaluations"][ended] == info["population_size"][ended]).all(), here
+            assert (info["evaluations"][ended] == beginning).all(), here
             before = info
         yield
 
 
+def maps_for(optimizer):
+    if not is_walker(optimizer):
+        return MAPS
+    # Who walks has no way over a function, and takes a hundred times as long over cells of the usual size.
+    coarse = {"cell_size": 20.0}
+    return [
+        (options if budget else options | coarse, budget)
+        for options, budget in MAPS
+        if "function" not in options["scenario"][0]
+    ]
+
+
 def run(optimizer, steps):
-    rng = np.random.default_rng(5)
-    maps = [entry for entry in MAPS if not (is_walker(optimizer) and "function" in entry[0]["scenario"][0])]
+    rng, maps = np.random.default_rng(5), maps_for(optimizer)
     for options, budget in maps:
         yield from soak(optimizer, options, budget, steps // len(maps), rng)
 

@@ -40,7 +40,7 @@ class TuningRun:
         if config.output and config.output.exists() and not config.resume:
             raise RunFolderError(f"--output {config.output} exists already; name another file or delete it")
         # Only now, since a configuration that cannot be run shall leave nothing behind.
-        prepare_folder(config.folder, config, config.resume, (*_LOCATION, "total_steps"))
+        self._lock = prepare_folder(config.folder, config, config.resume, (*_LOCATION, "total_steps"))
         self.tuner.open(config.folder)
 
     @property
@@ -50,6 +50,12 @@ class TuningRun:
 
     def run(self) -> Path:
         """Tune to the end; returns the file of the result."""
+        try:
+            return self._run()
+        finally:
+            self._lock.release()
+
+    def _run(self) -> Path:
         config, tuner = self.config, self.tuner
         with tqdm(total=config.total_steps, initial=self.num_steps, unit="step", desc=config.what) as bar:
             while self.num_steps + tuner.steps_per_round <= config.total_steps:

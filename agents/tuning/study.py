@@ -7,14 +7,17 @@ own, the luckiest would be. With few parameters, little can be learned by heart 
 estimate in the result is of others.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
+from optuna.exceptions import StorageInternalError
 from optuna.trial import FrozenTrial, TrialState, create_trial
+from sqlalchemy.exc import SQLAlchemyError
 
 from agents import make_controller
 from agents.controller import Controller
@@ -45,7 +48,7 @@ class ParameterTuner(Tuner):
 
     def open(self, folder: Path) -> None:
         """Make or take up the study; a trial that was killed is repeated."""
-        path = folder / "study.db"
+        path = self._path = folder / "study.db"
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         try:
             self._study = optuna.create_study(
@@ -54,9 +57,10 @@ class ParameterTuner(Tuner):
             trials = self._study.get_trials(deepcopy=False)
         except Exception as error:
             raise RunFolderError(f"{path}: not a readable study ({error})") from error
-        for trial in trials:
-            if not trial.state.is_finished():
-                self._study.tell(trial.number, state=TrialState.FAIL)
+        with self._writing():
+            for trial in trials:
+                if not trial.state.is_finished():
+                    self._study.tell(trial.number, state=TrialState.FAIL)
         self.rounds = len(self._completed())
 
     def advance(self) -> dict[str, float]:
@@ -65,16 +69,19 @@ class ParameterTuner(Tuner):
         if self.rounds == 0:
             params = self._first()
             loss = self._loss(params)
-            self._study.add_trial(create_trial(params=params, distributions=distributions, value=loss))
+            with self._writing():
+                self._study.add_trial(create_trial(params=params, distributions=distributions, value=loss))
         else:
             # Seeded by the number of the trial, so that a resumed study equals one that was not stopped.
             seed = np.random.SeedSequence([self._config.seed, self.rounds]).generate_state(1)[0]
             self._study.sampler = optuna.samplers.TPESampler(
                 multivariate=True, constant_liar=False, seed=int(seed)
             )
-            trial = self._study.ask(distributions)
+            with self._writing():
+                trial = self._study.ask(distributions)
             loss = self._loss(trial.params)
-            self._study.tell(trial, loss)
+            with self._writing():
+                self._study.tell(trial, loss)
         self.rounds += 1
         return {"loss": loss, "best": float(self._study.best_value)}
 
@@ -91,6 +98,16 @@ class ParameterTuner(Tuner):
         best = self._best()
         found = {"best_trial_loss": best.value, "first_trial_loss": self._completed()[0].value}
         save_tuned(path, self._name(best.params), {**manifest, **found})
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
+        except (StorageInternalError, SQLAlchemyError) as error:
+            raise RunFolderError(
+                f"{self._path}: cannot be written ({error.__cause__ or error}); --resume goes on after the "
+                "last round"
+            ) from error
 
     def _loss(self, params: Mapping[str, Number]) -> float:
         outcomes = self._places.run([self._controller(params)], training_seed(self._config.seed, 0))

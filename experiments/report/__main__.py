@@ -5,7 +5,6 @@ says comes from the database, to which nothing is written; the runs that it repl
 out if they end otherwise than what is stored.
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -18,6 +17,7 @@ from experiments.results import Results, ResultsError
 from experiments.run import RunKey
 from experiments.runner import environment_configuration
 from experiments.suites import get_suite
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 
 REPLAY_FORM = "CONTROLLER,SCENARIO,SEED"
@@ -66,10 +66,8 @@ def _run_key(text: str) -> RunKey:
 def main() -> None:
     """Write the page that the command line asks for."""
     config = tyro.cli(ReportConfig, description=__doc__)
-    try:
+    with command(ResultsError):
         page = write_report(config)
-    except (ResultsError, ValueError) as error:
-        sys.exit(f"error: {error}")
     print(f"report: {page} ({page.stat().st_size / 1e6:.1f} MB)")
 
 

@@ -8,7 +8,7 @@ map of a `DynamicScenario` changes: it is one scenario after the other, its worl
 
 from collections.abc import Callable
 
-from swarm_gym.errors import ScenarioError, UnknownNameError
+from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.scenarios import (
     block_scene,
     dynamic,
@@ -103,7 +103,7 @@ def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
         return scenario
     names = expand_name(scenario)
     if names != (scenario,):
-        raise ScenarioError(f"scenario {scenario!r}: expected one scenario, not a range of {len(names)}")
+        raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, not a range of {len(names)}")
     return _make(scenario)
 
 
@@ -127,7 +127,7 @@ def require_analytic(scenario: AnyScenario) -> Scenario:
     """
     if not isinstance(scenario, Scenario):
         raise ScenarioError(
-            f"scenario {scenario.name!r}: expected circles and polygons, not {_OTHERS[type(scenario)]}"
+            f"scenario {shown(scenario.name)}: expected circles and polygons, not {_OTHERS[type(scenario)]}"
         )
     return scenario
 

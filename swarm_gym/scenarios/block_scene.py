@@ -11,7 +11,7 @@ import re
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import NUMBER, Family
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -33,7 +33,7 @@ def _family(kind: str, height: int) -> Family:
         match = re.fullmatch(f"{kind}:({NUMBER})", name)
         if not match or not SMALLEST <= int(match[1]) <= LARGEST:
             raise ScenarioError(
-                f"scenario {name!r}: expected {usage}, a number of cells from {SMALLEST} to {LARGEST}"
+                f"scenario {shown(name)}: expected {usage}, a number of cells from {SMALLEST} to {LARGEST}"
             )
         return (name,)
 

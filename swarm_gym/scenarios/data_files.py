@@ -6,7 +6,7 @@ from typing import BinaryIO
 
 import platformdirs
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 
 # Sub-folders of the data folder that are searched before the others.
 FOLDERS = ("movingai", "ros")
@@ -82,10 +82,10 @@ def stamp_of(path: Path) -> tuple[int, int]:
 
 def _check(name: str) -> None:
     if not name.isprintable():
-        raise ScenarioError(f"file {name!r}: a name has no control characters")
+        raise ScenarioError(f"file {shown(name)}: a name has no control characters")
     path = PurePath(name)
     if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
-        raise ScenarioError(f"file {name!r}: a relative name must stay in the folder of the maps")
+        raise ScenarioError(f"file {shown(name)}: a relative name must stay in the folder of the maps")
 
 
 def _other_folders(folder: Path) -> list[Path]:

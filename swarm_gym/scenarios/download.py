@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
+from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios.data_files import data_folder
 
@@ -164,12 +165,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     files = [file for name in options.names or MAPS for file in MAPS[name]]
     print(f"into {data_folder()}")
     failed = 0
-    for file in files:
-        try:
-            print(f"{file.local}: {download(file, options.force)}", flush=True)
-        except DownloadError as error:
-            failed += 1
-            print(f"{file.local}: {error}", file=sys.stderr)
+    with command(kept="files that are whole are kept"):
+        for file in files:
+            try:
+                print(f"{file.local}: {download(file, options.force)}", flush=True)
+            except DownloadError as error:
+                failed += 1
+                print(f"{file.local}: {error}", file=sys.stderr)
     for source in dict.fromkeys(file.source for file in files):
         print(source.credit)
     if failed:

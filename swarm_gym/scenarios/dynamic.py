@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from swarm_gym.checks import look_up
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic_scenario import DynamicScenario
 from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.family import NUMBER, Family
@@ -72,11 +72,13 @@ def expand(name: str) -> tuple[str, ...]:
     # Names could be as deep as they are long.
     if parts.base.partition(":")[0] == NAME:
         raise ScenarioError(
-            f"scenario {name!r}: the base must be a scenario of a fixed map, got {parts.base!r}"
+            f"scenario {shown(name)}: the base must be a scenario of a fixed map, got {shown(parts.base)}"
         )
     if parts.event is not None:
         look_up(
-            f"event on {parts.base!r}", parts.event, look_up("base of dynamic scenarios", parts.base, EVENTS)
+            f"event on {shown(parts.base)}",
+            parts.event,
+            look_up("base of dynamic scenarios", parts.base, EVENTS),
         )
     rest = name.removeprefix(f"{NAME}:{parts.base}")
     return tuple(f"{NAME}:{base}{rest}" for base in expand_name(parts.base))
@@ -111,7 +113,7 @@ def _parse(name: str) -> _Parts:
     iterations = ("0",) if match is None else match.group(3, 4, 5)
     # There is one or the other, and none of these numbers is 0.
     if match is None or iterations == (None, None, None) or "0" in iterations:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with iterations from 1 on")
+        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with iterations from 1 on")
     base, event, begin, first, every, distance = match.groups()
     drive = None if first is None else Drive(int(first), int(every), float(distance))
     return _Parts(base, event, int(begin or 0), drive)

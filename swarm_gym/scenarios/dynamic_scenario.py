@@ -82,7 +82,7 @@ class DynamicScenario:
                         event.change(obstacles)
                 worlds.append(World(iteration, self._with(obstacles, iteration)))
             except ScenarioError as error:
-                raise ScenarioError(f"after iteration {iteration} of {self.name!r}: {error}") from error
+                raise ScenarioError(f"after iteration {iteration} of {shown(self.name)}: {error}") from error
         return tuple(worlds)
 
     def _with(self, obstacles: Obstacles, iteration: int) -> MapScenario:

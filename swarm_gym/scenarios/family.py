@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic_scenario import AnyScenario
 
 # How many scenarios one name can stand for.
@@ -42,5 +42,7 @@ def parse_numbers(text: str, name: str) -> range:
     match = re.fullmatch(rf"({NUMBER})(?:-({NUMBER}))?", text)
     numbers = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
     if len(numbers) > MAX_RANGE:
-        raise ScenarioError(f"scenario {name!r}: expected a range of at most {MAX_RANGE} numbers, got {text}")
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected a range of at most {MAX_RANGE} numbers, got {shown(text)}"
+        )
     return numbers

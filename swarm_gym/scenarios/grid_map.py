@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.scenario import Point
 
 Cell = tuple[int, int]
@@ -47,7 +47,7 @@ class GridMap:
         given = np.asarray(self.blocked)
         if given.dtype != np.bool_ or given.ndim != 2 or given.size == 0:
             raise ScenarioError(
-                f"map {self.name!r}: blocked must be bool of shape (height, width), not empty, got "
+                f"map {shown(self.name)}: blocked must be bool of shape (height, width), not empty, got "
                 f"{given.dtype} of shape {given.shape}"
             )
         blocked = np.array(given, order="C")
@@ -58,7 +58,9 @@ class GridMap:
         try:
             x, y = self.origin
         except (TypeError, ValueError) as error:
-            raise ScenarioError(f"map {self.name!r}: origin must be (x, y), got {self.origin!r}") from error
+            raise ScenarioError(
+                f"map {shown(self.name)}: origin must be (x, y), got {self.origin!r}"
+            ) from error
         origin = tuple(self._number("origin", value, -MAX_ORIGIN, MAX_ORIGIN) for value in (x, y))
         object.__setattr__(self, "origin", origin)
         object.__setattr__(self, "y_up", bool(self.y_up))
@@ -168,7 +170,9 @@ class GridMap:
         try:
             number = float(value)
         except (TypeError, ValueError, OverflowError) as error:
-            raise ScenarioError(f"map {self.name!r}: {part} must be a number, got {value!r}") from error
+            raise ScenarioError(f"map {shown(self.name)}: {part} must be a number, got {value!r}") from error
         if not low <= number <= high:
-            raise ScenarioError(f"map {self.name!r}: {part} must lie in [{low:g}, {high:g}], got {value!r}")
+            raise ScenarioError(
+                f"map {shown(self.name)}: {part} must lie in [{low:g}, {high:g}], got {value!r}"
+            )
         return number + 0.0  # no negative zero, which would be told apart

@@ -11,7 +11,7 @@ import math
 import re
 from typing import NamedTuple
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.data_files import find_data_file
 from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.grid_map import GridMap
@@ -106,7 +106,7 @@ def expand(name: str) -> tuple[str, ...]:
         pairs = site.pairs if match[2] is None else (match[2],)
         return tuple(f"{NAME}:{match[1]}-{pair}" for pair in pairs)
     known = "; ".join(f"{key}: {', '.join(site.pairs)}" for key, site in SITES.items())
-    raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with one of the routes {known}")
+    raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with one of the routes {known}")
 
 
 def make(name: str) -> GridScenario:
@@ -133,5 +133,5 @@ def _read(name: str, radius: float) -> GridMap:
     site = SITES[name]
     path = find_data_file(f"{site.map}.yaml")
     if read_ros_map(path).digest != site.digest:
-        raise ScenarioError(f"site {name!r}: {path} is not the public map that these routes are on")
+        raise ScenarioError(f"site {shown(name)}: {path} is not the public map that these routes are on")
     return read_ros_map(path, radius)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, parse_numbers
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -177,7 +177,7 @@ def _family(name: str, number: int, draw: Callable[[np.random.Generator], Blocke
         seeds = parse_numbers(given.removeprefix(f"{name}:"), given)
         if not seeds or seeds[-1] >= NUM_SEEDS:
             raise ScenarioError(
-                f"scenario {given!r}: expected {usage}, a number from 0 to {NUM_SEEDS - 1} or a range "
+                f"scenario {shown(given)}: expected {usage}, a number from 0 to {NUM_SEEDS - 1} or a range "
                 "of them such as 0-9"
             )
         return tuple(f"{name}:{seed}" for seed in seeds)

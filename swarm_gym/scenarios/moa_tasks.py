@@ -8,7 +8,7 @@ tasks P1 to P6 in a figure only. These stand in for them: problems of the benchm
 
 import re
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.data_files import find_data_file
 from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.grid_map import Cell
@@ -41,7 +41,7 @@ def expand(name: str) -> tuple[str, ...]:
     match = re.fullmatch(rf"{NAME}:P([1-6])(?:-P([1-6]))?", name)
     numbers = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
     if not numbers:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE} with a number from 1 to 6, or P1-P6")
+        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE} with a number from 1 to 6, or P1-P6")
     return tuple(f"{NAME}:P{number}" for number in numbers)
 
 
@@ -55,7 +55,7 @@ def make(name: str) -> GridScenario:
     grid = cached_map(path)
     if grid.digest != DIGEST:
         raise ScenarioError(
-            f"scenario {name!r}: {path} is not the benchmark's map {NAME}, whose tasks these are"
+            f"scenario {shown(name)}: {path} is not the benchmark's map {NAME}, whose tasks these are"
         )
     return GridScenario(name, grid, *TASKS[name.removeprefix(f"{NAME}:")])
 

@@ -18,7 +18,7 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.data_files import find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
@@ -118,7 +118,7 @@ def make(name: str) -> GridScenario:
     path = find_data_file(f"{stem}.map.scen", f"{stem}.scen")
     listed = _cached_problems(path, stamp_of(path))
     if problems[0] >= len(listed):
-        raise ScenarioError(f"scenario {name!r}: {path} has problems 0 to {len(listed) - 1}")
+        raise ScenarioError(f"scenario {shown(name)}: {path} has problems 0 to {len(listed) - 1}")
     line, problem = listed[problems[0]]
     if (problem.width, problem.height) != (grid.width, grid.height):
         raise _malformed(
@@ -161,11 +161,13 @@ def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
         cells, problems = None, parse_numbers(match[2], name) if match else range(0)
     if not match or not (cells or (problems and problems[-1] < MAX_PROBLEMS)):
         raise ScenarioError(
-            f"scenario {name!r}: expected {USAGE}, with integers, where <problem> is a number from 0 to "
+            f"scenario {shown(name)}: expected {USAGE}, with integers, where <problem> is a number from 0 to "
             f"{MAX_PROBLEMS - 1} or a range of them such as 0-799"
         )
     if Path(match[1]).is_absolute() and not match[1].endswith(".map"):
-        raise ScenarioError(f"scenario {name!r}: an absolute path to a map ends with .map, got {match[1]!r}")
+        raise ScenarioError(
+            f"scenario {shown(name)}: an absolute path to a map ends with .map, got {shown(match[1])}"
+        )
     return match[1], problems, cells
 
 

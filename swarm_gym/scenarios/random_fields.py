@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from swarm_gym.checks import look_up
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.drawn_fields import Scatter, Walls
 from swarm_gym.scenarios.family import Family, parse_numbers
 from swarm_gym.scenarios.scenario import Scenario
@@ -57,14 +57,14 @@ def expand(name: str) -> tuple[str, ...]:
     """
     parts = name.split(":")
     if len(parts) != 3:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
+        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
     _, split, numbers = parts
     size = look_up("split of random fields", split, SPLITS).size
     chosen = parse_numbers(numbers, name)
     if not chosen or chosen[-1] >= size:
         raise ScenarioError(
-            f"scenario {name!r}: expected a number from 0 to {size - 1}, or a range of them such as 0-511, "
-            f"after {split!r}, got {numbers!r}"
+            f"scenario {shown(name)}: expected a number from 0 to {size - 1}, or a range of them such as "
+            f"0-511, after {shown(split)}, got {shown(numbers)}"
         )
     return tuple(f"{NAME}:{split}:{number}" for number in chosen)
 

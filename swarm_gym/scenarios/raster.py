@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.obstacle_cells import cells_of
@@ -29,8 +29,8 @@ def rasterised(scenario: Scenario, cell_size: float) -> GridScenario:
     width, height = (max(math.ceil(length / cell_size), 1) for length in (x_max - x_min, y_max - y_min))
     if max(width, height) > MAX_SIDE:
         raise ScenarioError(
-            f"scenario {scenario.name!r}: cells of {cell_size:g} make a map of {width} x {height}; at most "
-            f"{MAX_SIDE} x {MAX_SIDE} are possible"
+            f"scenario {shown(scenario.name)}: cells of {cell_size:g} make a map of {width} x {height}; "
+            f"at most {MAX_SIDE} x {MAX_SIDE} are possible"
         )
     origin = (x_min + cell_size / 2.0, y_min + (height - 0.5) * cell_size)
     empty = GridMap(scenario.name, np.zeros((height, width), np.bool_), cell_size, origin, y_up=True)

@@ -122,10 +122,12 @@ def _parse(name: str) -> tuple[str, Point, Point, float]:
         rf"{NAME}:(.+?)\?start={point}&goal={point}(?:&inflate=([0-9]{{1,9}}(?:\.[0-9]{{1,15}})?))?", name
     )
     if not match:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with decimal numbers, in metres")
+        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with decimal numbers, in metres")
     given, *numbers = match.groups()
     if Path(given).is_absolute() and not given.endswith(".yaml"):
-        raise ScenarioError(f"scenario {name!r}: an absolute path to a map ends with .yaml, got {given!r}")
+        raise ScenarioError(
+            f"scenario {shown(name)}: an absolute path to a map ends with .yaml, got {shown(given)}"
+        )
     x, y, goal_x, goal_y, radius = (float(number or 0) for number in numbers)
     return given, (x, y), (goal_x, goal_y), radius
 

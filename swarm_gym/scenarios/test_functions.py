@@ -10,7 +10,7 @@ import re
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.family import Family, parse_numbers
 from swarm_gym.scenarios.function_scenario import FUNCTIONS, FunctionScenario, require_dimension
 
@@ -30,14 +30,14 @@ def expand(name: str) -> tuple[str, ...]:
         ScenarioError: if the name has another form, or the function has not that dimension.
     """
     function, dimension, numbers = _parse(name)
-    require_dimension(f"scenario {name!r}", function, dimension)
+    require_dimension(f"scenario {shown(name)}", function, dimension)
     if numbers is None:
         return (name,)
     chosen = parse_numbers(numbers, name)
     if not chosen or chosen[-1] >= NUM_SHIFTED:
         raise ScenarioError(
-            f"scenario {name!r}: expected a number from 0 to {NUM_SHIFTED - 1}, or a range of them such as "
-            f"0-49, after 'shifted:', got {numbers!r}"
+            f"scenario {shown(name)}: expected a number from 0 to {NUM_SHIFTED - 1}, or a range of them such "
+            f"as 0-49, after 'shifted:', got {shown(numbers)}"
         )
     return tuple(f"{name.removesuffix(numbers)}{number}" for number in chosen)
 
@@ -59,7 +59,9 @@ def _parse(name: str) -> tuple[str, int, str | None]:
     """Function, dimension, and what stands for the numbers of shifted ones."""
     match = re.fullmatch(rf"{NAME}:([a-z-]+)-([1-9][0-9]{{0,8}})(?:-shifted:(.*))?", name, re.DOTALL)
     if match is None:
-        raise ScenarioError(f"scenario {name!r}: expected {USAGE}, with a function of {', '.join(FUNCTIONS)}")
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected {USAGE}, with a function of {', '.join(FUNCTIONS)}"
+        )
     function, dimension, numbers = match.groups()
     return function, int(dimension), numbers
 

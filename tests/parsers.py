@@ -1,0 +1,216 @@
+"""What reads files, each as a function of any bytes: for the fuzzer and the test of what it finds.
+
+`parse(name, content)` reads the content and passes over the documented errors; any other error is a find.
+"""
+
+import io
+import itertools
+import json
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import safetensors.numpy  # noqa: F401, so that the fuzzer sees what it does
+
+from agents import make_controller
+from agents.controller import SizeLimits
+from agents.distilled import DISTILLED, DistilledFileError
+from agents.learned import load_learned
+from agents.manifest import PolicyFileError, check_manifest, tensor_shapes
+from agents.open_loop import OPEN_LOOPS, OpenLoopFileError
+from agents.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
+from agents.presets import PRESETS, PresetError, load_preset
+from agents.tuned import TUNED, TunedFileError
+from swarm_gym.errors import ScenarioError, SwarmGymError
+from swarm_gym.scenarios import expand_name
+from swarm_gym.scenarios.moving_ai import read_map, read_scenarios
+from swarm_gym.scenarios.ros_map import read_ros_map
+
+for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "yaml"):
+    pytest.importorskip(_package, reason="needs the extra `maps`")
+
+LONGEST_MESSAGE = 5000  # characters
+
+MAP = b"type octile\nheight 3\nwidth 4\nmap\n..@.\nGSTW\n.O..\n"
+PROBLEMS = b"version 1\n0\tsmall.map\t4\t3\t1\t1\t3\t1\t2.41421356\n\n1 small.map 4 3 0 0 3 0 3\n"
+YAML = (
+    b"image: small.pgm\nresolution: 0.05\norigin: [-10.0, 1e1, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+    b"free_thresh: 0.196 # a comment\nmode: trinary\n"
+)
+IMAGE = b"P5\n# a comment\n4 3\n255\n" + bytes([254, 205, 0] * 4)
+NAMES = (
+    b"random-fields:train:0-9", b"rooms:0-7", b"dynamic:case1-gate@9-drive@1,every=2,distance=3.5",
+    b"function:rastrigin-10-shifted:0-3", b"moving-ai:den400d#0-799", b"moving-ai:a?start=0,0&goal=2,0",
+    b"ros:a?start=0.5,-1&goal=2,0&inflate=0.1", b"routes:turtlebot3-A-B", b"block:5-5", b"P1",
+)  # fmt: skip
+
+
+def decides(name: str) -> None:
+    """Hold a controller to what any decides.
+
+    Raises:
+        ValueError: if there is none of that name, or its file is not readable.
+    """
+    controller = make_controller(name)
+    controller.reset(2)
+    width = 13 if controller.observation == "rich" else 4
+    assert np.isfinite(controller.act(_OBSERVED[:, :width])).all()
+    assert type(controller.initial_population_size) is int
+
+
+_OBSERVED = np.tile(np.linspace(0, 1, 13), (2, 1))
+
+
+class Parser(NamedTuple):
+    """Something that reads files."""
+
+    suffix: str
+    seeds: Callable[[], list[bytes]]  # whole files, which the fuzzer begins with
+    read: Callable[[Path], object]
+    refusals: tuple[type[Exception], ...]  # what it is documented to raise
+    words: tuple[str, ...] = ()  # that malformed files are made of
+
+
+def parse(name: str, content: bytes, folder: Path) -> bool:
+    """Whether the parser of that name takes the content; a file of the folder has it meanwhile."""
+    parser = PARSERS[name]
+    # Some readers keep what they have read, and know a file that has changed by a clock that ticks slowly.
+    path = folder / f"{next(_numbers)}{parser.suffix}"
+    path.write_bytes(content)
+    try:
+        parser.read(path)
+    except parser.refusals as error:
+        if len(str(error)) > LONGEST_MESSAGE:
+            raise AssertionError("a message longer than a screen") from error
+        return False
+    finally:
+        path.unlink()
+    return True
+
+
+_numbers = itertools.count()
+
+
+def _read_image(path: Path) -> object:
+    described = path.with_suffix(".yaml")
+    described.write_bytes(YAML.replace(b"small.pgm", path.name.encode()))
+    try:
+        return read_ros_map(described)
+    finally:
+        described.unlink()
+
+
+def _read_yaml(path: Path) -> object:
+    image = path.with_name("small.pgm")
+    if not image.exists():
+        image.write_bytes(IMAGE)
+    return read_ros_map(path)
+
+
+def _expand(path: Path) -> object:
+    return expand_name(os.fsdecode(path.read_bytes()))
+
+
+def _deciding(family: str) -> Callable[[Path], None]:
+    def decide(path: Path) -> None:
+        decides(f"{family}:{path}")
+
+    return decide
+
+
+def _read_manifest(path: Path) -> object:
+    """A policy file that is whole but for what its manifest says."""
+    try:
+        manifest = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise PolicyFileError("no JSON") from error
+    if not isinstance(manifest, dict):
+        raise PolicyFileError("no manifest")
+    check_manifest(path, {**manifest, "weights_sha256": "0" * 64})
+    shapes = tensor_shapes(manifest)
+    if 4 * sum(map(math.prod, shapes.values())) > MAX_FILE / 64:  # to be fast
+        raise PolicyFileError("large")
+    path.write_bytes(
+        encode_policy({name: np.zeros(shape, np.float32) for name, shape in shapes.items()}, manifest)
+    )
+    load_policy(path)
+    limits = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
+    return load_learned(path, limits)
+
+
+def _shipped_json(folder: Path) -> list[bytes]:
+    files = sorted(folder.rglob("*.json"), key=lambda path: path.stat().st_size)
+    found = [json.loads(path.read_text()) for path in files[:3]]
+    return [json.dumps({**content, "manifest": {}}).encode() for content in found]
+
+
+def _presets() -> list[bytes]:
+    return [path.read_bytes() for path in sorted(PRESETS.glob("*.toml"))]
+
+
+def _policies() -> list[bytes]:
+    found = sorted(POLICIES.rglob("*.safetensors"), key=lambda path: path.stat().st_size)
+    return [found[0].read_bytes()]
+
+
+def _manifests() -> list[bytes]:
+    found = [load_policy(path)[1] for path in sorted(POLICIES.rglob("0.safetensors"))]
+    return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
+
+
+def _png() -> bytes:
+    from PIL import Image
+
+    content = io.BytesIO()
+    Image.fromarray(np.array([[0, 254], [205, 254]], np.uint8)).save(content, "PNG")
+    return content.getvalue()
+
+
+_JSON = (
+    "null", "-1", "[", "{", "1e999", "NaN", "Infinity", "9" * 18, "0.5", "[]", "{}", '""', "true", "\\u0000",
+    "\\ud800",
+)  # fmt: skip
+_YAML = (
+    "!!python/object", "!!int", "&a", "*a", "<<: ", "- ", "{", "[", "? ", "|\n", ">\n", "---", "%YAML 1.1\n",
+    "image", "origin", "nan", "1e999", "../", "..", "/etc/passwd", "\\x00", "true", "scale", "raw",
+)  # fmt: skip
+_IMAGE = (
+    "P1", "P2", "P3", "P4", "P6", "Pf", "P7", "65535", "99999999", "IHDR", "IDAT", "IEND", "PLTE", "tRNS",
+    "iCCP", "zTXt", "iTXt", "acTL", "fcTL", "eXIf",
+)  # fmt: skip
+_TOML = (
+    "like = ", "'''", '"""', "inf", "nan", "0x", "1979-05-27", "[[", "]]", "\\U0010FFFF", "= {", "true",
+)  # fmt: skip
+
+PARSERS = {
+    "moving-ai-map": Parser(".map", lambda: [MAP], read_map, (ScenarioError,), ("height ", "width ", "\r\n")),
+    "moving-ai-problems": Parser(
+        ".scen", lambda: [PROBLEMS], read_scenarios, (ScenarioError,), ("1e9", "\t")
+    ),
+    "ros-yaml": Parser(".yaml", lambda: [YAML], _read_yaml, (ScenarioError,), _YAML),
+    "ros-image": Parser(
+        ".pgm", lambda: [IMAGE, IMAGE.replace(b"P5", b"P2"), _png()], _read_image, (ScenarioError,), _IMAGE
+    ),
+    "scenario-name": Parser(
+        ".txt", lambda: list(NAMES), _expand, (SwarmGymError,), ("-shifted:", "0-999999", "@", "#")
+    ),
+    "preset": Parser(".toml", _presets, lambda path: load_preset(str(path)), (PresetError,), _TOML),
+    "policy": Parser(".safetensors", _policies, load_learned, (PolicyFileError,), _JSON),
+    "manifest": Parser(
+        ".json", _manifests, _read_manifest, (PolicyFileError,), (*_JSON, "priced", "base", "lstm")
+    ),
+    "open-loop": Parser(
+        ".json", lambda: _shipped_json(OPEN_LOOPS), _deciding("open-loop"), (OpenLoopFileError,), _JSON
+    ),
+    # What a file of a tuned controller names may be unknown or out of range.
+    "tuned": Parser(
+        ".json", lambda: _shipped_json(TUNED), _deciding("tuned"), (TunedFileError, ValueError), _JSON
+    ),
+    "distilled": Parser(
+        ".json", lambda: _shipped_json(DISTILLED), _deciding("distilled"), (DistilledFileError,), _JSON
+    ),
+}

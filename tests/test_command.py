@@ -1,0 +1,76 @@
+"""How commands end."""
+
+import os
+import signal
+import threading
+
+import pytest
+
+from swarm_gym.command import command
+
+
+class WrongError(RuntimeError):
+    """What a command is told to expect."""
+
+
+def ends(error, capsys, **options):
+    """Exit status, and what is said."""
+    with pytest.raises(SystemExit) as caught, command(WrongError, **options):
+        raise error
+    return caught.value.code, capsys.readouterr().err
+
+
+def test_what_is_expected_is_said_in_a_line(capsys):
+    assert ends(WrongError("so and so"), capsys, kept="more") == (1, "error: so and so\n")
+    assert ends(ValueError("this"), capsys) == (1, "error: this\n")
+
+
+def test_after_a_fault_of_the_system_it_is_said_what_is_kept(capsys):
+    status, said = ends(OSError(28, "No space left on device", "/there"), capsys, kept="all is kept")
+    assert status == 1
+    assert said == "\nerror: [Errno 28] No space left on device: '/there'; all is kept\n"
+
+
+def test_a_mistake_is_not_hidden():
+    with pytest.raises(KeyError), command(WrongError):
+        raise KeyError(1)
+
+
+@pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals(sent, status, capsys):
+    cleaned = []
+
+    def work():
+        try:
+            os.kill(os.getpid(), sent)
+            signal.pause()
+        except Exception:  # a handler of the program's own does not stop it
+            pytest.fail("stopped")
+        finally:
+            cleaned.append(True)
+
+    with pytest.raises(SystemExit) as caught, command(kept="all is kept"):
+        work()
+    assert caught.value.code == status
+    assert capsys.readouterr().err.endswith("; all is kept\n")
+    assert cleaned
+
+
+def test_the_handler_from_before_is_there_again():
+    before = signal.getsignal(signal.SIGTERM)
+    with command():
+        assert signal.getsignal(signal.SIGTERM) is not before
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_command_in_another_thread():
+    ended = []
+
+    def run():
+        with command():
+            ended.append(True)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    assert ended
