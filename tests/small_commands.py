@@ -26,11 +26,17 @@ class Command(NamedTuple):
 
 TRAININGS = {
     "ppo": {"total_steps": 3 * STEPS},
+    "recurrent": {
+        "algorithm": "recurrent-ppo",
+        "warm_start": "none",
+        "observation": "paper",
+        "total_steps": 3 * STEPS,
+    },
     "evolution": {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "total_steps": 3 * STEPS},
 }
 CONTROLLERS = ("fixed:3", "spsfa-tip", "spsfa")
-ROUND = {"open-loop": 4 * 4 * 100, "schedule": 4 * 100}
-ROUNDS = {"open-loop": 4, "schedule": 14}  # Optuna's sampler begins after ten
+ROUND = {"open-loop": 4 * 4 * 100, "constant": 4 * 4 * 100, "schedule": 4 * 100}
+ROUNDS = {"open-loop": 4, "constant": 4, "schedule": 14}  # Optuna's sampler begins after ten
 
 
 def as_arguments(options):
@@ -59,7 +65,7 @@ def tuning(what, folder):
         "name": "it",
         "output": folder / "result.json",
     }
-    if what == "open-loop":
+    if what != "schedule":
         options |= {"candidates": 4, "initial_population_size": 6}
     patches = {"agents.tuning.run.ESTIMATE_EPISODES": 2}
     return Command("agents.tune", [*as_arguments(options), *resumed(folder)], patches)
@@ -137,7 +143,7 @@ def result(path):
 
 def rounds(what, folder):
     """Every round: its points and losses."""
-    if what == "open-loop":
+    if what != "schedule":
         with np.load(io.BytesIO(Checkpoints(folder, ".npz").load(lambda c: c))) as stored:
             return list(zip(stored["points"], stored["losses"], strict=True))
     study = optuna.load_study(study_name="tune", storage=f"sqlite:///{folder / 'study.db'}")
