@@ -18,6 +18,7 @@ from agents.schedules import SelfAdaptiveSchedule
 from agents.status_monitor import StatusMonitor
 from agents.tuned import load_tuned
 from swarm_gym.checks import look_up
+from swarm_gym.errors import shown
 
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
 
@@ -31,7 +32,7 @@ def _fixed(argument: str, limits: SizeLimits) -> Controller:
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
     def checked(argument: str, limits: SizeLimits) -> Controller:
         if argument:
-            raise ValueError(f"this controller takes no argument, got {argument!r}")
+            raise ValueError(f"this controller takes no argument, got {shown(argument)}")
         return make(limits)
 
     return checked

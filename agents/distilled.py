@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from agents.controller import Controller, Floats, SizeLimits
 from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.action import make_action
+from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import get_optimizer
@@ -216,7 +217,7 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
             raise ValueError(f"its text does not say what its numbers do, which is {text}")
         return DistilledRule(*arguments, content["max_evaluations"], limits)
     except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
-        raise DistilledFileError(f"{path}: not a readable distilled rule ({error!r})") from error
+        raise DistilledFileError(f"{path}: not a readable distilled rule ({shown(error)})") from error
 
 
 def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Mapping[str, Any]) -> None:

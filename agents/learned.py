@@ -7,6 +7,7 @@ from agents.controller import SizeLimits
 from agents.feedforward import FeedforwardController
 from agents.policy_file import PolicyFileError, load_policy, resolve
 from agents.recurrent import RecurrentController
+from swarm_gym.errors import shown
 
 NETWORKS: dict[str, type[FeedforwardController]] = {
     network.network: network for network in (FeedforwardController, RecurrentController)
@@ -25,7 +26,7 @@ def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> Feedf
         try:
             price = float(told)
         except ValueError as error:
-            raise PolicyFileError(f"policy {str(policy)!r}: {told!r} is not a price") from error
+            raise PolicyFileError(f"policy {shown(str(policy))}: {shown(told)} is not a price") from error
     weights, manifest = load_policy(path)
     network = manifest.get("network", FeedforwardController.network)  # the first files did not name theirs
     return NETWORKS[network](path, weights, manifest, limits, price)

@@ -3,13 +3,12 @@
 Entries that are not named here are allowed: they tell people where a policy comes from.
 """
 
-import reprlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarm_gym.action import ACTIONS
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.errors import UnknownNameError, shown
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import OPTIMIZERS
 
@@ -69,8 +68,8 @@ def require_features(path: Path, manifest: Mapping[str, Any], features: list[str
     """
     if manifest["features"] != features:
         raise PolicyFileError(
-            f"{path}: trained with observation features {reprlib.repr(manifest['features'])}, but "
-            f"{manifest['observation']!r} with base {manifest['base']!r} has {features}"
+            f"{path}: trained with observation features {shown(manifest['features'])}, but "
+            f"{shown(manifest['observation'])} with base {shown(manifest['base'])} has {features}"
         )
 
 
@@ -91,7 +90,7 @@ def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
 def _require(path: Path, manifest: Mapping[str, Any], key: str, entry: _Entry) -> None:
     value = manifest.get(key)
     if not entry.fits(value):
-        raise PolicyFileError(f"{path}: {key} must be {entry.expected}, got {reprlib.repr(value)}")
+        raise PolicyFileError(f"{path}: {key} must be {entry.expected}, got {shown(value)}")
 
 
 def _integer(low: int, high: int = MAX_NUMBER) -> _Entry:

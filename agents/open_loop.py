@@ -6,7 +6,6 @@ the optimizer in the logarithm, phi in its square root. Where the knots come fro
 """
 
 import json
-import reprlib
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from agents.controller import Controller, Floats, SizeLimits
 from agents.shipped import find_json, read_json, shipped_names
+from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
@@ -64,7 +64,7 @@ class OpenLoop(Controller):
         whole = all(isinstance(knot, int | np.integer) for knot in knots)
         if not whole or len(knots) < 1 or knots[0] != 0 or any(b <= a for a, b in pairwise(knots)):
             raise ValueError(
-                f"open loop: knots must be integers, begin with 0 and increase, got {reprlib.repr(knots)}"
+                f"open loop: knots must be integers, begin with 0 and increase, got {shown(knots)}"
             )
         if knots[-1] > MAX_KNOT:
             raise ValueError(f"open loop: knots go up to {MAX_KNOT}, got {knots[-1]}")
@@ -78,7 +78,7 @@ class OpenLoop(Controller):
         self.action = "extended" if knobs else "natural"
         if not isinstance(initial_population_size, int | np.integer):
             raise ValueError(
-                f"open loop: initial_population_size must be an integer, got {initial_population_size!r}"
+                f"open loop: initial_population_size must be an integer, got {shown(initial_population_size)}"
             )
         self.initial_population_size = limits.clip(int(initial_population_size))
         iterations = np.arange(knots[-1] + 1)

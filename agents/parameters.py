@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.errors import SettingError
+from swarm_gym.errors import SettingError, shown
 
 Number = float | int
 
@@ -44,14 +44,14 @@ def parse_parameters(argument: str, ranges: Mapping[str, Range]) -> dict[str, Nu
         key, _, text = part.partition("=")
         try:
             if key not in ranges:
-                raise SettingError(f"unknown parameter {key!r}")
+                raise SettingError(f"unknown parameter {shown(key)}")
             if key in values:
                 raise SettingError(f"{key} is given twice")
             values[key] = _number(key, text, ranges[key])
             ranges[key].require(key, values[key])
         except SettingError as error:
             valid = ", ".join(f"{name} {span}" for name, span in ranges.items())
-            raise SettingError(f"{part!r} in {argument!r}: {error}; valid: {valid}") from None
+            raise SettingError(f"{shown(part)} in {shown(argument)}: {error}; valid: {valid}") from None
     return values
 
 

@@ -7,7 +7,6 @@ is wrong. Digests tell damage, not malice: who changes a file can write new ones
 
 import hashlib
 import json
-import reprlib
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from safetensors.numpy import load, save
 
 from agents.manifest import PolicyFileError, check_manifest, tensor_shapes
 from agents.shipped import find_file, read_bytes, shipped_names
+from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 __all__ = ["PolicyFileError", "Weights", "decode_policy", "encode_policy", "load_policy", "save_policy"]
@@ -53,7 +53,7 @@ def resolve(name: str) -> Path:
     split = [shipped.rpartition("/") for shipped in shipped_policies()]
     forms = sorted({f"{folder}/<seed>" if folder else file for folder, _, file in split})
     raise PolicyFileError(
-        f"policy {name!r}: neither a shipped policy ({', '.join(forms) or 'none'}) nor a file"
+        f"policy {shown(name)}: neither a shipped policy ({', '.join(forms) or 'none'}) nor a file"
     )
 
 
@@ -96,9 +96,7 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
         header = _read_header(data)
         manifest = json.loads(header.pop("__metadata__", {}).get("manifest", "{}"))
         if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
-            raise PolicyFileError(
-                f"{path}: expected format {FORMAT!r}, got {reprlib.repr(_get_format(manifest))}"
-            )
+            raise PolicyFileError(f"{path}: expected format {FORMAT!r}, got {shown(_get_format(manifest))}")
         check_manifest(path, manifest)
         declared = {name: (entry.get("dtype"), entry.get("shape")) for name, entry in header.items()}
         expected = {name: ("F32", list(shape)) for name, shape in tensor_shapes(manifest).items()}
@@ -139,7 +137,7 @@ def _read_header(data: bytes) -> dict[str, Any]:
         )
     header = json.loads(data[8 : 8 + length])
     if not isinstance(header, dict):
-        raise ValueError(f"expected a header with names, got {reprlib.repr(header)}")
+        raise ValueError(f"expected a header with names, got {shown(header)}")
     return header
 
 
@@ -148,8 +146,7 @@ def _require_tensors(path: Path, found: dict[str, Any], expected: dict[str, Any]
         if found.get(name) != expected.get(name):
             says, wanted = found.get(name, "none"), expected.get(name, "none")
             raise PolicyFileError(
-                f"{path}: tensor {reprlib.repr(name)}: expected {wanted} by the manifest, got "
-                f"{reprlib.repr(says)}"
+                f"{path}: tensor {shown(name)}: expected {wanted} by the manifest, got {shown(says)}"
             )
 
 

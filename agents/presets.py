@@ -10,6 +10,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from agents.shipped import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
 from agents.train_config import TrainConfig
+from swarm_gym.errors import shown
 
 PRESETS = Path(__file__).parent / "presets"
 
@@ -40,7 +41,7 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     """A preset that the dependents, each the one before, are like."""
     path = find_file(name, PRESETS, ".toml")
     if path is None:
-        raise PresetError(f"preset {name!r}: neither one of {', '.join(preset_names())} nor a file")
+        raise PresetError(f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file")
     try:
         content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
     # A ValueError is also what is no UTF-8, and a number of thousands of digits.
@@ -52,16 +53,16 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     if "like" in content:
         like = _as(str, content.pop("like"), f"{path}: like")
         if path in dependents:
-            raise PresetError(f"{path}: it is like itself, by way of {like!r}")
+            raise PresetError(f"{path}: it is like itself, by way of {shown(like)}")
         try:
             start = _load(like, (*dependents, path))
         except PresetError as error:
-            raise PresetError(f"{path}: like {like!r}: {error}") from error
+            raise PresetError(f"{path}: like {shown(like)}: {error}") from error
     values: dict[str, Any] = {"preset": path.stem}
     for key, value in content.items():
         if key not in kinds:
             raise PresetError(
-                f"{path}: unknown key {key!r}, expected one of like, {', '.join(sorted(kinds))}"
+                f"{path}: unknown key {shown(key)}, expected one of like, {', '.join(sorted(kinds))}"
             )
         values[key] = _as(kinds[key], value, f"{path}: {key}")
     return dataclasses.replace(start, **values)
@@ -70,12 +71,12 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
 def _as(kind: Any, value: Any, where: str) -> Any:
     if get_origin(kind) is tuple:
         if not isinstance(value, list):
-            raise PresetError(f"{where} must be a list, got {value!r}")
+            raise PresetError(f"{where} must be a list, got {shown(value)}")
         return tuple(_as(get_args(kind)[0], entry, where) for entry in value)
     if kind is Path and isinstance(value, str):
         return Path(value)
     if kind is float and type(value) is int:
         return float(value)
     if type(value) is not kind:  # a bool is no int here
-        raise PresetError(f"{where} must be of type {_IN_TOML[kind]}, got {value!r}")
+        raise PresetError(f"{where} must be of type {_IN_TOML[kind]}, got {shown(value)}")
     return value

@@ -8,6 +8,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from swarm_gym.errors import shown
 from swarm_gym.files import remove_partials, write_atomically
 
 LOCK = "lock"
@@ -67,7 +68,7 @@ def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[s
     # What an option did before it was there is what it does by default.
     theirs = {**as_json(type(config)()), **theirs}
     different = [
-        f"{key} was {theirs[key]!r}, is {mine.get(key, 'no option')!r}"
+        f"{key} was {shown(theirs[key])}, is {mine.get(key, 'no option')!r}"
         for key in theirs
         if key not in not_compared and theirs[key] != mine.get(key, "no option")
     ]

@@ -5,6 +5,8 @@ import os
 from pathlib import Path
 from typing import Any
 
+from swarm_gym.errors import shown
+
 # Of the text files of controllers and presets, in bytes; the largest that ships has 51 kB.
 MAX_TEXT_FILE = 2**20
 
@@ -48,7 +50,7 @@ def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Pa
     path = find_file(name, folder, ".json")
     if path is None:
         shipped = ", ".join(shipped_names(folder, ".json")) or "none"
-        raise error(f"{kind} {name!r}: neither a shipped one ({shipped}) nor a file")
+        raise error(f"{kind} {shown(name)}: neither a shipped one ({shipped}) nor a file")
     return path
 
 
@@ -63,5 +65,5 @@ def read_json(path: Path, form: str) -> Any:
     except RecursionError as error:
         raise ValueError("it is nested too deeply") from error
     if content["format"] != form:
-        raise ValueError(f"expected format {form!r}, got {content['format']!r}")
+        raise ValueError(f"expected format {form!r}, got {shown(content['format'])}")
     return content

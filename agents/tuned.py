@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.shipped import find_json, read_json, shipped_names
+from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym tuned controller 1"
@@ -36,7 +37,9 @@ def load_tuned(name: str) -> str:
         controller = content["controller"]
         # Files of these two families may name others, and so each other for ever.
         if not isinstance(controller, str) or controller.partition(":")[0] in ("tuned", "learned"):
-            raise ValueError(f"expected the name of a controller with its parameters, got {controller!r}")
+            raise ValueError(
+                f"expected the name of a controller with its parameters, got {shown(controller)}"
+            )
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise TunedFileError(f"{path}: not a readable tuned controller ({error})") from error
     return controller

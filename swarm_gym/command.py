@@ -43,11 +43,13 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
         except _Terminated:
             _end("terminated", kept, TERMINATED)
         except expected as error:
-            _end(f"error: {error}", kept if isinstance(error, OSError) else "", 1)
+            more = f"; {kept}" if kept and isinstance(error, OSError) else ""
+            sys.exit(f"error: {error}{more}")
 
 
 def _end(what: str, kept: str, status: int) -> NoReturn:
-    print(f"\n{what}; {kept}" if kept else what, file=sys.stderr, flush=True)
+    # A progress bar may have begun the line.
+    print(f"\n{what}; {kept}" if kept else f"\n{what}", file=sys.stderr, flush=True)
     sys.exit(status)
 
 

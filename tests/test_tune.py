@@ -250,6 +250,7 @@ def test_a_trial_that_was_killed_is_repeated(tmp_path, monkeypatch):
     monkeypatch.setattr(killed.tuner, "_loss", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         killed.tuner.advance()
+    del killed  # and with it, as with a process, its lock
     resumed = tune(tmp_path, "schedule", rounds=14, name="killed", resume=True)
     assert resumed.tuner.rounds == 12
     assert stored(resumed.run()) == stored(whole)
