@@ -62,7 +62,7 @@ def assert_same(name, whole, folder):
 class Running:
     """A command in a process group of its own, as a terminal makes one."""
 
-    def __init__(self, command: Command, log, prefix=(), **environment):
+    def __init__(self, command: Command, log, prefix=()):
         self.log = log
         with log.open("w") as output:
             self.process = subprocess.Popen(
@@ -70,7 +70,6 @@ class Running:
                 stdout=output,
                 stderr=output,
                 start_new_session=True,
-                env={**os.environ, **environment},
             )
 
     def wait_until_it_has_begun(self):
@@ -107,8 +106,8 @@ class Running:
         return False
 
 
-def run(command, log, prefix=(), **environment):
-    return Running(command, log, prefix, **environment).end()
+def run(command, log, prefix=()):
+    return Running(command, log, prefix).end()
 
 
 @pytest.fixture(scope="module")
