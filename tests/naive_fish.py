@@ -6,6 +6,7 @@ forbids it; no random numbers are drawn for it then.
 
 import math
 
+from naive import added
 from naive_swarm import Swarm
 
 
@@ -214,7 +215,7 @@ class HybridFishSwarm(FishSwarm):
 
 
 def norm(way):
-    return math.sqrt(sum(part**2 for part in way))
+    return math.sqrt(added(part**2 for part in way))
 
 
 def better_of(fish, *candidates):

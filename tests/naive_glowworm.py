@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from naive import added
 from naive_walkers import Walkers, spin
 from naive_walks import length_of
 
@@ -75,7 +76,7 @@ class Glowworm(Walkers):
         return self.knobs.decision_range * self.problem.side
 
     def resize(self, size):
-        mean = sum(member.luciferin for member in self.members) / len(self.members)
+        mean = added(member.luciferin for member in self.members) / len(self.members)
         while len(self.members) < size and not self.is_spent():
             self.place(luciferin=mean)
         robot, others = self.members[0], self.members[1:]

@@ -6,6 +6,7 @@ the target that it leads straight on to.
 
 import math
 
+from naive import added
 from naive_swarm import Swarm
 
 # The share of a fitness by which another one has to be less to be better: many walks are equally long, and
@@ -41,7 +42,7 @@ class Walkers(Swarm):
 
 def spin(weights, share):
     """The first place where the running sum of the weights exceeds a share of it, else the last one."""
-    aim, reached = share * sum(weights), 0.0
+    aim, reached = share * added(weights), 0.0
     for i, weight in enumerate(weights):
         reached += weight
         if reached > aim:

@@ -134,4 +134,4 @@ def lies_inside(point, here, there):
 
 
 def length_of(points):
-    return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
+    return naive.added(math.dist(a, b) for a, b in itertools.pairwise(points))

@@ -72,7 +72,7 @@ class AnalyticProblem(MapProblem):
         lower, upper = self.bounds
         # The smaller of two shifts is at most half their sum, which the heights bound.
         reach = float(upper.max() - lower.min())
-        return sum(reach + pair.top - pair.bottom for pair in self.pairs) / 2.0
+        return math.fsum(reach + pair.top - pair.bottom for pair in self.pairs) / 2.0
 
     @property
     def collision_bound_anywhere(self) -> float:
@@ -80,7 +80,7 @@ class AnalyticProblem(MapProblem):
         x_min, y_min, x_max, y_max = self.scenario.workspace
         reach = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
         shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.obstacles]
-        return (self.num_waypoints + 1) * sum(shifts)
+        return (self.num_waypoints + 1) * math.fsum(shifts)
 
     def begun_at(self, start: Point) -> "AnalyticProblem":
         """The same problem from another start."""

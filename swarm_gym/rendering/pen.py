@@ -111,8 +111,8 @@ class Pen:
         is_steep = np.abs(steps[:, 1]) > np.abs(steps[:, 0])
         aside = np.repeat(np.where(is_steep, 1, self.width), counts)[inside]
         index = (rows * np.int32(self.width) + columns)[inside]
-        pixels = self.pygame.surfarray.pixels2d(self.surface).T.view()
-        pixels.shape = (-1,)  # never a copy
+        pixels = self.pygame.surfarray.pixels2d(self.surface).T.reshape(-1)
+        assert not pixels.flags.owndata  # they are those of the surface
         for k in range(-before, after + 1):
             pixels[index + k * aside] = self.surface.map_rgb(colour)
 

@@ -221,4 +221,4 @@ def _cross(a: Point, b: Point, c: Point) -> float:
 
 
 def _signed_area(vertices: tuple[Point, ...]) -> float:
-    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*vertices, vertices[0]))) / 2
+    return math.fsum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*vertices, vertices[0]))) / 2
