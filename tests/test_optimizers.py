@@ -55,8 +55,12 @@ def problems(optimizer):
 
 def on_all_kinds(optimizers):
     """Every optimizer is compiled for functions anew, which takes much longer than the test."""
+    slow = {"function", "plain"}
+    slow_of_fish = {*slow, "curve", "polyline"}  # whose oracles look around hundreds of times
     cases = [
-        pytest.param(name, kind, marks=pytest.mark.slow) if kind in {"function", "plain"} else (name, kind)
+        pytest.param(name, kind, marks=pytest.mark.slow)
+        if kind in (slow_of_fish if "fish" in name else slow)
+        else (name, kind)
         for name in optimizers
         for kind in problems(name)
     ]

@@ -375,7 +375,8 @@ def test_members_that_stay_are_followed_through_a_shrinking_population():
     assert shrunk > 0
 
 
-@pytest.mark.parametrize(("members", "points"), [(400, 400), pytest.param(5000, 2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("members", "points"), [(400, 400), (5000, 2)])
 def test_a_replay_never_takes_more_than_its_share_of_the_page(members, points):
     rng = np.random.default_rng(1)
     recording = recording_of("fixed:8")
@@ -440,6 +441,7 @@ def test_a_recording_of_one_frame_can_be_packed():
     assert len(members) == 1
 
 
+@pytest.mark.slow
 def test_where_an_optimum_is_not_known_nothing_is_said_of_gaps(database, monkeypatch):
     assert {"gaps", "front"} <= page_of(database).tables.keys()
     monkeypatch.setattr("experiments.outcomes.known_optimum", lambda _: np.nan)
