@@ -66,7 +66,7 @@ PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometr
     test_functions.py sight.py population.py firefly.py)
 OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
-    re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py)
+    re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py golden.py)
 
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 
