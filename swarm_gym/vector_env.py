@@ -199,7 +199,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
-        if not isinstance(seed, Sequence | np.ndarray) or isinstance(seed, str | bytes):
+        is_list = isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes)
+        if not is_list or getattr(seed, "ndim", 1) == 0:
             raise SettingError(f"seed must be an integer or a list of integers, got {shown(seed)}")
         if len(seed) != self.num_envs:
             raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
