@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TypeVar
 
+import gymnasium
 import numpy as np
 
 from swarm_gym.errors import SettingError, UnknownNameError, shown
@@ -43,3 +44,13 @@ def look_up(kind: str, name: object, registry: Mapping[str, Entry]) -> Entry:
     if not isinstance(name, str) or name not in registry:
         raise UnknownNameError(kind, name, registry)
     return registry[name]
+
+
+def refuse_negative_seed(seed: object) -> None:
+    """Refuse a seed below 0, as Gymnasium does, which would show all of its digits.
+
+    Raises:
+        gymnasium.error.Error: if it is.
+    """
+    if isinstance(seed, int) and seed < 0:
+        raise gymnasium.error.Error(f"seed must be a natural number, got {shown(seed)}")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.batch import SwarmBatch
-from swarm_gym.checks import require_integer
+from swarm_gym.checks import refuse_negative_seed, require_integer
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
 
@@ -106,6 +106,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
             gymnasium.error.Error: for a seed that is no natural number.
         """
         self._batch.simulation.read_options(options)  # before anything is drawn
+        refuse_negative_seed(seed)
         super().reset(seed=seed)
         self._batch.reset(ALL, [self.np_random], options)
         self._show()

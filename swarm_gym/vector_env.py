@@ -10,6 +10,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from swarm_gym.batch import SwarmBatch
+from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 
 Flags = NDArray[np.bool_]
@@ -100,9 +101,12 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         chosen = self._read_mask(mask)
         self._batch.simulation.read_options(options)
         # All are refused before one is taken over.
+        seeds = self._read_seeds(seed)
+        for one in seeds:
+            refuse_negative_seed(one)
         generators = [
             seeding.np_random(one)[0] if one is not None and chosen[row] else self._generators[row]
-            for row, one in enumerate(self._read_seeds(seed))
+            for row, one in enumerate(seeds)
         ]
         self._generators = generators
         self._batch.reset(chosen, self._generators, options)

@@ -508,6 +508,7 @@ def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(req
     @example(seed=None, given={"scenario": np.array(["case1", "case1"])})
     @example(seed=None, given=np.zeros(3))
     @example(seed=1.5, given=None)
+    @example(seed=-HUGE, given=None)
     @example(seed=np.zeros(()), given=None)
     @example(seed=5, given={"scenario": "case9"})
     @example(seed=[3, -1], given=None)

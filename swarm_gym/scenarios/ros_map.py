@@ -8,7 +8,9 @@ p < free_thresh, unknown between them. Unknown cells count as blocked: a robot m
 has not seen.
 """
 
+import io
 import math
+import os
 import re
 import warnings
 from functools import lru_cache
@@ -29,6 +31,7 @@ NAME = "ros"
 USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"
 
 MAX_YAML = 2**16  # bytes
+MAX_IMAGE = 2**26  # bytes: all pixels as decimal numbers
 MAX_COORDINATE = 1e6  # metres
 _NUMBER = r"-?[0-9]{1,9}(?:\.[0-9]{1,15})?"
 
@@ -218,10 +221,16 @@ def _read_grey(path: Path) -> NDArray[np.uint8]:
     except ImportError as error:
         raise MissingExtraError(f"image {path}", "Pillow", "maps") from error
     try:
-        with open_file(path) as file, warnings.catch_warnings():
+        with open_file(path) as file:
+            size = os.fstat(file.fileno()).st_size
+            if size > MAX_IMAGE:
+                raise ScenarioError(f"{path}: expected at most {MAX_IMAGE} bytes, got {size}")
+            # From memory, since of a file as many bytes would be asked for as it claims to have.
+            content = io.BytesIO(file.read())
+        with warnings.catch_warnings():
             # The limit below is the stricter one.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(file, formats=("PPM", "PNG"))
+            image = Image.open(content, formats=("PPM", "PNG"))
             width, height = image.size
             # Before any pixel is decoded.
             if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
