@@ -97,7 +97,7 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 SECONDS = 3600
 
 fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/fuzz_finds
-	PYTHONPATH=tests .venv-fuzz/bin/python tests/fuzz.py --seconds $(SECONDS)
+	PYTHONPATH=.:tests .venv-fuzz/bin/python tests/fuzz.py --seconds $(SECONDS)
 
 .venv-fuzz/.installed: pyproject.toml constraints.txt
 	@echo "== installing a fuzzer into .venv-fuzz"
