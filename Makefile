@@ -5,10 +5,25 @@ BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 
+comma := ,
+EVERYTHING = --editable '.[maps,render,video,study,dev]'
+
+# A virtual environment, with what these options of pip say.
+define install_into
+$(PYTHON) -m venv $(1)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check $(2)
+endef
+
+# The tests in a virtual environment.
+define test_in
+$(1)/bin/python -m swarm_gym.warm_up
+	$(1)/bin/python -m pytest -n auto
+endef
+
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format benchmark benchmark-peers \
-    docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic docs-gallery clean
+.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
+    benchmark benchmark-peers docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic docs-gallery clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -17,9 +32,7 @@ install: $(INSTALLED) ## make the virtual environment
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@echo "== installing into $(VENV) (once; a few minutes)"
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints.txt --editable '.[maps,render,video,study,dev]'
+	$(call install_into,$(VENV),--constraint constraints.txt $(EVERYTHING))
 	@touch $@
 
 browser: $(INSTALLED) ## find or install Chromium, which the tests of reports look at pages with
@@ -68,6 +81,7 @@ OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py 
     multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
     re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py golden.py)
 
+NEWEST = .venv-newest-$(notdir $(PYTHON))
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 
 test-supply: ## run the tests with the lowest versions allowed, and with the newest on every Python there is
@@ -78,21 +92,15 @@ test-supply: ## run the tests with the lowest versions allowed, and with the new
 	done
 
 test-newest: ## run the tests with the newest versions there are, on PYTHON
-	@echo "== installing the newest versions into .venv-newest-$(notdir $(PYTHON))"
-	rm -rf .venv-newest-$(notdir $(PYTHON))
-	$(PYTHON) -m venv .venv-newest-$(notdir $(PYTHON))
-	.venv-newest-$(notdir $(PYTHON))/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --editable '.[maps,render,video,study,dev]'
-	.venv-newest-$(notdir $(PYTHON))/bin/python -m swarm_gym.warm_up
-	.venv-newest-$(notdir $(PYTHON))/bin/python -m pytest -n auto
+	@echo "== installing the newest versions into $(NEWEST)"
+	rm -rf $(NEWEST)
+	$(call install_into,$(NEWEST),$(EVERYTHING))
+	$(call test_in,$(NEWEST))
 
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
 	@echo "== installing the lowest versions into .venv-lowest"
-	$(PYTHON) -m venv .venv-lowest
-	.venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints-lowest.txt --editable '.[maps,render,video,study,dev]'
-	.venv-lowest/bin/python -m swarm_gym.warm_up
-	.venv-lowest/bin/python -m pytest -n auto
+	$(call install_into,.venv-lowest,--constraint constraints-lowest.txt $(EVERYTHING))
+	$(call test_in,.venv-lowest)
 
 SECONDS = 3600
 
@@ -101,9 +109,7 @@ fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are 
 
 .venv-fuzz/.installed: pyproject.toml constraints.txt
 	@echo "== installing a fuzzer into .venv-fuzz"
-	$(PYTHON) -m venv .venv-fuzz
-	.venv-fuzz/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints.txt --editable '.[maps,fuzz]'
+	$(call install_into,.venv-fuzz,--constraint constraints.txt --editable '.[maps$(comma)fuzz]')
 	@touch $@
 
 check: $(INSTALLED) ## lint, formatting, types, layers
@@ -129,9 +135,7 @@ benchmark-peers: .venv-peers/.installed ## the same beside other libraries, in a
 
 .venv-peers/.installed: pyproject.toml constraints.txt
 	@echo "== installing other libraries into .venv-peers"
-	$(PYTHON) -m venv .venv-peers
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint constraints.txt --editable '.[peers]'
+	$(call install_into,.venv-peers,--constraint constraints.txt --editable '.[peers]')
 	@touch $@
 
 docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what the documents show: 1000 seeds, speed, pictures (15 minutes)

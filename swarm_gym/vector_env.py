@@ -101,12 +101,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         chosen = self._read_mask(mask)
         self._batch.simulation.read_options(options)
         # All are refused before one is taken over.
-        seeds = self._read_seeds(seed)
-        for one in seeds:
-            refuse_negative_seed(one)
         generators = [
-            seeding.np_random(one)[0] if one is not None and chosen[row] else self._generators[row]
-            for row, one in enumerate(seeds)
+            _make_generator(one) if one is not None and chosen[row] else self._generators[row]
+            for row, one in enumerate(self._read_seeds(seed))
         ]
         self._generators = generators
         self._batch.reset(chosen, self._generators, options)
@@ -209,3 +206,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if len(seed) != self.num_envs:
             raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
         return list(seed)
+
+
+def _make_generator(seed: int) -> np.random.Generator:
+    refuse_negative_seed(seed)
+    return seeding.np_random(seed)[0]

@@ -28,15 +28,16 @@ TIMEOUT, MAX_MEMORY = 5, 200  # seconds, MiB
 MAX_LENGTH = 1 << 14
 
 
-def fuzz(name: str, seconds: int, corpus: Path) -> None:
-    """Fuzz one parser in this process, which then ends."""
+def fuzz(name: str, seconds: int, corpus: Path, folder: Path) -> None:
+    """Fuzz one parser in this process, which then ends; the folder is for its files meanwhile."""
     import atheris
 
     atheris.enabled_hooks.add("str")
     with atheris.instrument_imports(include=INSTRUMENTED, enable_loader_override=False):
         import parsers
-    parser, folder = parsers.PARSERS[name], Path(tempfile.mkdtemp(prefix="fuzz", dir=_fast_folder()))
-    for number, content in enumerate(parser.seeds()):
+    parser = parsers.PARSERS[name]
+    seeds = parser.seeds()
+    for number, content in enumerate(seeds):
         (corpus / f"seed{number}").write_bytes(content)
     (folder / "words").write_text("\n".join(map(_quoted, parser.words)) + "\n")
     FINDS.joinpath(name).mkdir(parents=True, exist_ok=True)
@@ -44,7 +45,7 @@ def fuzz(name: str, seconds: int, corpus: Path) -> None:
         [
             sys.argv[0],
             f"-max_total_time={seconds}",
-            f"-max_len={max(MAX_LENGTH, *(len(content) for content in parser.seeds()))}",
+            f"-max_len={max(MAX_LENGTH, *map(len, seeds))}",
             f"-timeout={TIMEOUT}",
             f"-malloc_limit_mb={MAX_MEMORY}",
             f"-artifact_prefix={FINDS / name}/",
@@ -83,10 +84,10 @@ def main() -> None:
     for name in names:
         corpus = arguments.corpus / name
         corpus.mkdir(parents=True, exist_ok=True)
-        command = [sys.executable, "-c", _ONE, name, str(arguments.seconds // len(names)), str(corpus)]
-        done = subprocess.run(
-            command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False
-        )
+        with tempfile.TemporaryDirectory(prefix="fuzz", dir=_fast_folder()) as folder:
+            values = [name, str(arguments.seconds // len(names)), str(corpus.resolve()), folder]
+            command = [sys.executable, "-c", _ONE, *values]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
         stats = dict(
             line.removeprefix("stat::").split(": ")
             for line in done.stderr.splitlines()
@@ -101,10 +102,8 @@ def main() -> None:
 
 
 _ONE = """
-import sys
-sys.path[:0] = [".", "tests"]
-import pathlib, fuzz
-fuzz.fuzz(sys.argv[1], int(sys.argv[2]), pathlib.Path(sys.argv[3]))
+import pathlib, sys, fuzz
+fuzz.fuzz(sys.argv[1], int(sys.argv[2]), *map(pathlib.Path, sys.argv[3:]))
 """
 
 

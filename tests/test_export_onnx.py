@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from trainings import make_policy
+from trainings import add_memory, make_policy
 
 from agents.export_onnx import STATE, main, to_onnx
 from agents.learned import load_learned
-from agents.policy_file import load_policy, save_policy
+from agents.policy_file import load_policy
 from swarm_gym.observation import ITERATION
 
 onnx = pytest.importorskip("onnx", reason="needs the extra `onnx`")
@@ -25,13 +25,7 @@ def policy(tmp_path):
 @pytest.fixture
 def remembering(policy):
     """The same with a memory before its layers."""
-    rng = np.random.default_rng(1)
-    weights, manifest = load_policy(policy)
-    weights["0.weight"] = rng.normal(size=(8, SIZE)).astype(np.float32)
-    weights["lstm.weight"] = rng.normal(size=(4 * SIZE, len(manifest["features"]) + SIZE)).astype(np.float32)
-    weights["lstm.bias"] = rng.normal(size=4 * SIZE).astype(np.float32)
-    save_policy(policy, weights, {**manifest, "network": "lstm", "lstm_size": SIZE})
-    return policy
+    return add_memory(policy, np.random.default_rng(1), SIZE)
 
 
 def observations(policy, count, rng):
