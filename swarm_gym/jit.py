@@ -25,6 +25,8 @@ from numba.extending import overload
 
 from swarm_gym.files import digest_of_sources, user_cache
 
+PATIENCE = 600.0  # seconds that a process waits for the kernel that another one compiles
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -115,7 +117,16 @@ def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., An
     return call
 
 
-class _InnerDispatcher(CPUDispatcher):
+class _Dispatcher(CPUDispatcher):
+    def compile(self, arguments: Any) -> Any:
+        try:
+            return super().compile(arguments)
+        finally:
+            if isinstance(self._cache, _KernelCache):
+                self._cache.let_others_go_on(arguments)
+
+
+class _InnerDispatcher(_Dispatcher):
     def __call__(self, *arguments: Any) -> Any:
         return self.py_func(*arguments)
 
@@ -150,6 +161,7 @@ def _compile(function: Function, **options: Any) -> Function:
     always = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
     # Whether references are counted is said of every kernel: else it goes by who calls it first.
     dispatcher = numba.njit(**{"_nrt": True, **always, **options})(function)
+    dispatcher.__class__ = _Dispatcher
     dispatcher._cache = _KernelCache(function)
     return dispatcher
 
@@ -186,13 +198,46 @@ class _Code(CompileResultCacheImpl):
 class _KernelCache(FunctionCache):
     """Numba's cache, in our folder; without it, kernels are compiled in every process, which is said once.
 
+    Of processes that need the same code, one compiles it, and the others wait: dozens of workers that start
+    with an empty cache take as long as one. Who compiles waits only for kernels that its own one calls, so
+    that no two processes wait for each other.
+
     Processes save one after the other: Numba numbers the files of a function by its index, two processes that
     save at once may take the same number, and what the index then names is the code of another signature.
     """
 
     _impl_class = _Code
 
+    def __init__(self, function: Callable[..., Any]):
+        super().__init__(function)
+        self._compiling: dict[Any, FileLock] = {}
+
     def load_overload(self, signature: Any, context: Any) -> Any:
+        found = self._load(signature, context)
+        if found is not None or not self._wait_for_others(signature):
+            return found
+        return self._load(signature, context)
+
+    def let_others_go_on(self, signature: Any) -> None:
+        """Whatever became of what was not in the cache."""
+        lock = self._compiling.pop(signature, None)
+        if lock is not None:
+            lock.release()
+
+    def _wait_for_others(self, signature: Any) -> bool:
+        """Have this process alone compile a signature; whether another one may have done so meanwhile."""
+        digest = hashlib.sha256(f"{self._impl.filename_base} {signature}".encode()).hexdigest()[:16]
+        lock = FileLock(Path(self.cache_path, f"{digest}.lock"), timeout=PATIENCE)
+        try:
+            Path(self.cache_path).mkdir(parents=True, exist_ok=True)
+            lock.acquire()
+        # Compiled twice, then; the second, of file systems without locks.
+        except (OSError, NotImplementedError):  # `Timeout` is an OSError, too
+            return False
+        self._compiling[signature] = lock
+        return True
+
+    def _load(self, signature: Any, context: Any) -> Any:
         try:
             return super().load_overload(signature, context)
         except OSError:

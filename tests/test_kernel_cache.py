@@ -1,6 +1,7 @@
 """Compiled kernels are kept where that can be; where not, and where they are damaged, all still works."""
 
 import logging
+import multiprocessing
 
 import numba
 import pytest
@@ -67,3 +68,32 @@ def test_a_folder_that_is_only_read_serves(folder, caplog, monkeypatch):
     monkeypatch.setattr("tempfile.TemporaryFile", refuse)
     assert compiled() == 1
     assert not caplog.records
+
+
+def _compile_together(folder, barrier, hits):
+    jit.cache_folder = lambda: folder
+    function = kernel(doubled)
+    barrier.wait()
+    function(21.0)
+    hits.put(sum(function.stats.cache_hits.values()))
+
+
+def test_of_processes_that_need_the_same_one_compiles_it(folder):
+    context = multiprocessing.get_context("spawn")
+    barrier, hits = context.Barrier(4), context.Queue()
+    processes = [context.Process(target=_compile_together, args=(folder, barrier, hits)) for _ in range(4)]
+    for process in processes:
+        process.start()
+    assert sorted(hits.get(timeout=60) for _ in processes) == [0, 1, 1, 1]
+    for process in processes:
+        process.join()
+
+
+def test_who_has_waited_long_compiles_it_too(folder, monkeypatch):
+    # As another process would that compiles the same, and takes long.
+    monkeypatch.setattr(jit, "PATIENCE", 0.1)
+    function = kernel(doubled)
+    assert function._cache._wait_for_others((numba.int64,))
+    assert compiled() == 0
+    function._cache.let_others_go_on((numba.int64,))
+    assert compiled() == 1
