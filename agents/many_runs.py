@@ -1,29 +1,43 @@
-"""The same training with several seeds, each a run of its own; some of them side by side."""
+"""Many training or tuning runs by one command, of several presets and seeds, carried out by a backend."""
 
 import contextlib
 import dataclasses
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
-from joblib import Parallel, delayed, parallel_config
-from joblib.externals.loky.process_executor import TerminatedWorkerError
-
+from agents.backends import Backend, BackendOptions, Task, WorkLostError
+from agents.run_folder import RunFolderError
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
+from agents.tuning.config import TuneConfig
+from agents.tuning.run import TuningRun
+
+Config = TypeVar("Config", TrainConfig, TuneConfig)
+
+
+class Finished(NamedTuple):
+    """A run that came to its end: the file of what it made, and that in a few words."""
+
+    result: Path
+    summary: str
 
 
 class Outcome(NamedTuple):
-    """What became of a run: the file of its best policy and that one's return, or an error."""
+    """What became of a run: what it made, or an error."""
 
     folder: Path
-    best: Path | None
-    best_return: float
-    error: str
+    finished: Finished | None
+    error: str = ""
+
+    def __str__(self) -> str:
+        if self.finished is None:
+            return f"{self.folder}: failed: {self.error}"
+        return f"{self.folder}: done, {self.finished.summary}, {self.finished.result}"
 
 
-def configs_of_seeds(config: TrainConfig, seeds: Sequence[int]) -> list[TrainConfig]:
+def configs_of_seeds(config: Config, seeds: Sequence[int]) -> list[Config]:
     """One configuration per seed; a run that has a name lies in <runs>/<name>/<seed>.
 
     Raises:
@@ -38,41 +52,97 @@ def configs_of_seeds(config: TrainConfig, seeds: Sequence[int]) -> list[TrainCon
     return configs
 
 
-def train_seeds(configs: Sequence[TrainConfig], jobs: int) -> Iterator[Outcome]:
-    """Run trainings in processes, this many at a time; yields their outcomes as they end.
+def run_all(
+    work: Callable[[Config], Finished],
+    configs: Sequence[Config],
+    where: BackendOptions,
+    controllers: Iterable[str] = (),
+) -> None:
+    """Carry out runs where options say, and tell of each when it ends.
 
-    With `resume`, runs go on where they were stopped, and those that never began begin. An error ends its own
-    run only; a process that is killed ends all that have not ended yet.
+    Args:
+        work: `train` or `tune`.
+        configs: of the runs.
+        where: the options.
+        controllers: names of those that the runs make.
+
+    Raises:
+        RunFolderError: at the end, if runs failed.
+        BackendError, MissingExtraError, ValueError: if the backend cannot be used.
     """
-    if jobs < 1:
-        raise ValueError(f"--jobs must be positive, got {jobs}")
-    left = {config.folder: config for config in configs}
-    # One thread per process, see agents.learners.ppo.
-    with parallel_config(backend="loky", inner_max_num_threads=1):
-        workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch=jobs)
-        try:
-            for outcome in workers(delayed(_train)(config) for config in configs):
-                del left[outcome.folder]
-                yield outcome
-        except TerminatedWorkerError:
-            for folder in left:
-                yield Outcome(folder, None, float("nan"), "its process, or that of another run, was killed")
+    failed = 0
+    with contextlib.closing(where.make(configs[0].runs, controllers)) as backend:
+        for outcome in carry_out(work, configs, backend):
+            print(outcome, flush=True)
+            failed += outcome.finished is None
+    if failed:
+        raise RunFolderError(f"{failed} of {len(configs)} runs failed; --resume goes on with these")
 
 
-def describe(outcome: Outcome) -> str:
-    """An outcome in one line."""
-    if outcome.best is None:
-        return f"{outcome.folder}: failed: {outcome.error}"
-    return f"{outcome.folder}: done, best validation return {outcome.best_return:.4f}, {outcome.best}"
+def carry_out(
+    work: Callable[[Config], Finished], configs: Sequence[Config], backend: Backend
+) -> Iterator[Outcome]:
+    """Carry out runs; yields their outcomes as they end.
 
+    With `resume`, runs go on where they were stopped, and those that never began begin; else what has begun
+    is refused. An error ends its own run only, and what is lost with a process goes on from its last
+    checkpoint.
 
-def _train(config: TrainConfig) -> Outcome:
-    if config.resume and not (config.folder / "config.json").exists():
-        config = dataclasses.replace(config, resume=False)
+    Args:
+        work: `train` or `tune`.
+        configs: of the runs, whose folders all workers see.
+        backend: what carries them out.
+    """
+    left = []
+    for config in configs:
+        if not config.resume and _is_begun(config):
+            yield Outcome(config.folder, None, "it holds a run already; --resume goes on with it")
+        else:
+            config.runs.mkdir(parents=True, exist_ok=True)
+            left.append(config)
+    there = [_seen_from_anywhere(config) for config in left]
+    ended = set()
     try:
-        run = TrainingRun(config)
+        for number, outcome in backend.run(Task(_carry_out, (work,)), there):
+            ended.add(number)
+            yield outcome._replace(folder=left[number].folder)
+    except WorkLostError as error:
+        for number, config in enumerate(left):
+            if number not in ended:
+                yield Outcome(config.folder, None, str(error))
+
+
+def train(config: TrainConfig) -> Finished:
+    """A training run."""
+    run = TrainingRun(config)
+    return Finished(run.run(), f"best validation return {run.best_return:.4f}")
+
+
+def tune(config: TuneConfig) -> Finished:
+    """A tuning run."""
+    run = TuningRun(config)
+    return Finished(run.run(), f"{run.num_steps} steps")
+
+
+def _carry_out(config: Config, work: Callable[[Config], Finished]) -> Outcome:
+    if not config.runs.is_dir():
+        return Outcome(config.folder, None, f"{config.runs} is not seen by all machines, as --runs has to be")
+    # Begun by the command that this one resumes, or by a process that was lost.
+    config = dataclasses.replace(config, resume=_is_begun(config))
+    try:
         with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
-            best = run.run()
+            return Outcome(config.folder, work(config))
     except Exception as error:
-        return Outcome(config.folder, None, float("nan"), f"{type(error).__name__}: {error}")
-    return Outcome(config.folder, best, float(run.best_return), "")
+        return Outcome(config.folder, None, f"{type(error).__name__}: {error}")
+
+
+def _is_begun(config: TrainConfig | TuneConfig) -> bool:
+    return (config.folder / "config.json").exists()
+
+
+def _seen_from_anywhere(config: Config) -> Config:
+    """The same run for a process that is in another folder."""
+    config = dataclasses.replace(config, runs=config.runs.absolute())
+    if isinstance(config, TuneConfig) and config.output:
+        return dataclasses.replace(config, output=config.output.absolute())
+    return config

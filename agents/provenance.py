@@ -1,10 +1,13 @@
 """What a result was made with."""
 
+import os
 import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
 import swarm_gym
+
+COMMIT = "SWARM_GYM_COMMIT"  # the variable that names it to workers which have the sources alone
 
 
 def provenance(*packages: str) -> dict[str, str]:
@@ -18,6 +21,8 @@ def provenance(*packages: str) -> dict[str, str]:
 
 def git_commit() -> str:
     """The commit of the checkout, marked where files were changed since; "unknown" outside of one."""
+    if told := os.environ.get(COMMIT):
+        return told
     command = ["git", "describe", "--always", "--dirty", "--abbrev=40"]
     folder = Path(__file__).parent
     try:

@@ -8,63 +8,87 @@ that a run that was stopped and resumed equals one that was not.
 
 import argparse
 import dataclasses
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import tyro
 
+from agents.backends import BackendError, BackendOptions
+from agents.many_runs import configs_of_seeds, run_all, train
 from agents.presets import load_preset
 from agents.run_folder import RunFolderError
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
-from agents.training_seeds import configs_of_seeds, describe, train_seeds
 from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
 
 
 @dataclass(frozen=True)
 class CommandLine:
-    """A training configuration, and how many of it to run."""
+    """A training configuration, how many of it to run, and where."""
 
     config: tyro.conf.OmitArgPrefixes[TrainConfig]
+    presets: tuple[str, ...] = ()
+    """Train with each of these presets instead of the one."""
     seeds: tuple[int, ...] = ()
-    """Train with each of these seeds instead of the one, in a process of its own."""
-    jobs: int = 1
-    """How many of these to run at a time."""
+    """Train with each of these seeds instead of the one."""
+    where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
 
 
-def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
-    """The configuration: that of `--preset`, changed by the other options.
+def read_command_line(arguments: Sequence[str] | None = None, preset: str | None = None) -> CommandLine:
+    """The configuration: that of a preset, or of the one that `--preset` says, changed by the other options.
 
     Raises:
         PresetError: for a preset that is missing or says what cannot be.
     """
-    finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    finder.add_argument("--preset", default=TrainConfig.preset)
-    preset = load_preset(finder.parse_known_args(arguments)[0].preset)
-    given = tyro.cli(CommandLine, default=CommandLine(preset), description=__doc__, args=arguments)
+    if preset is None:
+        finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+        finder.add_argument("--preset", default=TrainConfig.preset)
+        preset = finder.parse_known_args(arguments)[0].preset
+    loaded = load_preset(preset)
+    given = tyro.cli(CommandLine, default=CommandLine(loaded), description=__doc__, args=arguments)
     # A preset that is given as a file is called by the file's name.
-    return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=preset.preset))
+    return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=loaded.preset))
+
+
+def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> list[TrainConfig]:
+    """The configurations of all runs that a command line asks for.
+
+    Raises:
+        PresetError: for a preset that is missing or says what cannot be.
+        ValueError: for a preset or a seed that is there twice.
+    """
+    configs = [given.config]
+    if given.presets:
+        configs = [read_command_line(arguments, preset).config for preset in given.presets]
+        names = [config.preset for config in configs]
+        if len(set(names)) < len(names):
+            raise ValueError(f"--presets: each one once, got {' '.join(names)}")
+        if given.config.name:
+            configs = [
+                dataclasses.replace(config, name=f"{config.name}/{config.preset}") for config in configs
+            ]
+    if given.seeds:
+        configs = [one for config in configs for one in configs_of_seeds(config, given.seeds)]
+    return configs
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Train as the command line says."""
-    with command(RunFolderError, kept="--resume goes on from the last checkpoint, if there is one"):
+    with command(
+        RunFolderError,
+        BackendError,
+        MissingExtraError,
+        kept="--resume goes on from the last checkpoint, if there is one",
+    ):
         given = read_command_line(arguments)
-        if given.seeds:
-            _train_seeds(given)
+        configs = read_configs(given, arguments)
+        if given.presets or given.seeds or given.where.elsewhere:
+            controllers = [name for c in configs for name in (c.base, c.reference, c.warm_start)]
+            run_all(train, configs, given.where, controllers)
             return
         best = TrainingRun(given.config).run()
     print(f"best policy by validation: {best}\nuse it as controller learned:{best}")
-
-
-def _train_seeds(given: CommandLine) -> None:
-    failed = 0
-    for outcome in train_seeds(configs_of_seeds(given.config, given.seeds), given.jobs):
-        print(describe(outcome), flush=True)
-        failed += outcome.best is None
-    if failed:
-        sys.exit(f"error: {failed} of {len(given.seeds)} runs failed; --resume goes on with these")
 
 
 if __name__ == "__main__":

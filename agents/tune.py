@@ -9,15 +9,19 @@ controllers have cost the same. A run that was stopped and resumed equals one th
 import argparse
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import tyro
 
+from agents.backends import BackendError, BackendOptions
+from agents.many_runs import configs_of_seeds, run_all, tune
 from agents.presets import load_preset
 from agents.run_folder import RunFolderError
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 from agents.tuning.tuners import kind_defaults
 from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
 
 FROM_PRESET = (
     "preset",
@@ -29,7 +33,17 @@ FROM_PRESET = (
 )
 
 
-def read_command_line(arguments: Sequence[str] | None = None) -> TuneConfig:
+@dataclass(frozen=True)
+class CommandLine:
+    """A tuning configuration, how many of it to run, and where."""
+
+    config: tyro.conf.OmitArgPrefixes[TuneConfig]
+    seeds: tuple[int, ...] = ()
+    """Tune with each of these seeds instead of the one."""
+    where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
+
+
+def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
     """The configuration: that of `--what` and `--preset`, changed by the other options."""
     finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     finder.add_argument("--what", default=TuneConfig.what)
@@ -38,13 +52,27 @@ def read_command_line(arguments: Sequence[str] | None = None) -> TuneConfig:
     preset = load_preset(found.preset)
     shared = {name: getattr(preset, name) for name in FROM_PRESET}
     defaults = dataclasses.replace(TuneConfig(**kind_defaults(found.what)), **shared)
-    return tyro.cli(TuneConfig, default=defaults, description=__doc__, args=arguments)
+    return tyro.cli(CommandLine, default=CommandLine(defaults), description=__doc__, args=arguments)
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Tune as the command line says."""
-    with command(RunFolderError, kept="--resume goes on after the last round, if there is one"):
-        run = TuningRun(read_command_line())
+    with command(
+        RunFolderError,
+        BackendError,
+        MissingExtraError,
+        kept="--resume goes on after the last round, if there is one",
+    ):
+        given = read_command_line(arguments)
+        if given.seeds and given.config.output:
+            raise ValueError(
+                f"--output {given.config.output}: one file, and --seeds asks for several results"
+            )
+        if given.seeds or given.where.elsewhere:
+            configs = configs_of_seeds(given.config, given.seeds) if given.seeds else [given.config]
+            run_all(tune, configs, given.where)
+            return
+        run = TuningRun(given.config)
         result = run.run()
     print(f"tuned in {run.num_steps} steps: {result}\nuse it as controller {run.tuner.family}:{result}")
 

@@ -6,13 +6,14 @@ all: tables and figures come from the database, and where that lacks runs, they 
 """
 
 import dataclasses
-from dataclasses import dataclass
+from contextlib import closing
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
 
 import tyro
-from joblib import cpu_count
 
+from agents.backends import BackendError, BackendOptions
+from experiments.contestants import contestant
 from experiments.page import write_collection_page, write_page
 from experiments.results import Results, ResultsError
 from experiments.runner import configuration, environment_configuration, refuse_missing, run_missing
@@ -20,6 +21,7 @@ from experiments.suite import Suite
 from experiments.suites import COLLECTIONS, get_suite
 from experiments.tables import make_tables
 from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,7 @@ class EvaluateConfig:
     of a collection to <output>/<collection>/<suite> and beside it."""
     database: Path | None = None
     """Another database file."""
-    jobs: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """Worker processes; 0 takes all cores."""
+    where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
     figures: bool = True
     """Whether to draw figures."""
     simulate: bool = True
@@ -67,7 +68,9 @@ def evaluate(config: EvaluateConfig) -> Path:
     )
     try:
         if config.simulate:
-            run_missing(suite, results, config.jobs or cpu_count())
+            controllers = [contestant(name, suite.optimizer).controller for name in suite.controllers]
+            with closing(config.where.make(config.output, controllers)) as backend:
+                run_missing(suite, results, backend)
         else:
             refuse_missing(suite, results)
         folder = config.output / suite.name
@@ -100,7 +103,12 @@ def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
 def main() -> None:
     """Evaluate as the command line says."""
     config = tyro.cli(EvaluateConfig, description=__doc__)
-    with command(ResultsError, kept="runs that finished are stored, and the same command goes on"):
+    with command(
+        ResultsError,
+        BackendError,
+        MissingExtraError,
+        kept="runs that finished are stored, and the same command goes on",
+    ):
         page = evaluate(config)
     print(f"results: {page}")
 

@@ -101,32 +101,30 @@ class Results:
         """Keys of the stored runs."""
         return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
 
-    def add(self, run: Run) -> None:
-        """Store a run and its snapshots in one transaction; a run that is there stays as it is.
+    def add(self, *runs: Run) -> None:
+        """Store runs and their snapshots in one transaction; a run that is there stays as it is.
 
         Raises:
             ResultsError: if the file cannot be written; what was stored before is still there.
         """
-        key = (run.controller, run.scenario, run.seed)
         with self._writing() as connection:
-            connection.execute(
-                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (
-                    *key,
-                    run.final_fitness,
-                    run.final_collision,
-                    run.evaluations,
-                    run.seconds,
-                    run.best_path.tobytes(),
-                    run.trace.tobytes(),
-                    json.dumps(dict(run.provenance), sort_keys=True),
-                    json.dumps(run.columns),
-                    run.way.tobytes(),
-                ),
+            connection.executemany(
+                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", map(_row, runs)
             )
             connection.executemany(
                 "INSERT OR IGNORE INTO snapshots VALUES (?, ?, ?, ?, ?, ?)",
-                [(*key, s.iteration, s.paths.tobytes(), s.collisions.tobytes()) for s in run.snapshots],
+                [
+                    (
+                        run.controller,
+                        run.scenario,
+                        run.seed,
+                        s.iteration,
+                        s.paths.tobytes(),
+                        s.collisions.tobytes(),
+                    )
+                    for run in runs
+                    for s in run.snapshots
+                ],
             )
 
     def runs(self, controller: str, scenario: str, num_seeds: int, first_seed: int = 0) -> list[Run]:
@@ -274,6 +272,23 @@ def _to_be_read(path: Path) -> str:
     # A reader, too, puts files beside a database, lest others write; where that cannot be, nobody does.
     alone = not os.access(path.parent, os.W_OK) and not path.with_name(f"{path.name}-wal").exists()
     return f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
+
+
+def _row(run: Run) -> tuple:
+    return (
+        run.controller,
+        run.scenario,
+        run.seed,
+        run.final_fitness,
+        run.final_collision,
+        run.evaluations,
+        run.seconds,
+        run.best_path.tobytes(),
+        run.trace.tobytes(),
+        json.dumps(dict(run.provenance), sort_keys=True),
+        json.dumps(run.columns),
+        run.way.tobytes(),
+    )
 
 
 def _run(row: tuple) -> Run:

@@ -1,15 +1,15 @@
-"""Carrying out the runs of a suite, on several processes, into a results database."""
+"""Carrying out the runs of a suite, by a backend, into a results database."""
 
 import dataclasses
 import time
-from collections import Counter
-from typing import Any
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from joblib import Parallel, delayed
-from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from agents import Controller
+from agents.backends import Backend, Task, WorkLostError
 from agents.distilled import DistilledRule
 from agents.feedforward import FeedforwardController
 from agents.open_loop import OpenLoop
@@ -26,7 +26,18 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings, make_problem
 
 MOST_NAMED = 10  # in a message
-MOST_DEATHS = 3  # of worker processes, without a run that finishes between them
+
+# A unit of work takes long beside the milliseconds of handing it out, and not long beside all of the work.
+MOST_SEEDS = 10
+UNITS_PER_WORKER = 8
+
+
+class Unit(NamedTuple):
+    """What a worker does at a time: runs that differ in their seeds alone."""
+
+    controller: str
+    scenario: str
+    seeds: tuple[int, ...]
 
 
 def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
@@ -44,41 +55,51 @@ def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
     ]
 
 
-def run_missing(suite: Suite, results: Results, jobs: int) -> None:
-    """Run what the database lacks on this many processes; each run is stored as it finishes.
-
-    What a worker process that was killed leaves unfinished is run again.
+def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
+    """Run what the database lacks; runs are stored as they come back, and what workers lose is run again.
 
     Raises:
         ResultsError: if worker processes are killed again and again, or the database cannot be written.
+        BackendError: if the backend cannot be used.
     """
     missing = missing_runs(suite, results)
     if not missing:
         print(f"{results.path}: all runs are there", flush=True)
         return
-    made_with = provenance("gymnasium", "numba", "numpy")
-    for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
-        warm_up(optimizer, suite)
-    deaths = 0
+    if backend.on_this_machine:  # else whoever waits would be told of it by each worker
+        for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
+            warm_up(optimizer, suite)
+    units = make_units(missing, backend.workers())
+    task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")))
     with tqdm(total=len(missing), unit="run", desc=suite.name) as bar:
-        while missing:
-            tasks = (delayed(run_one)(key, suite, made_with) for key in missing)
-            workers = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-            try:
-                for run in workers(tasks):
-                    results.add(run)
-                    bar.update()
-                    deaths = 0
-            except TerminatedWorkerError as error:
-                deaths += 1
-                if deaths == MOST_DEATHS:
-                    raise ResultsError(
-                        f"worker processes were killed {deaths} times before one could finish a run; is "
-                        f"memory short? {len(missing_runs(suite, results))} runs are missing in "
-                        f"{results.path}, and the same command goes on"
-                    ) from error
-                bar.write("a worker process was killed; the runs that were under way are made again")
-            missing = missing_runs(suite, results)
+        try:
+            for _, runs in backend.run(task, units):
+                results.add(*runs)
+                bar.update(len(runs))
+        except WorkLostError as error:
+            raise ResultsError(
+                f"{error} {len(missing_runs(suite, results))} runs are missing in {results.path}, and the "
+                "same command goes on"
+            ) from error
+
+
+def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
+    """Units of work that have several seeds, where there is work for all; the first seeds come first."""
+    size = min(max(len(runs) // (UNITS_PER_WORKER * workers), 1), MOST_SEEDS)
+    seeds: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for controller, scenario, seed in runs:
+        seeds[controller, scenario].append(seed)
+    units = [
+        (place, Unit(*names, tuple(found[place : place + size])))
+        for names, found in seeds.items()
+        for place in range(0, len(found), size)
+    ]
+    return [unit for _, unit in sorted(units, key=lambda entry: entry[0])]
+
+
+def run_unit(unit: Unit, suite: Suite, made_with: dict[str, str]) -> list[Run]:
+    """The runs of a unit, one after the other."""
+    return [run_one((unit.controller, unit.scenario, seed), suite, made_with) for seed in unit.seeds]
 
 
 def refuse_missing(suite: Suite, results: Results) -> None:

@@ -8,6 +8,8 @@ import pytest
 from stored_runs import make_database
 from trainings import make_policy
 
+from agents.backends import BackendOptions
+from agents.backends.local import LocalBackend
 from agents.open_loop import save_open_loop
 from agents.tuned import save_tuned
 from experiments import episode, runner
@@ -84,7 +86,7 @@ def test_snapshots_of_chosen_runs_are_stored(results):
 
 def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
     other = Results(tmp_path / "other.sqlite", configuration(SUITE))
-    run_missing(SUITE, other, jobs=2)
+    run_missing(SUITE, other, LocalBackend(2))
     for controller, scenario, _ in KEYS:
         for one, two in zip(
             results.runs(controller, scenario, 2), other.runs(controller, scenario, 2), strict=True
@@ -106,10 +108,10 @@ def test_a_suite_goes_on_where_it_stopped_and_recomputes_nothing(results, monkey
         return run_one(key, *arguments)
 
     monkeypatch.setattr(runner, "run_one", recorded)
-    run_missing(SUITE, results, jobs=1)
+    run_missing(SUITE, results, LocalBackend(1))
     assert set(ran) == lacking
     assert results.finished() == KEYS
-    run_missing(SUITE, results, jobs=1)
+    run_missing(SUITE, results, LocalBackend(1))
     assert len(ran) == 2
 
 
@@ -126,7 +128,7 @@ def test_a_suite_that_dies_keeps_what_it_had_finished(results, monkeypatch):
 
     monkeypatch.setattr(runner, "run_one", dying)
     with pytest.raises(KeyboardInterrupt):
-        run_missing(SUITE, results, jobs=1)
+        run_missing(SUITE, results, LocalBackend(1))
     assert results.finished() == set(calls[:4])
 
 
@@ -178,7 +180,7 @@ def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
 def test_controllers_may_be_added_to_a_database(results, tmp_path):
     wider = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "fixed:4"))
     again = Results(results.path, configuration(wider))
-    run_missing(wider, again, jobs=1)
+    run_missing(wider, again, LocalBackend(1))
     assert len(again.finished()) == len(KEYS) + 4
     again.close()
 
@@ -195,7 +197,7 @@ def test_what_is_no_database_is_refused(tmp_path, database, content):
 
 def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch):
     monkeypatch.setitem(SUITES, "tiny", SUITE)
-    config = EvaluateConfig(suite="tiny", output=tmp_path, jobs=1, figures=False)
+    config = EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)
     page = evaluate(config)
     folder = page.parent
     assert "Table 3. Final fitness on case1" in page.read_text()
@@ -221,7 +223,9 @@ def test_tables_of_an_incomplete_suite_are_refused(results):
 
 def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_path, monkeypatch):
     monkeypatch.setitem(SUITES, "tiny", SUITE)
-    config = EvaluateConfig("tiny", output=tmp_path, database=results.path, jobs=1, figures=False)
+    config = EvaluateConfig(
+        "tiny", output=tmp_path, database=results.path, where=BackendOptions(jobs=1), figures=False
+    )
     page = evaluate(config)
     expected = {p.name: p.read_bytes() for p in page.parent.iterdir()}
 
@@ -254,7 +258,7 @@ def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
         SUITE, controllers=("fixed:3",), num_seeds=1, first_seed=10_000, seed_step=1, snapshots=()
     )
     results = Results(tmp_path / "shifted.sqlite")
-    run_missing(shifted, results, jobs=1)
+    run_missing(shifted, results, LocalBackend(1))
     assert results.finished() == {("fixed:3", "case1", 10_000), ("fixed:3", "case3", 10_001)}
     (run,) = results.runs("fixed:3", "case3", 1, 10_001)
     assert results.runs("fixed:3", "case3", 1) == results.runs("fixed:3", "case3", 1, 10_002) == []
@@ -268,7 +272,7 @@ def test_a_contestant_has_episodes_of_its_own_length(tmp_path):
     names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
     results = Results(tmp_path / "contestants.sqlite", configuration(suite))
-    run_missing(suite, results, jobs=1)
+    run_missing(suite, results, LocalBackend(1))
     lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
     assert lengths == [100, 7, 100]
     results.close()
@@ -288,7 +292,7 @@ def collection(monkeypatch):
 
 
 def test_a_collection_is_run_by_one_name_into_a_folder_for_each_suite(collection, tmp_path):
-    config = EvaluateConfig(collection, output=tmp_path, jobs=1, figures=False)
+    config = EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False)
     page = evaluate(config)
     assert page == tmp_path / "both/README.md"
     assert "[other](other/README.md)" in page.read_text()
@@ -304,7 +308,7 @@ def test_a_collection_has_no_single_database(collection, tmp_path):
 
 
 def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path):
-    evaluate(EvaluateConfig(collection, output=tmp_path, jobs=1, figures=False))
+    evaluate(EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False))
     (tmp_path / "both/other/figure-a.svg").write_text("<svg/>")
     document = tmp_path / "docs/page.md"
     document.parent.mkdir()
@@ -356,7 +360,9 @@ def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch)
         scenarios=(*expand_name("random-fields:test:0-2"), *expand_name("random-fields:larger:0-1")),
     )
     monkeypatch.setitem(SUITES, "fields", fields)
-    config = EvaluateConfig("fields", controllers=("fixed:3", "spsfa-tip"), output=tmp_path, jobs=1)
+    config = EvaluateConfig(
+        "fields", controllers=("fixed:3", "spsfa-tip"), output=tmp_path, where=BackendOptions(jobs=1)
+    )
     page = evaluate(config)
     text = page.read_text()
     assert text.startswith("# Suite fields: 1 seed per controller and scenario")

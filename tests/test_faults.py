@@ -22,6 +22,7 @@ from small_commands import (
     tuning,
 )
 
+from agents.backends import BackendOptions
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.results import ResultsError
 
@@ -37,12 +38,14 @@ needs_mounts = pytest.mark.skipif(not CAN_MOUNT, reason="needs `unshare -rm`, to
 # Commands of some seconds.
 COMMANDS = {
     "evaluate": lambda folder: evaluation(folder, seeds=12, jobs=2),
+    "evaluate on Ray": lambda folder: evaluation(folder, seeds=12, jobs=2, backend="ray"),
     "train": lambda folder: training("evolution", folder),
     "tune": lambda folder: tuning("open-loop", folder),
     "tune with Optuna": lambda folder: tuning("schedule", folder),
 }
 GOES_ON = {
     "evaluate": "the same command goes on",
+    "evaluate on Ray": "the same command goes on",
     "train": "--resume goes on",
     "tune": "--resume goes on",
     "tune with Optuna": "--resume goes on",
@@ -50,7 +53,7 @@ GOES_ON = {
 
 
 def assert_same(name, whole, folder):
-    if name == "evaluate":
+    if name.startswith("evaluate"):
         assert rows(folder) == rows(whole)
         assert len(rows(whole)) == 3 * 3 * 12
     elif name == "train":
@@ -181,7 +184,7 @@ def test_a_full_disk(tmp_path, whole, name):
     assert GOES_ON[name] in said
     # Nothing is lost where there is room again.
     before = rows(kept)
-    assert name != "evaluate" or before
+    assert before or not name.startswith("evaluate")
     disk.rmdir()
     shutil.move(kept, disk)
     (disk / "filler").unlink()
@@ -235,9 +238,11 @@ def test_a_worker_process_that_is_killed(tmp_path, whole):
 
 
 def test_worker_processes_that_are_killed_again_and_again(tmp_path, monkeypatch):
-    monkeypatch.setattr("experiments.runner.run_one", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+    monkeypatch.setattr("experiments.runner.run_unit", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
     with pytest.raises(ResultsError, match=r"killed 3 times.*is memory short.*108 runs are missing"):
-        evaluate(EvaluateConfig(seeds=12, controllers=CONTROLLERS, jobs=2, output=tmp_path))
+        evaluate(
+            EvaluateConfig(seeds=12, controllers=CONTROLLERS, where=BackendOptions(jobs=2), output=tmp_path)
+        )
 
 
 def test_two_evaluations_into_one_database(tmp_path, whole):

@@ -1,4 +1,4 @@
-"""Several training seeds by one command: they equal single runs, and one that fails fails alone."""
+"""Many runs by one command: they equal single runs, and one that fails fails alone."""
 
 import dataclasses
 from pathlib import Path
@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 from trainings import STEPS, tiny_config
 
+from agents.backends.local import LocalBackend
+from agents.many_runs import Finished, Outcome, carry_out, configs_of_seeds, train, tune
 from agents.policy_file import load_policy
 from agents.training_run import TrainingRun
-from agents.training_seeds import Outcome, configs_of_seeds, describe, train_seeds
+from agents.tuning.config import TuneConfig
 
 SHORT = {"warm_start": "none", "total_steps": STEPS}
 
@@ -18,22 +20,34 @@ def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
     config = tiny_config(tmp_path, **SHORT, name="many")
     configs = configs_of_seeds(config, [0, 1, 2])
     TrainingRun(configs[1])  # begun already, so that it is refused without --resume
-    outcomes = {outcome.folder.name: outcome for outcome in train_seeds(configs, jobs=2)}
-    assert {name: outcome.best is None for name, outcome in outcomes.items()} == {
+    outcomes = {outcome.folder.name: outcome for outcome in carry_out(train, configs, LocalBackend(2))}
+    assert {name: outcome.finished is None for name, outcome in outcomes.items()} == {
         "0": False,
         "1": True,
         "2": False,
     }
     assert "--resume" in outcomes["1"].error
     again = configs_of_seeds(dataclasses.replace(config, resume=True), [0, 1, 3])
-    outcomes = {outcome.folder.name: outcome for outcome in train_seeds(again, jobs=2)}
-    assert all(
-        outcome.best == tmp_path / "many" / name / "best.safetensors" for name, outcome in outcomes.items()
-    )
+    outcomes = {outcome.folder.name: outcome for outcome in carry_out(train, again, LocalBackend(2))}
+    assert {name: outcome.finished.result for name, outcome in outcomes.items()} == {
+        name: tmp_path / "many" / name / "best.safetensors" for name in ("0", "1", "3")
+    }
     single = TrainingRun(tiny_config(tmp_path, **SHORT, seed=3, name="single"))
-    ours, theirs = load_policy(single.run())[0], load_policy(outcomes["3"].best)[0]
+    ours, theirs = load_policy(single.run())[0], load_policy(outcomes["3"].finished.result)[0]
     assert all((ours[key] == theirs[key]).all() for key in ours)
-    assert outcomes["3"].best_return == single.best_return
+    assert outcomes["3"].finished.summary == f"best validation return {single.best_return:.4f}"
+
+
+def test_an_error_ends_its_own_run(tmp_path):
+    config = TuneConfig(runs=tmp_path, name="many", episodes=3, total_steps=10_000, candidates=4)
+    configs = [
+        dataclasses.replace(one, scenarios=("case9",)) if one.seed == 1 else one
+        for one in configs_of_seeds(config, [0, 1])
+    ]
+    found = {outcome.folder.name: outcome for outcome in carry_out(tune, configs, LocalBackend(1))}
+    assert found["0"].finished == Finished(tmp_path / "many" / "0" / "open-loop.json", "9600 steps")
+    assert found["1"].finished is None
+    assert "case9" in found["1"].error
 
 
 def test_every_seed_has_a_folder(tmp_path):
@@ -43,13 +57,12 @@ def test_every_seed_has_a_folder(tmp_path):
     assert [(c.folder, c.seed) for c in configs] == [(tmp_path / "mine" / "4", 4)]
 
 
-@pytest.mark.parametrize(("seeds", "jobs", "message"), [([1, 1], 1, "each one once"), ([1], 0, "--jobs")])
-def test_impossible_requests_are_refused(tmp_path, seeds, jobs, message):
-    with pytest.raises(ValueError, match=message):
-        list(train_seeds(configs_of_seeds(tiny_config(tmp_path), seeds), jobs))
+def test_a_seed_that_is_there_twice_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="each one once"):
+        configs_of_seeds(tiny_config(tmp_path), [1, 1])
 
 
 def test_an_outcome_is_one_line():
-    done = Outcome(Path("runs/a/0"), Path("runs/a/0/best.safetensors"), -0.5, "")
-    assert describe(done) == "runs/a/0: done, best validation return -0.5000, runs/a/0/best.safetensors"
-    assert describe(Outcome(Path("runs/a/1"), None, 0.0, "no")) == "runs/a/1: failed: no"
+    done = Outcome(Path("runs/a/0"), Finished(Path("runs/a/0/best.safetensors"), "well"))
+    assert str(done) == "runs/a/0: done, well, runs/a/0/best.safetensors"
+    assert str(Outcome(Path("runs/a/1"), None, "no")) == "runs/a/1: failed: no"

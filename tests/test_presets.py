@@ -1,5 +1,6 @@
 """Presets and the command line of training."""
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from agents import make_controller
 from agents.learners import LEARNERS
 from agents.presets import PresetError, load_preset, preset_names
-from agents.train import main, read_command_line
+from agents.train import main, read_command_line, read_configs
 from agents.train_config import TrainConfig
 
 
@@ -116,7 +117,22 @@ def test_several_seeds_are_read():
     given = read_command_line(
         ["--preset", "three-cases", "--seeds", "0", "1", "--jobs", "2", "--price", "1", "2"]
     )
-    assert (given.seeds, given.jobs, given.config.price) == ((0, 1), 2, (1.0, 2.0))
+    assert (given.seeds, given.where.jobs, given.config.price) == ((0, 1), 2, (1.0, 2.0))
+
+
+def test_several_presets_each_with_its_own_options_and_all_seeds():
+    arguments = ["--presets", "case1", "three-cases-ppo", "--seeds", "3", "4", "--price", "1"]
+    configs = read_configs(read_command_line(arguments), arguments)
+    assert [str(config.folder) for config in configs] == [
+        "runs/case1/3", "runs/case1/4", "runs/three-cases-ppo/3", "runs/three-cases-ppo/4"
+    ]  # fmt: skip
+    for config in configs:
+        assert config == dataclasses.replace(load_preset(config.preset), seed=config.seed, price=(1.0,))
+    arguments += ["--name", "mine"]
+    configs = read_configs(read_command_line(arguments), arguments)
+    assert [config.name for config in configs] == [
+        "mine/case1/3", "mine/case1/4", "mine/three-cases-ppo/3", "mine/three-cases-ppo/4"
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("option", ["--sed=3", "--seed=x", "--resum"])
@@ -132,7 +148,11 @@ def test_an_option_that_is_none_is_refused(option, capsys):
         (["--preset", "nowhere"], "error: preset 'nowhere'"),
         (["--scenarios", "case9"], "error: .*case9"),
         (["--seeds", "1", "1"], "error: --seeds: each one once"),
-        (["--seeds", "1", "--jobs", "0"], "error: --jobs must be positive"),
+        (["--presets", "case1", "case1"], "error: --presets: each one once, got case1 case1"),
+        (["--presets", "case1", "nowhere"], "error: preset 'nowhere'"),
+        (["--seeds", "1", "--jobs", "-1"], "error: --jobs must be positive"),
+        (["--seeds", "1", "--address", "10.0.0.1:6379"], "error: --address 10.0.0.1:6379: --backend local"),
+        (["--backend", "slurm", "--address", "local"], "error: --backend slurm: say by --jobs"),
     ],
 )
 def test_the_program_ends_with_one_line(tmp_path, arguments, message):

@@ -221,11 +221,11 @@ def test_options_that_cannot_be_are_refused_before_anything_is_written(tmp_path,
 def test_the_command_line_takes_defaults_from_kind_and_preset(tmp_path):
     preset = tmp_path / "own.toml"
     preset.write_text('scenarios = ["case2"]\ntotal_steps = 1234\n')
-    config = read_command_line(["--what", "constant", "--preset", str(preset), "--price", "0.1"])
+    config = read_command_line(["--what", "constant", "--preset", str(preset), "--price", "0.1"]).config
     assert (config.scenarios, config.total_steps, config.knots) == (("case2",), 1234, (0,))
     assert (config.preset, config.price) == (str(preset), 0.1)
     expected = dataclasses.replace(TuneConfig(), sigma=0.3)
-    assert read_command_line(["--sigma", "0.3"]) == expected
+    assert read_command_line(["--sigma", "0.3"]).config == expected
 
 
 def test_trials_meet_the_same_episodes_the_first_one_with_the_parameters_to_begin_with(tmp_path):

@@ -8,13 +8,15 @@ import platformdirs
 
 from swarm_gym.errors import ScenarioError, shown
 
+DATA = "SWARM_GYM_DATA"  # the variable that names the folder
+
 # Sub-folders of the data folder that are searched before the others.
 FOLDERS = ("movingai", "ros")
 
 
 def data_folder() -> Path:
     """Folder of the maps: `SWARM_GYM_DATA` where that is set, else in the user's data."""
-    return Path(os.environ.get("SWARM_GYM_DATA") or platformdirs.user_data_dir("swarm_gym"))
+    return Path(os.environ.get(DATA) or platformdirs.user_data_dir("swarm_gym"))
 
 
 def find_data_file(*names: str) -> Path:

@@ -1,0 +1,79 @@
+"""What carries out units of work: in processes of this machine, or of others."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+MOST_LOSSES = 3  # of what is under way, before work is given up
+
+# More processes, not more threads of each, make use of more cores; see also agents.learners.ppo.
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+
+
+class BackendError(RuntimeError):
+    """A backend cannot be used, or gives up; the message says why."""
+
+
+class WorkLostError(BackendError):
+    """Worker processes were killed again and again."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            f"worker processes were killed {MOST_LOSSES} times before one could finish its work; is memory "
+            "short?"
+        )
+
+
+class Task(NamedTuple):
+    """What is done with each unit of work.
+
+    Attributes:
+        function: of a module that workers can import; called as `function(unit, *common)`.
+        common: arguments that are the same for all units.
+    """
+
+    function: Callable[..., Any]
+    common: tuple[Any, ...] = ()
+
+    def __call__(self, unit: Any) -> Any:
+        """What becomes of a unit."""
+        return self.function(unit, *self.common)
+
+
+class Backend(ABC):
+    """Carries out units of work, several at a time, in processes that do one after the other.
+
+    What is lost with a process or a machine is carried out again, so that work may be done more than once;
+    its result comes once.
+
+    Attributes:
+        on_this_machine: whether all workers are processes of this machine.
+    """
+
+    on_this_machine: bool = False
+
+    @abstractmethod
+    def workers(self) -> int:
+        """How many units can be under way at a time, as far as that is known.
+
+        Raises:
+            BackendError: if the backend cannot be used.
+        """
+
+    @abstractmethod
+    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Carry out a task for each of some units.
+
+        Yields:
+            The number of a unit and its result, as they end.
+
+        Raises:
+            WorkLostError: if workers are killed again and again.
+            BackendError: if the backend cannot be used.
+            Exception: whatever the task raises; no result comes after that.
+        """
+
+    def close(self) -> None:  # noqa: B027, since not every backend has something to let go of
+        """Let go of workers."""

@@ -1,0 +1,56 @@
+"""Processes of this machine, by joblib."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+from tqdm import tqdm
+
+from agents.backends.backend import MOST_LOSSES, Backend, Task, WorkLostError
+
+
+class LocalBackend(Backend):
+    """A pool of processes; a single one is this one.
+
+    Args:
+        jobs: how many processes; 0 for as many as there are cores.
+    """
+
+    on_this_machine = True
+
+    def __init__(self, jobs: int):
+        self._jobs = jobs or cpu_count()
+
+    def workers(self) -> int:
+        """As many as there are processes."""
+        return self._jobs
+
+    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """See `Backend`. When one process is killed, all units that are under way are lost."""
+        left = dict(enumerate(units))
+        losses = 0
+        while left:
+            # A copy: what is left changes while these are taken.
+            calls = (delayed(_numbered)(number, task, unit) for number, unit in [*left.items()])
+            try:
+                for number, result in self._parallel()(calls):
+                    del left[number]
+                    losses = 0
+                    yield number, result
+            except TerminatedWorkerError as error:
+                losses += 1
+                if losses == MOST_LOSSES:
+                    raise WorkLostError from error
+                tqdm.write("a worker process was killed; what was under way is done again")
+
+    def _parallel(self) -> Parallel:
+        # One thread per process, see agents.learners.ppo.
+        with parallel_config(backend="loky", inner_max_num_threads=1):
+            return Parallel(
+                self._jobs, return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs"
+            )
+
+
+def _numbered(number: int, task: Task, unit: Any) -> tuple[int, Any]:
+    return number, task(unit)

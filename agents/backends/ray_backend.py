@@ -1,0 +1,185 @@
+"""Processes of a Ray cluster, or of Ray on this machine."""
+
+import logging
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from tqdm import tqdm
+
+from agents.backends.backend import MOST_LOSSES, ONE_THREAD, Backend, BackendError, Task, WorkLostError
+from agents.backends.luggage import LEFT_BEHIND, pack
+from swarm_gym.errors import MissingExtraError
+
+AHEAD = 2  # units that wait for each that is under way, so that no worker waits for this process
+PATIENCE = 10.0  # seconds, after which it is asked again how many processors there are
+
+
+class RayBackend(Backend):
+    """Ray tasks of one processor each; what is lost with a process or a node, Ray does again.
+
+    Ray is started, or connected to, when there is work.
+
+    Args:
+        address: of a cluster, as `ray.init` takes it; None starts Ray on this machine.
+        jobs: how many units at a time; 0 for as many as there are processors.
+        files: what the nodes of a cluster need besides code and maps, see `agents.backends.luggage`.
+
+    Raises:
+        MissingExtraError: if Ray is missing.
+    """
+
+    def __init__(self, address: str | None, jobs: int, files: Sequence[Path] = ()):
+        try:
+            import ray
+        except ImportError as error:
+            raise MissingExtraError("--backend ray", "Ray", "ray") from error
+        self.on_this_machine = address is None
+        self._ray = ray
+        self._address = address
+        self._jobs = jobs
+        self._files = files
+        self._connected = False
+        self._room = 0
+        self._counted = -PATIENCE
+
+    def workers(self) -> int:
+        """As many as there are processors now."""
+        self._connect()
+        found = max(1, self._processors())
+        return min(found, self._jobs or found)
+
+    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """See `Backend`."""
+        self._connect()
+        ray = self._ray
+        carry_out = ray.remote(num_cpus=1, max_retries=MOST_LOSSES - 1)(_carry_out)
+        shared = ray.put(task)
+        left = list(range(len(units)))[::-1]
+        under_way: dict[Any, int] = {}
+        try:
+            while left or under_way:
+                room = self._most_under_way() - len(under_way)
+                for number in [left.pop() for _ in range(min(room, len(left)))]:
+                    under_way[carry_out.remote(shared, units[number])] = number
+                for reference in self._ended(list(under_way)):
+                    yield under_way.pop(reference), self._result(reference)
+        finally:
+            for reference in under_way:
+                ray.cancel(reference, force=True)
+
+    def close(self) -> None:
+        """Leave the cluster, or end it where it was started here."""
+        if self._connected:
+            self._ray.shutdown()
+            self._connected = False
+
+    def _connect(self) -> None:
+        if self._connected:
+            return
+        here = self._address is None
+        _require_answer(self._address)
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # of a cluster, whoever started it decides
+        os.environ.setdefault("RAY_IGNORE_UNHANDLED_ERRORS", "1")  # the first one is raised, and all end
+        with TemporaryDirectory(prefix="swarm_gym") as folder, _own_signals():
+            environment: dict[str, Any] = {"env_vars": ONE_THREAD}
+            if not here:
+                set_there = pack(Path(folder), self._files)
+                environment = {
+                    "env_vars": ONE_THREAD | set_there,
+                    "working_dir": folder,
+                    "excludes": LEFT_BEHIND,
+                }
+            try:
+                self._ray.init(
+                    "local" if here else self._address,
+                    num_cpus=self._jobs or None if here else None,
+                    include_dashboard=False if here else None,
+                    runtime_env=environment,
+                    log_to_driver=False,
+                    logging_level=logging.ERROR,
+                )
+            # Nobody there, another version, too much luggage: Ray raises errors of any class.
+            except Exception as error:
+                where = "" if here else f" --address {self._address}"
+                raise BackendError(f"--backend ray{where}: {error}") from error
+        self._connected = True
+
+    def _processors(self) -> int:
+        return int(self._ray.cluster_resources().get("CPU", 0))
+
+    def _most_under_way(self) -> int:
+        """How many units are handed to Ray at a time; asks the cluster now and then, which may grow."""
+        if time.monotonic() - self._counted > PATIENCE:
+            processors = self._processors()
+            if not processors:
+                tqdm.write("the Ray cluster has no processors; waiting for some")
+            ahead = (1 + AHEAD) * max(1, processors)
+            # Ray that was started here has as many processors as there are jobs.
+            self._room = min(ahead, self._jobs or ahead) if self._address else ahead
+            self._counted = time.monotonic()
+        return self._room
+
+    def _ended(self, references: list[Any]) -> list[Any]:
+        """All that have ended, once one has, or nothing after a while."""
+        with _own_exceptions():
+            ended, _ = self._ray.wait(references, timeout=PATIENCE)
+            if ended:
+                ended, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
+            return ended
+
+    def _result(self, reference: Any) -> Any:
+        errors = self._ray.exceptions
+        try:
+            with _own_exceptions():
+                return self._ray.get(reference)
+        except errors.RayTaskError as error:  # raised by the task
+            raise error.cause from error
+        except errors.RuntimeEnvSetupError as error:
+            raise BackendError(f"--backend ray: a node could not make ready ({error})") from error
+        except errors.RayError as error:
+            raise WorkLostError from error
+
+
+def _require_answer(address: str | None) -> None:
+    """Refuse an address where nobody listens, which Ray itself would try for minutes.
+
+    Raises:
+        BackendError: if nobody does.
+    """
+    host, colon, port = (address or "").removeprefix("ray://").rpartition(":")
+    if not colon or not port.isdigit():
+        return
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), PATIENCE).close()
+    except (OSError, OverflowError) as error:
+        raise BackendError(f"--backend ray --address {address}: nobody answers there ({error})") from error
+
+
+def _carry_out(task: Task, unit: Any) -> Any:
+    return task(unit)
+
+
+@contextmanager
+def _own_exceptions() -> Iterator[None]:
+    """Raise what the handler of a signal raised while Ray waited, and not the error that Ray makes of it."""
+    try:
+        yield
+    except SystemError as error:
+        raise error.__cause__ or error from None
+
+
+@contextmanager
+def _own_signals() -> Iterator[None]:
+    """Keep the handler of SIGTERM, which Ray replaces: how commands end is said elsewhere."""
+    mine = signal.getsignal(signal.SIGTERM)
+    yield
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, mine)

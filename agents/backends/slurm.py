@@ -1,0 +1,131 @@
+"""Jobs of a Slurm cluster, by submitit; or, to try things out, the same in processes of this machine."""
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from agents.backends.backend import MOST_LOSSES, ONE_THREAD, Backend, BackendError, Task, WorkLostError
+from swarm_gym.errors import MissingExtraError
+
+HERE = "local"
+ROUNDS = 4  # jobs that come after one another in each place of the queue, lest one long job ends last
+MINUTES = 24 * 60  # of a job, unless SBATCH_TIMELIMIT says otherwise
+PATIENCE = 1.0  # seconds between two looks at the jobs
+
+
+class SlurmBackend(Backend):
+    """Slurm jobs of one processor each, which see this file system and the Python that this process is.
+
+    What Slurm wants to know else (account, time limit, memory) it is told by its own variables, `SBATCH_*`.
+
+    Args:
+        partition: of the cluster; None for its default, "local" for processes of this machine.
+        jobs: how many jobs are in the queue at a time.
+        folder: for what jobs are told and tell; deleted where all went well.
+
+    Raises:
+        MissingExtraError: if submitit is missing.
+        BackendError: if there is no Slurm.
+        ValueError: if it is not said how many jobs.
+    """
+
+    def __init__(self, partition: str | None, jobs: int, folder: Path):
+        try:
+            import submitit
+        except ImportError as error:
+            raise MissingExtraError("--backend slurm", "submitit", "slurm") from error
+        if jobs < 1:
+            raise ValueError("--backend slurm: say by --jobs how many jobs are in the queue at a time")
+        self._submitit = submitit
+        self._jobs = jobs
+        self._folder = folder.absolute()
+        cluster = "local" if partition == HERE else "slurm"
+        try:
+            self._executor = submitit.AutoExecutor(self._folder, cluster)
+        except RuntimeError as error:
+            raise BackendError(f"--backend slurm: {error} `--address {HERE}` does without") from error
+        setup = [f"export {name}={value}" for name, value in ONE_THREAD.items()]
+        self._executor.update_parameters(
+            name="swarm_gym",
+            timeout_min=MINUTES,
+            cpus_per_task=1,
+            slurm_partition=partition,
+            **{f"{cluster}_setup": setup},
+        )
+
+    def workers(self) -> int:
+        """As many as there are jobs at a time."""
+        return self._jobs
+
+    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """See `Backend`; a job carries out several units, and their results come when it ends."""
+        size = math.ceil(len(units) / (ROUNDS * self._jobs)) or 1
+        left = [range(first, min(first + size, len(units))) for first in range(0, len(units), size)][::-1]
+        under_way: dict[Any, range] = {}
+        losses = 0
+        try:
+            while left or under_way:
+                while left and len(under_way) < self._jobs:
+                    numbers = left.pop()
+                    job = self._submit(task, [units[number] for number in numbers])
+                    under_way[job] = numbers
+                time.sleep(PATIENCE)
+                for job in [job for job in under_way if job.done()]:
+                    numbers = under_way.pop(job)
+                    outcomes = self._outcomes(job)
+                    if outcomes is None:
+                        losses += 1
+                        if losses == MOST_LOSSES:
+                            raise WorkLostError
+                        tqdm.write(f"job {job.job_id} was lost; its work is done again")
+                        left.append(numbers)
+                        continue
+                    losses = 0
+                    for number, (result, error) in zip(numbers, outcomes, strict=False):
+                        if error is not None:
+                            raise error
+                        yield number, result
+        finally:
+            for job in under_way:
+                job.cancel(check=False)
+
+    def close(self) -> None:
+        """Delete the folder, if nothing is left in it."""
+        with suppress(OSError):
+            self._folder.rmdir()
+
+    def _submit(self, task: Task, units: list[Any]) -> Any:
+        try:
+            return self._executor.submit(_carry_out, task, units)
+        except self._submitit.core.utils.FailedJobError as error:
+            raise BackendError(f"--backend slurm: a job was refused ({error})") from error
+
+    def _outcomes(self, job: Any) -> list[tuple[Any, Exception | None]] | None:
+        """What a job that has ended tells, or nothing, if it was killed."""
+        try:
+            outcomes = job.result()
+        except self._submitit.core.utils.UncompletedJobError:
+            return None
+        except self._submitit.core.utils.FailedJobError as error:
+            raise BackendError(f"--backend slurm: {error}") from error
+        paths = job.paths
+        for path in (paths.submitted_pickle, paths.result_pickle, paths.stdout, paths.stderr):
+            path.unlink(missing_ok=True)
+        return outcomes
+
+
+def _carry_out(task: Task, units: list[Any]) -> list[tuple[Any, Exception | None]]:
+    """Results and errors; nothing is carried out after an error."""
+    outcomes: list[tuple[Any, Exception | None]] = []
+    for unit in units:
+        try:
+            outcomes.append((task(unit), None))
+        except Exception as error:
+            outcomes.append((None, error))
+            break
+    return outcomes

@@ -1,0 +1,144 @@
+"""Whatever carries out work does all of it, each unit once as far as anybody sees, or says why not."""
+
+import operator
+import os
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from trainings import make_policy
+
+from agents.backends import BackendError, BackendOptions, Task, WorkLostError
+from agents.backends.luggage import files_of, pack
+from agents.open_loop import save_open_loop
+from agents.provenance import git_commit
+from swarm_gym.errors import MissingExtraError
+
+OPTIONS = {
+    "one process": BackendOptions(jobs=1),
+    "local": BackendOptions(jobs=2),
+    "ray": BackendOptions("ray", jobs=2),
+    "slurm": BackendOptions("slurm", "local", jobs=2),
+}
+SEVERAL = ("local", "ray", "slurm")  # those whose workers are processes of their own
+
+
+@pytest.fixture(scope="module", params=OPTIONS)
+def backend(request, tmp_path_factory):
+    made = make(request.param, tmp_path_factory.mktemp("shared"))
+    yield made
+    made.close()
+
+
+def make(name, folder):
+    if name in ("ray", "slurm"):
+        library = {"ray": "ray", "slurm": "submitit"}[name]
+        module = pytest.importorskip(library, reason=f"needs the extra `{name}`")
+        if name == "slurm":
+            module.core.core.Job._results_timeout_s = 1  # seconds that it looks for what a killed job told
+    return OPTIONS[name].make(folder)
+
+
+def test_every_unit_is_carried_out_once(backend):
+    assert backend.workers() in (1, 2)
+    found = list(backend.run(Task(operator.sub, (1,)), range(20, 50)))
+    assert sorted(found) == [(number, number + 19) for number in range(30)]
+    assert list(backend.run(Task(operator.sub, (1,)), [])) == []
+
+
+def test_an_error_of_the_work_is_raised_here(backend):
+    with pytest.raises(ZeroDivisionError):
+        list(backend.run(Task(operator.truediv, (0,)), [1, 2, 3]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SEVERAL)
+def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
+    def die_once(unit, folder):
+        mark = folder / str(unit)
+        if unit in {3, 11} and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return unit
+
+    backend = make(name, tmp_path)
+    try:
+        found = list(backend.run(Task(die_once, (tmp_path,)), range(16)))
+    finally:
+        backend.close()
+    assert sorted(found) == [(number, number) for number in range(16)]
+    assert {path.name for path in tmp_path.iterdir()} >= {"3", "11"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SEVERAL)
+def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
+    backend = make(name, tmp_path)
+    try:
+        with pytest.raises(WorkLostError, match=r"killed 3 times.*is memory short"):
+            list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
+    finally:
+        backend.close()
+
+
+@pytest.mark.parametrize(("name", "library"), [("ray", "ray"), ("slurm", "submitit")])
+def test_without_its_library_the_extra_is_named(tmp_path, monkeypatch, name, library):
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(MissingExtraError, match=rf"--backend {name} needs .*swarm_gym\[{name}\]"):
+        OPTIONS[name].make(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        (BackendOptions(jobs=-1), ValueError, "--jobs must be positive, or 0 for all cores, got -1"),
+        (BackendOptions(address="auto"), ValueError, "--address auto: --backend local has none"),
+        (BackendOptions("slurm", "local"), ValueError, "say by --jobs"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(tmp_path, options, error, message):
+    pytest.importorskip("submitit", reason="needs the extra `slurm`")
+    with pytest.raises(error, match=message):
+        options.make(tmp_path)
+
+
+def test_without_slurm_it_is_said(tmp_path, monkeypatch):
+    pytest.importorskip("submitit", reason="needs the extra `slurm`")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(BackendError, match=r"srun.*--address local"):
+        BackendOptions("slurm", jobs=1).make(tmp_path)
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "[::1]:99999"])
+def test_an_address_where_nobody_is_is_refused(tmp_path, address):
+    pytest.importorskip("ray", reason="needs the extra `ray`")
+    backend = BackendOptions("ray", address).make(tmp_path)
+    with pytest.raises(BackendError, match=r"nobody answers there"):
+        backend.workers()
+
+
+def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tmp_path, monkeypatch):
+    rng = np.random.default_rng(0)
+    here, there = tmp_path / "here", tmp_path / "there"
+    (here / "runs").mkdir(parents=True)
+    there.mkdir()
+    monkeypatch.chdir(here)
+    monkeypatch.setenv("SWARM_GYM_DATA", str(here))
+    save_open_loop(Path("runs/base.json"), 60, [0], [30.0], [0.2], {}, {})
+    make_policy(Path("runs/mine.safetensors"), rng, base="open-loop:runs/base.json")
+    make_policy(here / "far.safetensors", rng)
+    names = ["spsfa", "fixed:3", "learned:three-cases/0", f"learned:{here / 'far.safetensors'}"]
+    files = list(files_of([*names, "learned:runs/mine.safetensors@0.5"]))
+    assert set(files) == {
+        Path("runs/mine.safetensors"), Path("runs/base.json"), here / "far.safetensors"
+    }  # fmt: skip
+    variables = pack(there, files)
+    assert {path.name for path in there.iterdir()} == {"swarm_gym", "agents", "experiments", "maps", "runs"}
+    assert {path.name for path in (there / "runs").iterdir()} == {"base.json", "mine.safetensors"}
+    assert (there / variables["SWARM_GYM_DATA"] / "far.safetensors").is_file()
+    assert variables["SWARM_GYM_COMMIT"] == git_commit()
+    monkeypatch.setenv("SWARM_GYM_COMMIT", "abc")
+    assert git_commit() == "abc"

@@ -1,0 +1,157 @@
+"""A suite on a Ray cluster of several nodes: the same rows as here, whatever is killed meanwhile."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from small_commands import CONTROLLERS, rows
+from trainings import STEPS, make_policy, tiny_config
+
+from agents.backends.local import LocalBackend
+from agents.backends.luggage import files_of
+from agents.backends.ray_backend import RayBackend
+from agents.many_runs import carry_out, configs_of_seeds, train
+from agents.policy_file import load_policy
+from agents.training_run import TrainingRun
+from experiments.results import Results
+from experiments.runner import configuration, missing_runs, run_missing
+from experiments.suite import Suite
+
+if not sys.platform.startswith("linux"):
+    pytest.skip("looks at processes as Linux has them", allow_module_level=True)
+cluster_utils = pytest.importorskip("ray.cluster_utils", reason="needs the extra `ray`")
+
+pytestmark = pytest.mark.slow
+
+SUITE = Suite("paper", CONTROLLERS, ("case1", "case2", "case3"), num_seeds=12, baseline="spsfa-tip")
+
+
+@pytest.fixture
+def cluster():
+    """Two nodes of one processor each, besides the head, which has none: nothing is lost with that."""
+    made = cluster_utils.Cluster(
+        initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False}
+    )
+    made.workers = [made.add_node(num_cpus=1) for _ in range(2)]
+    yield made
+    made.shutdown()
+
+
+class Watched(Results):
+    """A database that does something once it has so many runs."""
+
+    def __init__(self, path, suite, after, what):
+        super().__init__(path, configuration(suite))
+        self.after, self.what, self.stored = after, what, []
+
+    def add(self, *runs):
+        super().add(*runs)
+        self.stored += [(run.controller, run.scenario, run.seed) for run in runs]
+        if self.what and len(self.stored) >= self.after:
+            what, self.what = self.what, None
+            what()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The folder of a database with all runs, made here."""
+    folder = tmp_path_factory.mktemp("whole")
+    results = Results(folder / "paper.sqlite", configuration(SUITE))
+    run_missing(SUITE, results, LocalBackend(2))
+    results.close()
+    return folder
+
+
+def kill_a_worker():
+    found = subprocess.run(["pgrep", "-f", "ray::_carry_out"], capture_output=True, text=True, check=True)
+    os.kill(int(found.stdout.split()[0]), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("killed", ["nothing", "worker", "node"])
+def test_rows_are_those_made_here_whatever_is_killed(tmp_path, cluster, whole, killed):
+    def kill_a_node():
+        cluster.remove_node(cluster.workers[0], allow_graceful=False)
+
+    what = {"nothing": None, "worker": kill_a_worker, "node": kill_a_node}[killed]
+    results = Watched(tmp_path / "paper.sqlite", SUITE, 20, what)
+    backend = RayBackend(cluster.address, 0)
+    assert backend.workers() == 2
+    run_missing(SUITE, results, backend)
+    backend.close()
+    results.close()
+    assert results.what is None
+    assert len(results.stored) == len(set(results.stored)) == 3 * 3 * 12
+    assert rows(tmp_path) == rows(whole)
+
+
+def test_what_one_backend_began_another_one_ends(tmp_path, cluster, whole):
+    class StoppedError(Exception):
+        pass
+
+    def stop():
+        raise StoppedError
+
+    first = Watched(tmp_path / "paper.sqlite", SUITE, 20, stop)
+    with pytest.raises(StoppedError):
+        run_missing(SUITE, first, LocalBackend(2))
+    first.close()
+    results = Watched(tmp_path / "paper.sqlite", SUITE, 0, None)
+    lacking = missing_runs(SUITE, results)
+    assert 0 < len(lacking) < 3 * 3 * 12
+    backend = RayBackend(cluster.address, 0)
+    run_missing(SUITE, results, backend)
+    backend.close()
+    results.close()
+    assert sorted(results.stored) == sorted(lacking)
+    assert rows(tmp_path) == rows(whole)
+
+
+def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkeypatch):
+    """They are in another folder, and what is set here is not set there."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path / "data"))
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "room.map").write_text(
+        "type octile\nheight 8\nwidth 8\nmap\n" + ("." * 8 + "\n") * 3 + "...@@@..\n" + ("." * 8 + "\n") * 4
+    )
+    make_policy(tmp_path / "mine.safetensors", np.random.default_rng(0))
+    controllers = ("spsfa-tip", "learned:mine.safetensors")
+    suite = Suite("paper", controllers, ("moving-ai:room?start=0,0&goal=7,7",), 3, "spsfa-tip")
+    backend = RayBackend(cluster.address, 0, list(files_of(controllers)))
+    for name, by in (("here", LocalBackend(1)), ("there", backend)):
+        results = Results(tmp_path / name / "paper.sqlite", configuration(suite))
+        run_missing(suite, results, by)
+        results.close()
+    backend.close()
+    assert rows(tmp_path / "here") == rows(tmp_path / "there")
+    assert len(rows(tmp_path / "there")) == 6
+
+
+def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, cluster):
+    long = {"warm_start": "none", "total_steps": 15 * STEPS}
+    begun = [tmp_path / "many" / seed / "latest.safetensors" for seed in ("0", "1")]
+
+    def kill_a_node():
+        while not all(path.exists() for path in begun):
+            time.sleep(0.02)
+        cluster.remove_node(cluster.workers[0], allow_graceful=False)
+
+    killer = threading.Thread(target=kill_a_node, daemon=True)
+    killer.start()
+    backend = RayBackend(cluster.address, 0)
+    outcomes = list(
+        carry_out(train, configs_of_seeds(tiny_config(tmp_path, **long, name="many"), [0, 1]), backend)
+    )
+    backend.close()
+    killer.join(10)
+    assert not killer.is_alive()
+    for outcome in outcomes:
+        seed = int(outcome.folder.name)
+        single = TrainingRun(tiny_config(tmp_path, **long, seed=seed, name=f"single{seed}"))
+        ours, theirs = load_policy(single.run())[0], load_policy(outcome.finished.result)[0]
+        assert all((ours[key] == theirs[key]).all() for key in ours)
