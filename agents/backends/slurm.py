@@ -109,10 +109,10 @@ class SlurmBackend(Backend):
         """What a job that has ended tells, or nothing, if it was killed."""
         try:
             outcomes = job.result()
+        except self._submitit.core.utils.FailedJobError as error:  # a kind of the other one
+            raise BackendError(f"--backend slurm: {error}") from error
         except self._submitit.core.utils.UncompletedJobError:
             return None
-        except self._submitit.core.utils.FailedJobError as error:
-            raise BackendError(f"--backend slurm: {error}") from error
         paths = job.paths
         for path in (paths.submitted_pickle, paths.result_pickle, paths.stdout, paths.stderr):
             path.unlink(missing_ok=True)
