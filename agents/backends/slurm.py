@@ -79,6 +79,7 @@ class SlurmBackend(Backend):
                     numbers = under_way.pop(job)
                     outcomes = self._outcomes(job)
                     if outcomes is None:
+                        job.cancel(check=False)  # Slurm begins some of them again, as when a node fails
                         losses += 1
                         if losses == MOST_LOSSES:
                             raise WorkLostError
