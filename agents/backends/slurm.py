@@ -96,7 +96,10 @@ class SlurmBackend(Backend):
                 job.cancel(check=False)
 
     def close(self) -> None:
-        """Delete the folder, if nothing is left in it."""
+        """Delete the folder, if nothing is left in it but links to what is deleted."""
+        for link in self._folder.glob(".submission_file_*"):
+            if not link.exists():
+                link.unlink(missing_ok=True)
         with suppress(OSError):
             self._folder.rmdir()
 
@@ -115,7 +118,13 @@ class SlurmBackend(Backend):
         except self._submitit.core.utils.UncompletedJobError:
             return None
         paths = job.paths
-        for path in (paths.submitted_pickle, paths.result_pickle, paths.stdout, paths.stderr):
+        for path in (
+            paths.submission_file,
+            paths.submitted_pickle,
+            paths.result_pickle,
+            paths.stdout,
+            paths.stderr,
+        ):
             path.unlink(missing_ok=True)
         return outcomes
 
