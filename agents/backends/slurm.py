@@ -80,10 +80,10 @@ class SlurmBackend(Backend):
                     outcomes = self._outcomes(job)
                     if outcomes is None:
                         job.cancel(check=False)  # Slurm begins some of them again, as when a node fails
+                        tqdm.write(f"job {job.job_id} was lost ({job.state}); its work is done again")
                         losses += 1
                         if losses == MOST_LOSSES:
                             raise WorkLostError
-                        tqdm.write(f"job {job.job_id} was lost; its work is done again")
                         left.append(numbers)
                         continue
                     losses = 0
