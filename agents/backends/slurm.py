@@ -1,6 +1,7 @@
 """Jobs of a Slurm cluster, by submitit; or, to try things out, the same in processes of this machine."""
 
 import math
+import signal
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -131,6 +132,8 @@ class SlurmBackend(Backend):
 
 def _carry_out(task: Task, units: list[Any]) -> list[tuple[Any, Exception | None]]:
     """Results and errors; nothing is carried out after an error."""
+    # Submitit has a job begin again, without end, where SBATCH_TIMELIMIT is less than what it was told.
+    signal.signal(signal.SIGUSR2, signal.SIG_IGN)
     outcomes: list[tuple[Any, Exception | None]] = []
     for unit in units:
         try:
