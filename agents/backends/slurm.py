@@ -134,6 +134,8 @@ def _carry_out(task: Task, units: list[Any]) -> list[tuple[Any, Exception | None
     """Results and errors; nothing is carried out after an error."""
     # Submitit has a job begin again, without end, where SBATCH_TIMELIMIT is less than what it was told.
     signal.signal(signal.SIGUSR2, signal.SIG_IGN)
+    # Nor does it heed SIGTERM: what is cancelled would keep its processor and the lock of its run.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     outcomes: list[tuple[Any, Exception | None]] = []
     for unit in units:
         try:
