@@ -23,6 +23,7 @@ class SlurmBackend(Backend):
     """Slurm jobs of one processor each, which see this file system and the Python that this process is.
 
     What Slurm wants to know else (account, time limit, memory) it is told by its own variables, `SBATCH_*`.
+    It has to have accounting: only by `sacct` is it seen that a job was killed.
 
     Args:
         partition: of the cluster; None for its default, "local" for processes of this machine.
