@@ -6,7 +6,7 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 
 comma := ,
-EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
+EVERYTHING = --editable '.[maps,render,video,study,ray-tune,slurm,dev]'
 
 # A virtual environment, with what these options of pip say.
 define install_into
@@ -23,7 +23,8 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic docs-gallery clean
+    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-moa docs-iafsa docs-brand-yu docs-dynamic \
+    docs-scaling docs-gallery clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -164,6 +165,13 @@ docs-brand-yu: $(INSTALLED) ## regenerate docs/brand-yu-paper.md
 docs-dynamic: $(INSTALLED) ## regenerate docs/dynamic.md
 	$(BIN)/python -m experiments.evaluate --suite dynamic --output results/docs
 	$(BIN)/python -m experiments.publish_suite results/docs/dynamic docs/dynamic.md
+
+benchmark-scaling: $(INSTALLED) ## measure what Ray adds on logical nodes, and predict clusters: results/scaling (15 minutes)
+	@echo "== benchmark of backends (keep the machine quiet)"
+	$(BIN)/python -m experiments.scaling
+
+docs-scaling: benchmark-scaling ## the same, into docs/scaling.md
+	$(BIN)/python -m experiments.publish_suite results/scaling docs/scaling.md
 
 docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
 	$(BIN)/python -m experiments.gallery

@@ -40,19 +40,23 @@ class Unit(NamedTuple):
     seeds: tuple[int, ...]
 
 
-def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
-    """What the database lacks.
+def all_runs(suite: Suite) -> list[RunKey]:
+    """What belongs to a suite.
 
     Seeds are outermost: a suite that is stopped has compared everything on the seeds it has done.
     """
-    finished = results.finished()
     return [
-        key
+        (controller, scenario, seeds[k])
         for k in range(suite.num_seeds)
         for scenario, seeds in suite.seeds.items()
         for controller in suite.controllers
-        if (key := (controller, scenario, seeds[k])) not in finished
     ]
+
+
+def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
+    """What the database lacks."""
+    finished = results.finished()
+    return [key for key in all_runs(suite) if key not in finished]
 
 
 def run_missing(suite: Suite, results: Results, backend: Backend) -> None:

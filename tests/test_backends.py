@@ -112,6 +112,16 @@ def test_without_slurm_it_is_said(tmp_path, monkeypatch):
         BackendOptions("slurm", jobs=1).make(tmp_path)
 
 
+def test_slurm_without_accounting_is_refused(tmp_path, monkeypatch):
+    pytest.importorskip("submitit", reason="needs the extra `slurm`")
+    for name, does in (("srun", "true"), ("sacct", "echo 'accounting storage is disabled' >&2; exit 1")):
+        (tmp_path / name).write_text(f"#!/bin/sh\n{does}\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(BackendError, match=r"needs Slurm's accounting.*storage is disabled"):
+        BackendOptions("slurm", jobs=1).make(tmp_path / "jobs")
+
+
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "[::1]:99999"])
 def test_an_address_where_nobody_is_is_refused(tmp_path, address):
     pytest.importorskip("ray", reason="needs the extra `ray`")

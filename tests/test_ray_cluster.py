@@ -1,5 +1,6 @@
 """A suite on a Ray cluster of several nodes: the same rows as here, whatever is killed meanwhile."""
 
+import json
 import os
 import signal
 import subprocess
@@ -10,7 +11,7 @@ import time
 import numpy as np
 import pytest
 from small_commands import CONTROLLERS, rows
-from trainings import STEPS, make_policy, tiny_config
+from trainings import STEPS, TINY, make_policy, tiny_config
 
 from agents.backends.local import LocalBackend
 from agents.backends.luggage import files_of
@@ -155,3 +156,20 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
         single = TrainingRun(tiny_config(tmp_path, **long, seed=seed, name=f"single{seed}"))
         ours, theirs = load_policy(single.run())[0], load_policy(outcome.finished.result)[0]
         assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+def test_ray_tune_searches_a_preset(tmp_path):
+    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
+    from experiments.with_ray_tune import SearchConfig, search
+
+    lines = [f"{name} = {json.dumps(value)}" for name, value in {**TINY, "warm_start": "none"}.items()]
+    (tmp_path / "tiny.toml").write_text("like = 'three-cases-ppo'\n" + "\n".join(lines))
+    config = SearchConfig(
+        str(tmp_path / "tiny.toml"), trials=4, rungs=2, total_steps=4 * STEPS, runs=tmp_path / "runs", jobs=2
+    )
+    policy, values = search(config)
+    _, manifest = load_policy(policy)
+    assert {name: manifest["config"][name] for name in values} == values
+    runs = [json.loads(path.read_text()) for path in (tmp_path / "runs").glob("*/config.json")]
+    assert len(runs) == 4
+    assert len({run["learning_rate"] for run in runs}) == 4

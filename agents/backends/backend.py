@@ -22,7 +22,7 @@ class WorkLostError(BackendError):
     def __init__(self) -> None:
         super().__init__(
             f"worker processes were killed {MOST_LOSSES} times before one could finish its work; is memory "
-            "short?"
+            "short, or a time limit?"
         )
 
 

@@ -51,10 +51,9 @@ class RayBackend(Backend):
         self._counted = -PATIENCE
 
     def workers(self) -> int:
-        """As many as there are processors now."""
+        """As many as were asked for, or as there are processors now."""
         self._connect()
-        found = max(1, self._processors())
-        return min(found, self._jobs or found)
+        return self._jobs or max(1, self._processors())
 
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """See `Backend`."""

@@ -2,6 +2,7 @@
 
 import math
 import signal
+import subprocess
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -23,7 +24,6 @@ class SlurmBackend(Backend):
     """Slurm jobs of one processor each, which see this file system and the Python that this process is.
 
     What Slurm wants to know else (account, time limit, memory) it is told by its own variables, `SBATCH_*`.
-    It has to have accounting: only by `sacct` is it seen that a job was killed.
 
     Args:
         partition: of the cluster; None for its default, "local" for processes of this machine.
@@ -32,7 +32,7 @@ class SlurmBackend(Backend):
 
     Raises:
         MissingExtraError: if submitit is missing.
-        BackendError: if there is no Slurm.
+        BackendError: if there is no Slurm, or none with accounting: only `sacct` tells of killed jobs.
         ValueError: if it is not said how many jobs.
     """
 
@@ -51,6 +51,8 @@ class SlurmBackend(Backend):
             self._executor = submitit.AutoExecutor(self._folder, cluster)
         except RuntimeError as error:
             raise BackendError(f"--backend slurm: {error} `--address {HERE}` does without") from error
+        if cluster == "slurm":
+            _require_accounting()
         setup = [f"export {name}={value}" for name, value in ONE_THREAD.items()]
         self._executor.update_parameters(
             name="swarm_gym",
@@ -73,9 +75,13 @@ class SlurmBackend(Backend):
         try:
             while left or under_way:
                 while left and len(under_way) < self._jobs:
-                    numbers = left.pop()
-                    job = self._submit(task, [units[number] for number in numbers])
-                    under_way[job] = numbers
+                    try:
+                        job = self._submit(task, [units[number] for number in left[-1]])
+                    except BackendError:
+                        if not under_way:
+                            raise
+                        break  # an account may have as many jobs as it may, one of which is about to end
+                    under_way[job] = left.pop()
                 time.sleep(PATIENCE)
                 for job in [job for job in under_way if job.done()]:
                     numbers = under_way.pop(job)
@@ -129,6 +135,14 @@ class SlurmBackend(Backend):
         ):
             path.unlink(missing_ok=True)
         return outcomes
+
+
+def _require_accounting() -> None:
+    asked = subprocess.run(["sacct", "--noheader", "--jobs=1"], capture_output=True, text=True, check=False)
+    if asked.returncode:
+        raise BackendError(
+            f"--backend slurm needs Slurm's accounting, but sacct says: {asked.stderr.strip()}"
+        )
 
 
 def _carry_out(task: Task, units: list[Any]) -> list[tuple[Any, Exception | None]]:

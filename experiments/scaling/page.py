@@ -1,0 +1,201 @@
+"""Tables and the figure of what was measured of backends and of what follows for clusters."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.figure_style import BLUE, FORMATS, GREY, RED, new_figure, render, settings
+from experiments.runner import MOST_SEEDS
+from experiments.scaling.measure import Timed
+from experiments.scaling.model import Overheads, Work, predict
+from experiments.scaling.study import evaluations, trainings
+from experiments.speed.page import describe, number
+from experiments.tables import Table
+from experiments.tables.table import percent
+from swarm_gym.files import write_atomically
+
+CORES = (10, 100, 1000)
+PRICE = 0.05  # dollars for an hour of a core; a round figure, to be replaced by one's own
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What was measured; see the functions of `experiments.scaling.measure`."""
+
+    machine: dict[str, Any]
+    backends: list[Timed]
+    nodes: list[Timed]
+    start: dict[str, float]
+    empty: dict[str, float]
+    results: dict[str, float]
+    rows: dict[int, float]
+    runs: dict[str, list[float]]
+    steps: dict[str, float]
+
+    @property
+    def overheads(self) -> Overheads:
+        """Of Ray."""
+        ray = self.backends[-1]
+        return Overheads(
+            start=sum(self.start.values()),
+            per_unit=max(ray.overhead, 0.0) * ray.seconds,
+            units_per_second=self.results["units per second"],
+            rows_per_second=self.rows[MOST_SEEDS],
+        )
+
+
+def write_page(findings: Findings, folder: Path) -> Path:
+    """Write README.md, all tables, and scaling.svg and .png."""
+    tables = [
+        overhead_table(findings),
+        nodes_table(findings),
+        parts_table(findings),
+        work_table(findings),
+        prediction_table(findings),
+    ]
+    for table in tables:
+        table.write(folder)
+    for form, content in figure(findings).items():
+        write_atomically(folder / f"scaling.{form}", content)
+    parts = ["# Scaling\n", *(table.markdown() for table in tables), "![scaling](scaling.svg)\n"]
+    return write_atomically(folder / "README.md", "\n".join(parts))
+
+
+def overhead_table(findings: Findings) -> Table:
+    """Backends beside one another, with the same work."""
+    rows = [
+        (
+            timed.backend,
+            str(timed.workers),
+            f"{timed.units:,}",
+            f"{timed.seconds:g}",
+            f"{timed.wall:.1f}",
+            f"{timed.ideal:.1f}",
+            percent(timed.overhead),
+        )
+        for timed in findings.backends
+    ]
+    return Table(
+        "overhead",
+        f"Units that compute, on all cores of {describe(findings.machine)}",
+        ("backend", "workers", "units", "seconds each", "wall, s", "ideal, s", "overhead"),
+        rows,
+    )
+
+
+def nodes_table(findings: Findings) -> Table:
+    """Logical nodes, and what the model says of them."""
+    rows = []
+    for timed in findings.nodes:
+        work = Work(timed.units, timed.seconds, timed.seconds)
+        started = replace(findings.overheads, start=0.0)
+        rows.append(
+            (
+                timed.backend,
+                timed.work,
+                f"{timed.units:,}",
+                f"{timed.wall:.1f}",
+                f"{timed.ideal:.1f}",
+                percent(timed.overhead),
+                f"{predict(work, started, timed.workers).seconds:.1f}",
+            )
+        )
+    return Table(
+        "nodes",
+        f"Logical nodes on one machine, units of {findings.nodes[0].seconds:g} s",
+        ("nodes, processors of each", "units", "how many", "wall, s", "ideal, s", "overhead", "model, s"),
+        rows,
+    )
+
+
+def parts_table(findings: Findings) -> Table:
+    """What the model is made of."""
+    rows = [(f"start: {what}", f"{seconds:.2f}", "s") for what, seconds in findings.start.items()]
+    rows += [(f"units of no length, {name}", number(rate), "per s") for name, rate in findings.empty.items()]
+    of_runs = f"units of {MOST_SEEDS} runs and no length, into the database"
+    in_ms = {
+        "added to each unit by Ray": findings.overheads.per_unit,
+        f"{of_runs}: processor time of the driver": findings.results["driver, seconds per unit"],
+    }
+    rows += [(of_runs, number(findings.results["units per second"]), "per s")]
+    rows += [(what, f"{1000 * seconds:.1f}", "ms each") for what, seconds in in_ms.items()]
+    rows += [(f"rows into the database, {k} at a time", number(r), "per s") for k, r in findings.rows.items()]
+    return Table("parts", "What was measured, and the model is made of", ("part", "value", "unit"), rows)
+
+
+def work_table(findings: Findings) -> Table:
+    """What the study's work takes on one core."""
+    rows = [
+        (f"a run of `{name}`", f"{1000 * float(np.mean(s)):.0f}", f"{1000 * max(s):.0f}", "ms", str(len(s)))
+        for name, s in findings.runs.items()
+    ]
+    rows += [
+        (f"a step of training, {kind}", f"{1000 * seconds:.3f}", "", "ms", "1")
+        for kind, seconds in findings.steps.items()
+    ]
+    return Table(
+        "work", "What the work takes on one core", ("work", "mean", "longest", "unit", "sample"), rows
+    )
+
+
+def prediction_table(findings: Findings) -> Table:
+    """Wall time and cost on clusters."""
+    rows = []
+    for name, work_on in _works(findings).items():
+        for cores in CORES:
+            work = work_on(cores)
+            found = predict(work, findings.overheads, cores)
+            hours = cores * found.seconds / 3600
+            rows.append(
+                (
+                    name,
+                    f"{cores:,}",
+                    f"{work.units:,}",
+                    _duration(found.seconds),
+                    found.bottleneck,
+                    f"{hours:,.1f}",
+                    f"{work.units * work.seconds / 3600:,.1f}",
+                    f"{PRICE * hours:,.2f}",
+                )
+            )
+    dollars = f"dollars, at {PRICE:g} for an hour"
+    return Table(
+        "prediction",
+        "Predicted: at most so long, and what bounds it",
+        ("work", "cores", "units", "wall time", "bound by", "core hours", "of which work", dollars),
+        rows,
+    )
+
+
+def figure(findings: Findings) -> dict[str, bytes]:
+    """Predicted wall time by cores, beside what could not be less; by file format."""
+    with settings():
+        drawn = new_figure(6.4, 3.6)
+        axes = drawn.subplots()
+        cores = np.unique(np.geomspace(1, 10_000, 81).round().astype(int))
+        for (name, work_on), colour in zip(_works(findings).items(), (BLUE, RED), strict=True):
+            work = [work_on(int(n)) for n in cores]
+            walls = [predict(w, findings.overheads, int(n)).seconds for w, n in zip(work, cores, strict=True)]
+            axes.loglog(cores, walls, color=colour, label=name)
+            ideal = [w.units * w.seconds / n for w, n in zip(work, cores, strict=True)]
+            axes.loglog(cores, ideal, "--", color=GREY, linewidth=0.8)
+            axes.loglog(CORES, np.interp(CORES, cores, walls), "o", color=colour)
+        axes.set_xlabel("cores")
+        axes.set_ylabel("seconds (dashed: work / cores)")
+        axes.legend()
+        return {form: render(drawn, form) for form in FORMATS}
+
+
+def _works(findings: Findings) -> dict[str, Any]:
+    return {
+        "all evaluations of the study": lambda cores: evaluations(findings.runs, cores),
+        "ten trainings of every preset": lambda _: trainings(findings.steps),
+    }
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,121 @@
+"""An example: Ray Tune searches hyperparameters of a preset, `python -m experiments.with_ray_tune --help`.
+
+For those who tune there; needs the extra `ray-tune`. A trial is a training run in a folder of its own,
+`<runs>/<trial>`. It is made longer from rung to rung of ASHA (L. Li et al., "A system for massively parallel
+hyperparameter tuning", MLSys 2020), which ends those that are behind; a run that is made longer goes on from
+its checkpoint, and so does one whose node was lost.
+"""
+
+import contextlib
+import io
+import os
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from agents.backends import BackendError
+from agents.backends.ray_backend import RayBackend
+from agents.presets import load_preset
+from agents.training_run import TrainingRun
+from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
+
+METRIC = "validation_return"
+
+
+@dataclass(frozen=True)
+class SearchConfig:
+    """Options of a search."""
+
+    preset: str = "three-cases-ppo"
+    """What is searched around."""
+    trials: int = 16
+    """How many points of the space are tried."""
+    rungs: int = 4
+    """How often trials are compared, and the worse ones ended."""
+    total_steps: int = 640_000
+    """Environment steps of a trial that is never ended."""
+    runs: Path = Path("runs/ray-tune")
+    """Where runs are kept; all nodes have to see it."""
+    address: str | None = None
+    """Of a Ray cluster; by default Ray is started on this machine."""
+    jobs: int = 0
+    """How many trials at a time; 0 for as many as there are processors."""
+    seed: int = 0
+    """Seed of the points; trainings have that of the preset."""
+
+
+def train_in_rungs(values: Mapping[str, Any], config: SearchConfig) -> None:
+    """A trial: the preset with these values, reported after every rung."""
+    from ray import tune
+
+    preset = load_preset(config.preset)
+    name = tune.get_context().get_trial_id()
+    for rung in range(1, config.rungs + 1):
+        steps = config.total_steps * rung // config.rungs
+        trained = replace(preset, **values, runs=config.runs, name=name, total_steps=steps)
+        run = TrainingRun(replace(trained, resume=(trained.folder / "config.json").exists()))
+        with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
+            run.run()
+        tune.report({METRIC: float(run.best_return), "steps": run.learner.num_steps})
+
+
+def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
+    """The best policy of all trials by its validation, and the values that it was trained with.
+
+    Raises:
+        MissingExtraError: if Ray Tune is missing.
+        BackendError: if the cluster cannot be used, or no trial came to its first rung.
+    """
+    try:
+        from ray import tune
+        from ray.tune.schedulers import ASHAScheduler
+    except ImportError as error:
+        raise MissingExtraError("this example", "Ray Tune", "ray-tune") from error
+    runs = config.runs.absolute()
+    space = {
+        "learning_rate": tune.loguniform(1e-4, 3e-3),
+        "log_std": tune.uniform(-2.5, -0.8),
+        "clip_range": tune.uniform(0.1, 0.3),
+    }
+    os.environ["RAY_CHDIR_TO_TRIAL_DIR"] = "0"  # workers stay where code and maps are
+    with closing(RayBackend(config.address, config.jobs)) as backend:
+        backend.workers()  # connects, and brings them code and maps
+        tuner = tune.Tuner(
+            tune.with_parameters(train_in_rungs, config=replace(config, runs=runs)),
+            param_space=space,
+            tune_config=tune.TuneConfig(
+                metric=METRIC,
+                mode="max",
+                num_samples=config.trials,
+                scheduler=ASHAScheduler(max_t=config.rungs, grace_period=1, reduction_factor=2),
+                search_alg=tune.search.BasicVariantGenerator(random_state=config.seed),
+            ),
+            run_config=tune.RunConfig(
+                name="search",
+                storage_path=str(runs),
+                failure_config=tune.FailureConfig(max_failures=2),
+            ),
+        )
+        try:
+            best = tuner.fit().get_best_result()
+        except RuntimeError as error:
+            raise BackendError(f"no trial came to its first rung: {error}") from error
+    trial = (best.metrics or {})["trial_id"]
+    return config.runs / trial / "best.safetensors", best.config or {}
+
+
+def main() -> None:
+    """Search as the command line says."""
+    config = tyro.cli(SearchConfig, description=__doc__)
+    with command(MissingExtraError, BackendError):
+        policy, values = search(config)
+    print(f"best values: {values}\nuse the policy as controller learned:{policy}")
+
+
+if __name__ == "__main__":
+    main()
