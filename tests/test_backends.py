@@ -8,12 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_commands import CONTROLLERS, rows
 from trainings import make_policy
 
 from agents.backends import BackendError, BackendOptions, Task, WorkLostError
 from agents.backends.luggage import files_of, pack
 from agents.open_loop import save_open_loop
 from agents.provenance import git_commit
+from experiments.results import Results
+from experiments.runner import configuration, run_missing
+from experiments.suite import Suite
 from swarm_gym.errors import MissingExtraError
 
 OPTIONS = {
@@ -81,6 +85,21 @@ def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
             list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
     finally:
         backend.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SEVERAL)
+def test_runs_are_those_of_one_process(tmp_path, name):
+    suite = Suite("paper", CONTROLLERS, ("case1", "case3"), num_seeds=4, baseline="spsfa-tip")
+    for where in ("one process", name):
+        backend = make(where, tmp_path / where)
+        results = Results(tmp_path / where / "paper.sqlite", configuration(suite))
+        run_missing(suite, results, backend)
+        results.close()
+        backend.close()
+    assert len(rows(tmp_path / name)) == 3 * 2 * 4
+    assert rows(tmp_path / name) == rows(tmp_path / "one process")
+    assert not (tmp_path / name / "slurm").exists()
 
 
 @pytest.mark.parametrize(("name", "library"), [("ray", "ray"), ("slurm", "submitit")])

@@ -26,6 +26,23 @@ class WorkLostError(BackendError):
         )
 
 
+class Outcome(NamedTuple):
+    """What became of a unit: a result, or an error that its work raised."""
+
+    result: Any
+    error: Exception | None = None
+
+    def get(self) -> Any:
+        """The result.
+
+        Raises:
+            Exception: the error, if there is one.
+        """
+        if self.error is not None:
+            raise self.error
+        return self.result
+
+
 class Task(NamedTuple):
     """What is done with each unit of work.
 
@@ -40,6 +57,22 @@ class Task(NamedTuple):
     def __call__(self, unit: Any) -> Any:
         """What becomes of a unit."""
         return self.function(unit, *self.common)
+
+    def outcomes(self, units: Sequence[Any]) -> list[Outcome]:
+        """What becomes of several, one after the other; nothing is done after an error."""
+        found = []
+        for unit in units:
+            try:
+                found.append(Outcome(self(unit)))
+            except Exception as error:
+                found.append(Outcome(None, error))
+                break
+        return found
+
+
+def in_parts(number: int, size: int) -> list[range]:
+    """The numbers of units in parts of so many."""
+    return [range(first, min(first + size, number)) for first in range(0, number, size)]
 
 
 class Backend(ABC):

@@ -1,6 +1,7 @@
 """Processes of a Ray cluster, or of Ray on this machine."""
 
 import logging
+import math
 import os
 import signal
 import socket
@@ -14,11 +15,24 @@ from typing import Any
 
 from tqdm import tqdm
 
-from agents.backends.backend import MOST_LOSSES, ONE_THREAD, Backend, BackendError, Task, WorkLostError
+from agents.backends.backend import (
+    MOST_LOSSES,
+    ONE_THREAD,
+    Backend,
+    BackendError,
+    Outcome,
+    Task,
+    WorkLostError,
+    in_parts,
+)
 from agents.backends.luggage import LEFT_BEHIND, pack
 from swarm_gym.errors import MissingExtraError
 
-AHEAD = 2  # units that wait for each that is under way, so that no worker waits for this process
+AHEAD = 2  # Ray tasks that wait for each that is under way, so that no worker waits for this process
+
+# A Ray task takes several milliseconds of processors; where there are many units, it carries out several.
+MOST_UNITS = 5
+TASKS_PER_WORKER = 16
 PATIENCE = 10.0  # seconds, after which it is asked again how many processors there are
 
 
@@ -48,7 +62,7 @@ class RayBackend(Backend):
         self._files = files
         self._connected = False
         self._room = 0
-        self._counted = -PATIENCE
+        self._counted = -math.inf
 
     def workers(self) -> int:
         """As many as were asked for, or as there are processors now."""
@@ -61,15 +75,18 @@ class RayBackend(Backend):
         ray = self._ray
         carry_out = ray.remote(num_cpus=1, max_retries=MOST_LOSSES - 1)(_carry_out)
         shared = ray.put(task)
-        left = list(range(len(units)))[::-1]
-        under_way: dict[Any, int] = {}
+        size = min(max(len(units) // (TASKS_PER_WORKER * self.workers()), 1), MOST_UNITS)
+        left = in_parts(len(units), size)[::-1]
+        under_way: dict[Any, range] = {}
         try:
             while left or under_way:
                 room = self._most_under_way() - len(under_way)
-                for number in [left.pop() for _ in range(min(room, len(left)))]:
-                    under_way[carry_out.remote(shared, units[number])] = number
+                for numbers in [left.pop() for _ in range(min(room, len(left)))]:
+                    under_way[carry_out.remote(shared, [units[number] for number in numbers])] = numbers
                 for reference in self._ended(list(under_way)):
-                    yield under_way.pop(reference), self._result(reference)
+                    numbers = under_way.pop(reference)
+                    for number, outcome in zip(numbers, self._outcomes(reference), strict=False):
+                        yield number, outcome.get()
         finally:
             for reference in under_way:
                 ray.cancel(reference, force=True)
@@ -115,14 +132,14 @@ class RayBackend(Backend):
         return int(self._ray.cluster_resources().get("CPU", 0))
 
     def _most_under_way(self) -> int:
-        """How many units are handed to Ray at a time; asks the cluster now and then, which may grow."""
+        """How many tasks are handed to Ray at a time; asks the cluster now and then, which may grow."""
+        if self._jobs and self._address:
+            return self._jobs
         if time.monotonic() - self._counted > PATIENCE:
             processors = self._processors()
-            if not processors:
+            if not processors and self._counted < 0:
                 tqdm.write("the Ray cluster has no processors; waiting for some")
-            ahead = (1 + AHEAD) * max(1, processors)
-            # Ray that was started here has as many processors as there are jobs.
-            self._room = min(ahead, self._jobs or ahead) if self._address else ahead
+            self._room = (1 + AHEAD) * max(1, processors)
             self._counted = time.monotonic()
         return self._room
 
@@ -134,12 +151,12 @@ class RayBackend(Backend):
                 ended, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
             return ended
 
-    def _result(self, reference: Any) -> Any:
+    def _outcomes(self, reference: Any) -> list[Outcome]:
         errors = self._ray.exceptions
         try:
             with _own_exceptions():
                 return self._ray.get(reference)
-        except errors.RayTaskError as error:  # raised by the task
+        except errors.RayTaskError as error:  # what it tells cannot be packed
             raise error.cause from error
         except errors.RuntimeEnvSetupError as error:
             raise BackendError(f"--backend ray: a node could not make ready ({error})") from error
@@ -162,8 +179,8 @@ def _require_answer(address: str | None) -> None:
         raise BackendError(f"--backend ray --address {address}: nobody answers there ({error})") from error
 
 
-def _carry_out(task: Task, unit: Any) -> Any:
-    return task(unit)
+def _carry_out(task: Task, units: list[Any]) -> list[Outcome]:
+    return task.outcomes(units)
 
 
 @contextmanager

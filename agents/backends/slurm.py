@@ -11,7 +11,16 @@ from typing import Any
 
 from tqdm import tqdm
 
-from agents.backends.backend import MOST_LOSSES, ONE_THREAD, Backend, BackendError, Task, WorkLostError
+from agents.backends.backend import (
+    MOST_LOSSES,
+    ONE_THREAD,
+    Backend,
+    BackendError,
+    Outcome,
+    Task,
+    WorkLostError,
+    in_parts,
+)
 from swarm_gym.errors import MissingExtraError
 
 HERE = "local"
@@ -69,7 +78,7 @@ class SlurmBackend(Backend):
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """See `Backend`; a job carries out several units, and their results come when it ends."""
         size = math.ceil(len(units) / (ROUNDS * self._jobs)) or 1
-        left = [range(first, min(first + size, len(units))) for first in range(0, len(units), size)][::-1]
+        left = in_parts(len(units), size)[::-1]
         under_way: dict[Any, range] = {}
         losses = 0
         try:
@@ -95,10 +104,8 @@ class SlurmBackend(Backend):
                         left.append(numbers)
                         continue
                     losses = 0
-                    for number, (result, error) in zip(numbers, outcomes, strict=False):
-                        if error is not None:
-                            raise error
-                        yield number, result
+                    for number, outcome in zip(numbers, outcomes, strict=False):
+                        yield number, outcome.get()
         finally:
             for job in under_way:
                 job.cancel(check=False)
@@ -117,7 +124,7 @@ class SlurmBackend(Backend):
         except self._submitit.core.utils.FailedJobError as error:
             raise BackendError(f"--backend slurm: a job was refused ({error})") from error
 
-    def _outcomes(self, job: Any) -> list[tuple[Any, Exception | None]] | None:
+    def _outcomes(self, job: Any) -> list[Outcome] | None:
         """What a job that has ended tells, or nothing, if it was killed."""
         try:
             outcomes = job.result()
@@ -145,17 +152,9 @@ def _require_accounting() -> None:
         )
 
 
-def _carry_out(task: Task, units: list[Any]) -> list[tuple[Any, Exception | None]]:
-    """Results and errors; nothing is carried out after an error."""
+def _carry_out(task: Task, units: list[Any]) -> list[Outcome]:
     # Submitit has a job begin again, without end, where SBATCH_TIMELIMIT is less than what it was told.
     signal.signal(signal.SIGUSR2, signal.SIG_IGN)
     # Nor does it heed SIGTERM: what is cancelled would keep its processor and the lock of its run.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    outcomes: list[tuple[Any, Exception | None]] = []
-    for unit in units:
-        try:
-            outcomes.append((task(unit), None))
-        except Exception as error:
-            outcomes.append((None, error))
-            break
-    return outcomes
+    return task.outcomes(units)

@@ -63,7 +63,10 @@ def measure_all(config: ScalingConfig) -> Findings:
             bar.update()
             bar.set_postfix_str(what)
 
-        backends = measure.time_backends(config.units, config.seconds, cores)
+        backends = [
+            measure.time_processes(config.units, config.seconds, cores),
+            *measure.time_backends(config.units, config.seconds, cores),
+        ]
         say("nodes that compute")
         each = max(config.units // 10, 1)
         nodes = [

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import multiprocessing
 import os
 import time
 from contextlib import closing
@@ -20,7 +21,7 @@ from experiments.results import Results
 from experiments.run import Run, RunKey
 from experiments.runner import MOST_SEEDS, run_one
 from experiments.scaling.clusters import logical_cluster
-from experiments.scaling.units import compute, copies, wait
+from experiments.scaling.units import compute, compute_together, copies, wait
 from experiments.speed.measurement import run_python, seconds_of
 from experiments.suite import Suite
 
@@ -62,6 +63,22 @@ def time_units(backend: Backend, name: str, task: Task, units: int) -> Timed:
     list(backend.run(Task(task.function, (0.5,)), range(2 * workers)))
     wall = seconds_of(lambda: list(backend.run(task, range(units))))
     return Timed(name, task.function.__name__, workers, units, seconds, wall)
+
+
+def time_processes(units: int, seconds: float, processors: int) -> Timed:
+    """Units that compute in processes that nobody hands anything: what this machine itself adds."""
+    context = multiprocessing.get_context("spawn")
+    barrier = context.Barrier(processors + 1)
+    arguments = (barrier, units // processors, seconds)
+    processes = [context.Process(target=compute_together, args=arguments) for _ in range(processors)]
+    for process in processes:
+        process.start()
+    barrier.wait()
+    begin = time.perf_counter()
+    for process in processes:
+        process.join()
+    wall = time.perf_counter() - begin
+    return Timed("none", "compute", processors, units // processors * processors, seconds, wall)
 
 
 def time_backends(units: int, seconds: float, processors: int) -> list[Timed]:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import time
+from typing import Any
 
 from experiments.run import Run
 
@@ -11,6 +12,13 @@ def compute(_: int, seconds: float) -> None:
     begin = time.process_time()
     while time.process_time() - begin < seconds:
         pass
+
+
+def compute_together(barrier: Any, units: int, seconds: float) -> None:
+    """Begin with others and compute so many units."""
+    barrier.wait()
+    for number in range(units):
+        compute(number, seconds)
 
 
 def wait(_: int, seconds: float) -> None:
