@@ -70,11 +70,6 @@ class Task(NamedTuple):
         return found
 
 
-def in_parts(number: int, size: int) -> list[range]:
-    """The numbers of units in parts of so many."""
-    return [range(first, min(first + size, number)) for first in range(0, number, size)]
-
-
 class Backend(ABC):
     """Carries out units of work, several at a time, in processes that do one after the other.
 

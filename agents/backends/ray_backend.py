@@ -23,14 +23,13 @@ from agents.backends.backend import (
     Outcome,
     Task,
     WorkLostError,
-    in_parts,
 )
 from agents.backends.luggage import LEFT_BEHIND, pack
 from swarm_gym.errors import MissingExtraError
 
 AHEAD = 2  # Ray tasks that wait for each that is under way, so that no worker waits for this process
 
-# A Ray task takes several milliseconds of processors; where there are many units, it carries out several.
+# A Ray task takes several milliseconds of processors; while many units are left, it carries out several.
 MOST_UNITS = 5
 TASKS_PER_WORKER = 16
 PATIENCE = 10.0  # seconds, after which it is asked again how many processors there are
@@ -75,13 +74,13 @@ class RayBackend(Backend):
         ray = self._ray
         carry_out = ray.remote(num_cpus=1, max_retries=MOST_LOSSES - 1)(_carry_out)
         shared = ray.put(task)
-        size = min(max(len(units) // (TASKS_PER_WORKER * self.workers()), 1), MOST_UNITS)
-        left = in_parts(len(units), size)[::-1]
-        under_way: dict[Any, range] = {}
+        tasks = TASKS_PER_WORKER * self.workers()
+        left = list(range(len(units)))[::-1]
+        under_way: dict[Any, list[int]] = {}
         try:
             while left or under_way:
-                room = self._most_under_way() - len(under_way)
-                for numbers in [left.pop() for _ in range(min(room, len(left)))]:
+                while left and len(under_way) < self._most_under_way():
+                    numbers = [left.pop() for _ in range(min(max(len(left) // tasks, 1), MOST_UNITS))]
                     under_way[carry_out.remote(shared, [units[number] for number in numbers])] = numbers
                 for reference in self._ended(list(under_way)):
                     numbers = under_way.pop(reference)

@@ -19,7 +19,6 @@ from agents.backends.backend import (
     Outcome,
     Task,
     WorkLostError,
-    in_parts,
 )
 from swarm_gym.errors import MissingExtraError
 
@@ -78,7 +77,8 @@ class SlurmBackend(Backend):
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """See `Backend`; a job carries out several units, and their results come when it ends."""
         size = math.ceil(len(units) / (ROUNDS * self._jobs)) or 1
-        left = in_parts(len(units), size)[::-1]
+        numbers = range(len(units))
+        left = [numbers[first : first + size] for first in numbers[::size]][::-1]
         under_way: dict[Any, range] = {}
         losses = 0
         try:

@@ -23,6 +23,8 @@ from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.warm_up import warm_up_single
 
+ROUNDS = 4  # in which backends take turns, lest one of them meet a slow minute of the machine
+
 
 @dataclass(frozen=True)
 class ScalingConfig:
@@ -64,8 +66,9 @@ def measure_all(config: ScalingConfig) -> Findings:
             bar.set_postfix_str(what)
 
         backends = [
-            measure.time_processes(config.units, config.seconds, cores),
-            *measure.time_backends(config.units, config.seconds, cores),
+            timed
+            for _ in range(ROUNDS)
+            for timed in measure.time_backends(config.units // ROUNDS, config.seconds, cores)
         ]
         say("nodes that compute")
         each = max(config.units // 10, 1)

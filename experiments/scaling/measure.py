@@ -5,6 +5,7 @@ import io
 import multiprocessing
 import os
 import time
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -81,16 +82,12 @@ def time_processes(units: int, seconds: float, processors: int) -> Timed:
     return Timed("none", "compute", processors, units // processors * processors, seconds, wall)
 
 
-def time_backends(units: int, seconds: float, processors: int) -> list[Timed]:
-    """Units that compute, by processes of this machine and by Ray on it, with so many workers each."""
-    found = []
-    for name, backend in (
-        ("local", LocalBackend(processors)),
-        ("Ray", RayBackend(None, processors)),
-    ):
+def time_backends(units: int, seconds: float, processors: int) -> Iterator[Timed]:
+    """Units that compute: handed out by nobody, to processes of this machine, and by Ray on it."""
+    yield time_processes(units, seconds, processors)
+    for name, backend in (("local", LocalBackend(processors)), ("Ray", RayBackend(None, processors))):
         with closing(backend):
-            found.append(time_units(backend, name, Task(compute, (seconds,)), units))
-    return found
+            yield time_units(backend, name, Task(compute, (seconds,)), units)
 
 
 def time_nodes(nodes: int, processors: int, work: str, per_worker: int, seconds: float) -> Timed:

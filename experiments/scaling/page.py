@@ -1,5 +1,6 @@
 """Tables and the figure of what was measured of backends and of what follows for clusters."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,10 +38,10 @@ class Findings:
     @property
     def overheads(self) -> Overheads:
         """Of Ray."""
-        ray = self.backends[-1]
+        by_ray = [timed for timed in self.backends if timed.backend == "Ray"]
         return Overheads(
             start=sum(self.start.values()),
-            per_unit=max(ray.overhead, 0.0) * ray.seconds,
+            per_unit=max(overhead_of(by_ray), 0.0) * by_ray[0].seconds,
             units_per_second=self.results["units per second"],
             rows_per_second=self.rows[MOST_SEEDS],
         )
@@ -65,24 +66,32 @@ def write_page(findings: Findings, folder: Path) -> Path:
 
 def overhead_table(findings: Findings) -> Table:
     """Backends beside one another, with the same work."""
-    rows = [
-        (
-            timed.backend,
-            str(timed.workers),
-            f"{timed.units:,}",
-            f"{timed.seconds:g}",
-            f"{timed.wall:.1f}",
-            f"{timed.ideal:.1f}",
-            percent(timed.overhead),
+    rows = []
+    for backend in dict.fromkeys(timed.backend for timed in findings.backends):
+        rounds = [timed for timed in findings.backends if timed.backend == backend]
+        overheads = [timed.overhead for timed in rounds]
+        rows.append(
+            (
+                backend,
+                str(rounds[0].workers),
+                f"{sum(timed.units for timed in rounds):,}",
+                f"{sum(timed.wall for timed in rounds):.1f}",
+                f"{sum(timed.ideal for timed in rounds):.1f}",
+                percent(overhead_of(rounds)),
+                f"{percent(min(overheads))} to {percent(max(overheads))}",
+            )
         )
-        for timed in findings.backends
-    ]
     return Table(
         "overhead",
-        f"Units that compute, on all cores of {describe(findings.machine)}",
-        ("backend", "workers", "units", "seconds each", "wall, s", "ideal, s", "overhead"),
+        f"Units of {findings.backends[0].seconds:g} s that compute, on {describe(findings.machine)}",
+        ("backend", "workers", "units", "wall, s", "ideal, s", "overhead", f"of {len(rounds)} rounds"),
         rows,
     )
+
+
+def overhead_of(rounds: Sequence[Timed]) -> float:
+    """What was added to the work of several rounds, as a share of it."""
+    return sum(timed.wall for timed in rounds) / sum(timed.ideal for timed in rounds) - 1.0
 
 
 def nodes_table(findings: Findings) -> Table:
