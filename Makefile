@@ -6,7 +6,7 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 
 comma := ,
-EVERYTHING = --editable '.[maps,render,video,study,ray-tune,slurm,dev]'
+EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
 
 # A virtual environment, with what these options of pip say.
 define install_into

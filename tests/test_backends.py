@@ -29,7 +29,11 @@ OPTIONS = {
 SEVERAL = ("local", "ray", "slurm")  # those whose workers are processes of their own
 
 
-@pytest.fixture(scope="module", params=OPTIONS)
+# Ray and jobs take seconds to start.
+KINDS = [pytest.param(name, marks=pytest.mark.slow if name in {"ray", "slurm"} else ()) for name in OPTIONS]
+
+
+@pytest.fixture(scope="module", params=KINDS)
 def backend(request, tmp_path_factory):
     made = make(request.param, tmp_path_factory.mktemp("shared"))
     yield made

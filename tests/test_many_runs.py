@@ -38,6 +38,7 @@ def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
     assert outcomes["3"].finished.summary == f"best validation return {single.best_return:.4f}"
 
 
+@pytest.mark.slow
 def test_an_error_ends_its_own_run(tmp_path):
     config = TuneConfig(runs=tmp_path, name="many", episodes=3, total_steps=10_000, candidates=4)
     configs = [
