@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from agents.backends import Backend, BackendOptions, Task, WorkLostError
-from agents.run_folder import RunFolderError
+from agents.run_folder import RunFolderError, is_begun
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
 from agents.tuning.config import TuneConfig
@@ -95,7 +95,7 @@ def carry_out(
     """
     left = []
     for config in configs:
-        if not config.resume and _is_begun(config):
+        if not config.resume and is_begun(config.folder):
             yield Outcome(config.folder, None, "it holds a run already; --resume goes on with it")
         else:
             config.runs.mkdir(parents=True, exist_ok=True)
@@ -128,16 +128,12 @@ def _carry_out(config: Config, work: Callable[[Config], Finished]) -> Outcome:
     if not config.runs.is_dir():
         return Outcome(config.folder, None, f"{config.runs} is not seen by all machines, as --runs has to be")
     # Begun by the command that this one resumes, or by a process that was lost.
-    config = dataclasses.replace(config, resume=_is_begun(config))
+    config = dataclasses.replace(config, resume=is_begun(config.folder))
     try:
         with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
             return Outcome(config.folder, work(config))
     except Exception as error:
         return Outcome(config.folder, None, f"{type(error).__name__}: {error}")
-
-
-def _is_begun(config: TrainConfig | TuneConfig) -> bool:
-    return (config.folder / "config.json").exists()
 
 
 def _seen_from_anywhere(config: Config) -> Config:

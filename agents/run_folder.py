@@ -11,11 +11,17 @@ from filelock import FileLock, Timeout
 from swarm_gym.errors import shown
 from swarm_gym.files import remove_partials, write_atomically
 
+CONFIG = "config.json"
 LOCK = "lock"
 
 
 class RunFolderError(RuntimeError):
     """A run cannot be started or resumed."""
+
+
+def is_begun(folder: Path) -> bool:
+    """Whether there is a run in a folder, which can be resumed."""
+    return (folder / CONFIG).exists()
 
 
 def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> FileLock:
@@ -35,7 +41,7 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
             process works on it.
         OSError: if the folder cannot be written.
     """
-    if resume and not (folder / "config.json").exists():
+    if resume and not is_begun(folder):
         raise RunFolderError(f"--resume: there is no run in {folder}")
     folder.mkdir(parents=True, exist_ok=True)
     lock = FileLock(folder / LOCK)
@@ -54,7 +60,7 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
 
 
 def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
-    stored = folder / "config.json"
+    stored = folder / CONFIG
     mine = as_json(config)
     if not resume:
         if stored.exists():

@@ -20,6 +20,7 @@ import tyro
 from agents.backends import BackendError
 from agents.backends.ray_backend import RayBackend
 from agents.presets import load_preset
+from agents.run_folder import is_begun
 from agents.training_run import TrainingRun
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
@@ -58,7 +59,7 @@ def train_in_rungs(values: Mapping[str, Any], config: SearchConfig) -> None:
     for rung in range(1, config.rungs + 1):
         steps = config.total_steps * rung // config.rungs
         trained = replace(preset, **values, runs=config.runs, name=name, total_steps=steps)
-        run = TrainingRun(replace(trained, resume=(trained.folder / "config.json").exists()))
+        run = TrainingRun(replace(trained, resume=is_begun(trained.folder)))
         with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
             run.run()
         tune.report({METRIC: float(run.best_return), "steps": run.learner.num_steps})

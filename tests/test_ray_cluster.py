@@ -21,11 +21,12 @@ from agents.policy_file import load_policy
 from agents.training_run import TrainingRun
 from experiments.results import Results
 from experiments.runner import configuration, missing_runs, run_missing
+from experiments.scaling.clusters import logical_cluster
 from experiments.suite import Suite
 
 if not sys.platform.startswith("linux"):
     pytest.skip("looks at processes as Linux has them", allow_module_level=True)
-cluster_utils = pytest.importorskip("ray.cluster_utils", reason="needs the extra `ray`")
+pytest.importorskip("ray", reason="needs the extra `ray`")
 
 pytestmark = pytest.mark.slow
 
@@ -35,12 +36,9 @@ SUITE = Suite("paper", CONTROLLERS, ("case1", "case2", "case3"), num_seeds=12, b
 @pytest.fixture
 def cluster():
     """Two nodes of one processor each, besides the head, which has none: nothing is lost with that."""
-    made = cluster_utils.Cluster(
-        initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False}
-    )
-    made.workers = [made.add_node(num_cpus=1) for _ in range(2)]
-    yield made
-    made.shutdown()
+    with logical_cluster(0, 1) as (_, made):
+        made.workers = [made.add_node(num_cpus=1) for _ in range(2)]
+        yield made
 
 
 class Watched(Results):

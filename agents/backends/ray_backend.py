@@ -70,11 +70,10 @@ class RayBackend(Backend):
 
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """See `Backend`."""
-        self._connect()
+        tasks = TASKS_PER_WORKER * self.workers()  # which connects
         ray = self._ray
         carry_out = ray.remote(num_cpus=1, max_retries=MOST_LOSSES - 1)(_carry_out)
         shared = ray.put(task)
-        tasks = TASKS_PER_WORKER * self.workers()
         left = list(range(len(units)))[::-1]
         under_way: dict[Any, list[int]] = {}
         try:
