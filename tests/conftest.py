@@ -1,11 +1,21 @@
 """Shared fixtures."""
 
+import signal
+
 import numba
 import pytest
 from hypothesis import settings
 
 # `make test-slow` asks for it; the usual run has the default number of examples, 100.
 settings.register_profile("thorough", max_examples=10_000)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _ctrl_c_arrives():
+    """Here and in commands that tests start, though shells tell what runs in the background to ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")
