@@ -2,6 +2,7 @@
 
 import reprlib
 from collections.abc import Iterable
+from typing import Any
 
 # A message shows what was wrong, and need not be longer than a screen.
 _SHORT = reprlib.Repr()
@@ -18,7 +19,15 @@ def shown(value: object) -> str:
 
 
 class SwarmGymError(Exception):
-    """Base class of every error that swarm_gym raises on purpose."""
+    """Base class of every error that swarm_gym raises on purpose; workers can send any of them."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _received, (type(self), self.args), self.__dict__
+
+
+def _received(kind: type[SwarmGymError], args: tuple[Any, ...]) -> SwarmGymError:
+    # Its message is there already, which its own arguments were for.
+    return kind.__new__(kind, *args)
 
 
 class ScenarioError(SwarmGymError, ValueError):
