@@ -82,6 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         kept="--resume goes on from the last checkpoint, if there is one",
     ):
         given = read_command_line(arguments)
+        given.where.check()
         configs = read_configs(given, arguments)
         if given.presets or given.seeds or given.where.elsewhere:
             controllers = [name for c in configs for name in (c.base, c.reference, c.warm_start)]

@@ -64,6 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         kept="--resume goes on after the last round, if there is one",
     ):
         given = read_command_line(arguments)
+        given.where.check()
         if given.seeds and given.config.output:
             raise ValueError(
                 f"--output {given.config.output}: one file, and --seeds asks for several results"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import tyro
 
-from agents.backends import BackendError, BackendOptions
+from agents.backends import Backend, BackendError, BackendOptions
 from experiments.contestants import contestant
 from experiments.page import write_collection_page, write_page
 from experiments.results import Results, ResultsError
@@ -61,15 +61,16 @@ def evaluate(config: EvaluateConfig) -> Path:
     database = config.database or config.output / f"{suite.name}.sqlite"
     if not config.simulate and not database.exists():
         raise ResultsError(f"{database} does not exist, and --no-simulate forbids to make its runs")
+    # First, so that options that cannot be leave no database.
+    backend = _backend(suite, config) if config.simulate else None
     results = (
         Results(database, configuration(suite))
-        if config.simulate
+        if backend
         else Results.stored(database, environment_configuration(suite))
     )
     try:
-        if config.simulate:
-            controllers = [contestant(name, suite.optimizer).controller for name in suite.controllers]
-            with closing(config.where.make(config.output, controllers)) as backend:
+        if backend:
+            with closing(backend):
                 run_missing(suite, results, backend)
         else:
             refuse_missing(suite, results)
@@ -82,6 +83,11 @@ def evaluate(config: EvaluateConfig) -> Path:
     finally:
         results.close()
     return page
+
+
+def _backend(suite: Suite, config: EvaluateConfig) -> Backend:
+    controllers = [contestant(name, suite.optimizer).controller for name in suite.controllers]
+    return config.where.make(config.output, controllers)
 
 
 def _evaluate_collection(config: EvaluateConfig) -> Path:

@@ -195,6 +195,13 @@ def test_what_is_no_database_is_refused(tmp_path, database, content):
     assert path.read_bytes() == before
 
 
+def test_options_that_cannot_be_leave_no_database(tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    with pytest.raises(ValueError, match="--jobs must be positive"):
+        evaluate(EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=-1)))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch):
     monkeypatch.setitem(SUITES, "tiny", SUITE)
     config = EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)

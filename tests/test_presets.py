@@ -152,6 +152,7 @@ def test_an_option_that_is_none_is_refused(option, capsys):
         (["--presets", "case1", "nowhere"], "error: preset 'nowhere'"),
         (["--seeds", "1", "--jobs", "-1"], "error: --jobs must be positive"),
         (["--seeds", "1", "--address", "10.0.0.1:6379"], "error: --address 10.0.0.1:6379: --backend local"),
+        (["--address", "auto"], "error: --address auto: --backend local has none"),
         (["--backend", "slurm", "--address", "local"], "error: --backend slurm: say by --jobs"),
     ],
 )

@@ -13,7 +13,7 @@ from agents.parameters import format_parameters
 from agents.run_folder import RunFolderError
 from agents.schedules import SelfAdaptiveSchedule
 from agents.seeds import TRAINING_START, training_seed
-from agents.tune import read_command_line
+from agents.tune import main, read_command_line
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import START, START_ITERATIONS, KnotSpace
 from agents.tuning.parameter_spaces import SCHEDULE
@@ -215,6 +215,12 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
 def test_options_that_cannot_be_are_refused_before_anything_is_written(tmp_path, options, message):
     with pytest.raises(ValueError, match=message):
         tune(tmp_path, **{"what": "open-loop", **options})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_to_tune_is_refused_as_it_is_for_trainings(tmp_path):
+    with pytest.raises(SystemExit, match="error: --address auto: --backend local has none"):
+        main(["--address", "auto", "--runs", str(tmp_path)])
     assert list(tmp_path.iterdir()) == []
 
 

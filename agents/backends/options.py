@@ -31,6 +31,17 @@ class BackendOptions:
         """Whether work is carried out by anything but processes of this command."""
         return self.backend != "local"
 
+    def check(self) -> None:
+        """Refuse options that cannot be.
+
+        Raises:
+            ValueError: naming the option.
+        """
+        if self.jobs < 0:
+            raise ValueError(f"--jobs must be positive, or 0 for all cores, got {self.jobs}")
+        if self.address is not None and not self.elsewhere:
+            raise ValueError(f"--address {self.address}: --backend {self.backend} has none")
+
     def make(self, folder: Path, controllers: Iterable[str] = ()) -> Backend:
         """The backend.
 
@@ -43,12 +54,9 @@ class BackendOptions:
             BackendError: if it cannot be used.
             ValueError: for options that cannot be.
         """
-        if self.jobs < 0:
-            raise ValueError(f"--jobs must be positive, or 0 for all cores, got {self.jobs}")
+        self.check()
         if self.backend == "ray":
             return RayBackend(self.address, self.jobs, list(files_of(controllers)))
         if self.backend == "slurm":
             return SlurmBackend(self.address, self.jobs, folder / "slurm")
-        if self.address is not None:
-            raise ValueError(f"--address {self.address}: --backend local has none")
         return LocalBackend(self.jobs)
