@@ -18,9 +18,11 @@ from typing import Any
 import tyro
 
 from agents.backends import BackendError
+from agents.backends.luggage import files_of
 from agents.backends.ray_backend import RayBackend
 from agents.presets import load_preset
 from agents.run_folder import is_begun
+from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
@@ -50,11 +52,10 @@ class SearchConfig:
     """Seed of the points; trainings have that of the preset."""
 
 
-def train_in_rungs(values: Mapping[str, Any], config: SearchConfig) -> None:
+def train_in_rungs(values: Mapping[str, Any], preset: TrainConfig, config: SearchConfig) -> None:
     """A trial: the preset with these values, reported after every rung."""
     from ray import tune
 
-    preset = load_preset(config.preset)
     name = tune.get_context().get_trial_id()
     for rung in range(1, config.rungs + 1):
         steps = config.total_steps * rung // config.rungs
@@ -71,12 +72,20 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
     Raises:
         MissingExtraError: if Ray Tune is missing.
         BackendError: if the cluster cannot be used, or no trial came to its first rung.
+        ValueError: for an option that cannot be.
     """
+    for name in ("trials", "rungs", "total_steps"):
+        if getattr(config, name) < 1:
+            raise ValueError(f"--{name.replace('_', '-')} must be positive, got {getattr(config, name)}")
+    if config.jobs < 0:
+        raise ValueError(f"--jobs must be positive, or 0 for all processors, got {config.jobs}")
     try:
         from ray import tune
         from ray.tune.schedulers import ASHAScheduler
     except ImportError as error:
         raise MissingExtraError("this example", "Ray Tune", "ray-tune") from error
+    preset = load_preset(config.preset)
+    files = list(files_of((preset.base, preset.reference, preset.warm_start)))
     runs = config.runs.absolute()
     space = {
         "learning_rate": tune.loguniform(1e-4, 3e-3),
@@ -84,15 +93,16 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
         "clip_range": tune.uniform(0.1, 0.3),
     }
     os.environ["RAY_CHDIR_TO_TRIAL_DIR"] = "0"  # workers stay where code and maps are
-    with closing(RayBackend(config.address, config.jobs)) as backend:
+    with closing(RayBackend(config.address, config.jobs, files)) as backend:
         backend.workers()  # connects, and brings them code and maps
         tuner = tune.Tuner(
-            tune.with_parameters(train_in_rungs, config=replace(config, runs=runs)),
+            tune.with_parameters(train_in_rungs, preset=preset, config=replace(config, runs=runs)),
             param_space=space,
             tune_config=tune.TuneConfig(
                 metric=METRIC,
                 mode="max",
                 num_samples=config.trials,
+                max_concurrent_trials=config.jobs or None,
                 scheduler=ASHAScheduler(max_t=config.rungs, grace_period=1, reduction_factor=2),
                 search_alg=tune.search.BasicVariantGenerator(random_state=config.seed),
             ),
