@@ -3,16 +3,20 @@
 import contextlib
 import dataclasses
 import io
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from agents.backends import Backend, BackendOptions, Task, WorkLostError
-from agents.run_folder import RunFolderError, is_begun
+from agents.run_folder import RunFolderError, RunTakenError, is_begun
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
+
+# Where a machine is lost, file servers may hold its locks for a while: NFS for 90 seconds.
+PATIENCE = 180.0
 
 Config = TypeVar("Config", TrainConfig, TuneConfig)
 
@@ -24,7 +28,7 @@ class Finished(NamedTuple):
     summary: str
 
 
-class Outcome(NamedTuple):
+class RunOutcome(NamedTuple):
     """What became of a run: what it made, or an error."""
 
     folder: Path
@@ -81,7 +85,7 @@ def run_all(
 
 def carry_out(
     work: Callable[[Config], Finished], configs: Sequence[Config], backend: Backend
-) -> Iterator[Outcome]:
+) -> Iterator[RunOutcome]:
     """Carry out runs; yields their outcomes as they end.
 
     With `resume`, runs go on where they were stopped, and those that never began begin; else what has begun
@@ -96,20 +100,21 @@ def carry_out(
     left = []
     for config in configs:
         if not config.resume and is_begun(config.folder):
-            yield Outcome(config.folder, None, "it holds a run already; --resume goes on with it")
+            yield RunOutcome(config.folder, None, "it holds a run already; --resume goes on with it")
         else:
             config.runs.mkdir(parents=True, exist_ok=True)
             left.append(config)
     there = [_seen_from_anywhere(config) for config in left]
+    patience = 0.0 if backend.on_this_machine else PATIENCE
     ended = set()
     try:
-        for number, outcome in backend.run(Task(_carry_out, (work,)), there):
+        for number, outcome in backend.run(Task(_run, (work, patience)), there):
             ended.add(number)
             yield outcome._replace(folder=left[number].folder)
     except WorkLostError as error:
         for number, config in enumerate(left):
             if number not in ended:
-                yield Outcome(config.folder, None, str(error))
+                yield RunOutcome(config.folder, None, str(error))
 
 
 def train(config: TrainConfig) -> Finished:
@@ -124,16 +129,22 @@ def tune(config: TuneConfig) -> Finished:
     return Finished(run.run(), f"{run.num_steps} steps")
 
 
-def _carry_out(config: Config, work: Callable[[Config], Finished]) -> Outcome:
+def _run(config: Config, work: Callable[[Config], Finished], patience: float) -> RunOutcome:
     if not config.runs.is_dir():
-        return Outcome(config.folder, None, f"{config.runs} is not seen by all machines, as --runs has to be")
-    # Begun by the command that this one resumes, or by a process that was lost.
-    config = dataclasses.replace(config, resume=is_begun(config.folder))
-    try:
-        with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
-            return Outcome(config.folder, work(config))
-    except Exception as error:
-        return Outcome(config.folder, None, f"{type(error).__name__}: {error}")
+        return RunOutcome(
+            config.folder, None, f"{config.runs} is not seen by all machines, as --runs has to be"
+        )
+    end = time.monotonic() + patience
+    while True:
+        # Begun by the command that this one resumes, or by a process that was lost.
+        config = dataclasses.replace(config, resume=is_begun(config.folder))
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
+                return RunOutcome(config.folder, work(config))
+        except Exception as error:
+            if not isinstance(error, RunTakenError) or time.monotonic() >= end:
+                return RunOutcome(config.folder, None, f"{type(error).__name__}: {error}")
+        time.sleep(1.0)
 
 
 def _seen_from_anywhere(config: Config) -> Config:

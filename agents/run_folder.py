@@ -19,6 +19,10 @@ class RunFolderError(RuntimeError):
     """A run cannot be started or resumed."""
 
 
+class RunTakenError(RunFolderError):
+    """Another process works on a run."""
+
+
 def is_begun(folder: Path) -> bool:
     """Whether there is a run in a folder, which can be resumed."""
     return (folder / CONFIG).exists()
@@ -37,8 +41,8 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
         not_compared: entries that a resumed run may have changed.
 
     Raises:
-        RunFolderError: if a new run is there already, or a resumed one is not, or was another, or another
-            process works on it.
+        RunTakenError: if another process works on it.
+        RunFolderError: if a new run is there already, or a resumed one is not, or was another.
         OSError: if the folder cannot be written.
     """
     if resume and not is_begun(folder):
@@ -48,7 +52,7 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
     try:
         lock.acquire(blocking=False)
     except Timeout as error:
-        raise RunFolderError(f"{folder}: another process works on this run") from error
+        raise RunTakenError(f"{folder}: another process works on this run") from error
     except NotImplementedError:  # a file system without locks
         pass
     try:

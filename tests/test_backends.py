@@ -1,9 +1,12 @@
 """Whatever carries out work does all of it, each unit once as far as anybody sees, or says why not."""
 
+import dataclasses
+import itertools
 import operator
 import os
 import signal
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,8 @@ import pytest
 from small_commands import CONTROLLERS, rows
 from trainings import make_policy
 
-from agents.backends import BackendError, BackendOptions, Task, WorkLostError
+from agents.backends import BackendError, BackendOptions, Task, WorkLostError, slurm
+from agents.backends.backend import Outcome
 from agents.backends.luggage import files_of, pack
 from agents.open_loop import save_open_loop
 from agents.provenance import git_commit
@@ -40,13 +44,13 @@ def backend(request, tmp_path_factory):
     made.close()
 
 
-def make(name, folder):
+def make(name, folder, **changes):
     if name in ("ray", "slurm"):
         library = {"ray": "ray", "slurm": "submitit"}[name]
         module = pytest.importorskip(library, reason=f"needs the extra `{name}`")
         if name == "slurm":
             module.core.core.Job._results_timeout_s = 1  # seconds that it looks for what a killed job told
-    return OPTIONS[name].make(folder)
+    return dataclasses.replace(OPTIONS[name], **changes).make(folder)
 
 
 def test_every_unit_is_carried_out_once(backend):
@@ -89,6 +93,87 @@ def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
             list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
     finally:
         backend.close()
+
+
+class Job:
+    """A Slurm job, which is lost if its states say so."""
+
+    numbers = itertools.count()
+
+    def __init__(self, task, units, state):
+        self.task, self.units, self.state = task, units, state
+        self.job_id = next(self.numbers)
+        self.cancelled = False
+
+    def done(self):
+        return self.state != "PREEMPTED"
+
+    def cancel(self, check):
+        self.cancelled = True
+
+
+@pytest.mark.slow
+def test_work_that_needs_too_much_memory_is_given_up_by_ray(tmp_path, monkeypatch):
+    monkeypatch.setenv("RAY_memory_usage_threshold", "0.01")  # of all memory, which is in use already
+    monkeypatch.setenv("RAY_memory_monitor_refresh_ms", "50")
+    backend = make("ray", tmp_path)
+    try:
+        with pytest.raises(WorkLostError, match="is memory short"):
+            list(backend.run(Task(time.sleep), [60.0, 60.0]))
+    finally:
+        backend.close()
+
+
+@pytest.fixture
+def slurm_jobs(tmp_path, monkeypatch):
+    """A backend with four jobs at a time that end at once, and how each of them ends; then all go well."""
+    pytest.importorskip("submitit", reason="needs the extra `slurm`")
+    monkeypatch.setattr(slurm, "PATIENCE", 0.0)
+    backend = make("slurm", tmp_path, jobs=4)
+    states, jobs = [], []
+
+    def submit(task, units):
+        jobs.append(Job(task, units, states.pop(0) if states else "COMPLETED"))
+        return jobs[-1]
+
+    backend._submit = submit
+    backend._outcomes = lambda job: (
+        [Outcome(unit) for unit in job.units] if job.state == "COMPLETED" else None
+    )
+    return backend, states, jobs
+
+
+@pytest.mark.parametrize("state", ["NODE_FAIL", "TIMEOUT", "PREEMPTED"])
+def test_jobs_that_are_lost_together_are_done_again(slurm_jobs, state):
+    backend, states, jobs = slurm_jobs
+    states += [state] * 8
+    assert sorted(backend.run(Task(operator.neg), range(40))) == [(number, number) for number in range(40)]
+    assert [job.cancelled for job in jobs] == [True] * 8 + [False] * (len(jobs) - 8)
+
+
+def test_a_job_that_is_lost_again_and_again_is_given_up_and_the_others_end(slurm_jobs):
+    backend, _, jobs = slurm_jobs
+    submit = backend._submit
+    backend._submit = lambda task, units: spoilt(submit(task, units))
+
+    def spoilt(job):
+        job.state = "OUT_OF_MEMORY" if 7 in job.units else job.state
+        return job
+
+    found = []
+    with pytest.raises(WorkLostError):
+        found.extend(number for number, _ in backend.run(Task(operator.neg), range(40)))
+    given_up = jobs[[7 in job.units for job in jobs].index(True)].units
+    assert sorted(found) == [n for n in range(40) if n not in given_up]
+    assert sum(7 in job.units for job in jobs) == 3
+
+
+def test_where_nothing_succeeds_all_is_given_up_soon(slurm_jobs):
+    backend, states, jobs = slurm_jobs
+    states += ["OUT_OF_MEMORY"] * 1000
+    with pytest.raises(WorkLostError):
+        list(backend.run(Task(operator.neg), range(40)))
+    assert len(jobs) < 20
 
 
 @pytest.mark.slow
@@ -145,6 +230,18 @@ def test_slurm_without_accounting_is_refused(tmp_path, monkeypatch):
         BackendOptions("slurm", jobs=1).make(tmp_path / "jobs")
 
 
+@pytest.mark.parametrize("file", ["../policy.safetensors", "agents/policy.safetensors"])
+def test_files_that_cannot_be_brought_along_are_refused(tmp_path, monkeypatch, file):
+    here, there = tmp_path / "here", tmp_path / "there"
+    (here / "agents").mkdir(parents=True)
+    there.mkdir()
+    monkeypatch.chdir(here)
+    Path(file).touch()
+    with pytest.raises(BackendError, match=rf"{file} is not brought to other machines.*below this folder"):
+        pack(there, [Path(file)])
+    assert not (there / "agents" / "policy.safetensors").exists()
+
+
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "[::1]:99999"])
 def test_an_address_where_nobody_is_is_refused(tmp_path, address):
     pytest.importorskip("ray", reason="needs the extra `ray`")
@@ -169,7 +266,8 @@ def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tm
         Path("runs/mine.safetensors"), Path("runs/base.json"), here / "far.safetensors"
     }  # fmt: skip
     variables = pack(there, files)
-    assert {path.name for path in there.iterdir()} == {"swarm_gym", "agents", "experiments", "maps", "runs"}
+    packages = {"swarm_gym", "agents", "experiments"}
+    assert {path.name for path in there.iterdir()} == packages | {"swarm_gym_maps", "runs"}
     assert {path.name for path in (there / "runs").iterdir()} == {"base.json", "mine.safetensors"}
     assert (there / variables["SWARM_GYM_DATA"] / "far.safetensors").is_file()
     assert variables["SWARM_GYM_COMMIT"] == git_commit()

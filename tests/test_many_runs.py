@@ -1,14 +1,18 @@
 """Many runs by one command: they equal single runs, and one that fails fails alone."""
 
 import dataclasses
+import threading
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from trainings import STEPS, tiny_config
 
+from agents import many_runs
 from agents.backends.local import LocalBackend
-from agents.many_runs import Finished, Outcome, carry_out, configs_of_seeds, train, tune
+from agents.many_runs import Finished, RunOutcome, carry_out, configs_of_seeds, train, tune
 from agents.policy_file import load_policy
+from agents.run_folder import prepare_folder
 from agents.training_run import TrainingRun
 from agents.tuning.config import TuneConfig
 
@@ -51,6 +55,27 @@ def test_an_error_ends_its_own_run(tmp_path):
     assert "case9" in found["1"].error
 
 
+@pytest.mark.parametrize("released", [True, False])
+def test_a_lock_that_a_lost_machine_may_have_left_is_waited_for(tmp_path, monkeypatch, released):
+    monkeypatch.setattr(many_runs, "PATIENCE", 1.5)
+    backend = LocalBackend(1)
+    backend.on_this_machine = False
+    config = tiny_config(tmp_path, **SHORT, name="one", resume=True)
+    config.folder.mkdir(parents=True)
+
+    def work(config):
+        return Finished(prepare_folder(config.folder, config, config.resume, ()).lock_file, "")
+
+    lock = FileLock(config.folder / "lock", thread_local=False)
+    lock.acquire()
+    if released:
+        threading.Timer(0.5, lock.release).start()
+    (outcome,) = carry_out(work, [config], backend)
+    assert (outcome.finished is not None) == released
+    assert released or outcome.error == f"RunTakenError: {config.folder}: another process works on this run"
+    lock.release()
+
+
 def test_every_seed_has_a_folder(tmp_path):
     configs = configs_of_seeds(tiny_config(tmp_path, name=""), [4, 5])
     assert [c.folder for c in configs] == [tmp_path / "three-cases" / "4", tmp_path / "three-cases" / "5"]
@@ -64,6 +89,6 @@ def test_a_seed_that_is_there_twice_is_refused(tmp_path):
 
 
 def test_an_outcome_is_one_line():
-    done = Outcome(Path("runs/a/0"), Finished(Path("runs/a/0/best.safetensors"), "well"))
+    done = RunOutcome(Path("runs/a/0"), Finished(Path("runs/a/0/best.safetensors"), "well"))
     assert str(done) == "runs/a/0: done, well, runs/a/0/best.safetensors"
-    assert str(Outcome(Path("runs/a/1"), None, "no")) == "runs/a/1: failed: no"
+    assert str(RunOutcome(Path("runs/a/1"), None, "no")) == "runs/a/1: failed: no"

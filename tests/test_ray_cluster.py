@@ -66,13 +66,15 @@ def whole(tmp_path_factory):
     return folder
 
 
-def kill_a_worker():
-    found = subprocess.run(["pgrep", "-f", "ray::_carry_out"], capture_output=True, text=True, check=True)
-    os.kill(int(found.stdout.split()[0]), signal.SIGKILL)
-
-
 @pytest.mark.parametrize("killed", ["nothing", "worker", "node"])
 def test_rows_are_those_made_here_whatever_is_killed(tmp_path, cluster, whole, killed):
+    def kill_a_worker():  # of this cluster; other tests have theirs meanwhile
+        raylet = cluster.workers[0].all_processes["raylet"][0].process.pid
+        found = subprocess.run(
+            ["pgrep", "-P", str(raylet), "-f", "ray::_carry_out"], capture_output=True, text=True, check=True
+        )
+        os.kill(int(found.stdout.split()[0]), signal.SIGKILL)
+
     def kill_a_node():
         cluster.remove_node(cluster.workers[0], allow_graceful=False)
 
@@ -154,6 +156,19 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
         single = TrainingRun(tiny_config(tmp_path, **long, seed=seed, name=f"single{seed}"))
         ours, theirs = load_policy(single.run())[0], load_policy(outcome.finished.result)[0]
         assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"trials": -1}, "--trials.*-1"), ({"rungs": 0}, "--rungs.*0"), ({"jobs": -2}, "--jobs.*-2")],
+)
+def test_a_search_that_cannot_be_is_refused(tmp_path, options, message):
+    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
+    from experiments.with_ray_tune import SearchConfig, search
+
+    with pytest.raises(ValueError, match=message):
+        search(SearchConfig(runs=tmp_path / "runs", **options))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_ray_tune_searches_a_preset(tmp_path):

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-MOST_LOSSES = 3  # of what is under way, before work is given up
+MOST_LOSSES = 3  # of a unit, before it is given up
 
 # More processes, not more threads of each, make use of more cores; see also agents.learners.ppo.
 ONE_THREAD = dict.fromkeys(
@@ -17,13 +17,47 @@ class BackendError(RuntimeError):
 
 
 class WorkLostError(BackendError):
-    """Worker processes were killed again and again."""
+    """Worker processes were killed again and again: what has no result was given up, or not begun."""
 
     def __init__(self) -> None:
         super().__init__(
             f"worker processes were killed {MOST_LOSSES} times before one could finish its work; is memory "
             "short, or a time limit?"
         )
+
+
+class GivenUp:
+    """Counts what was lost so often that it is given up; the rest is carried out nonetheless.
+
+    Where the fault lies with none of it, as when all machines lack memory, nothing succeeds in between.
+    """
+
+    def __init__(self) -> None:
+        self._in_all = self._in_a_row = 0
+
+    def add(self) -> None:
+        """A unit, or a few, were given up.
+
+        Raises:
+            WorkLostError: if too many were, with nothing that succeeded in between.
+        """
+        self._in_all += 1
+        self._in_a_row += 1
+        if self._in_a_row == MOST_LOSSES:
+            raise WorkLostError
+
+    def succeeded(self) -> None:
+        """A unit has succeeded."""
+        self._in_a_row = 0
+
+    def end(self) -> None:
+        """All others have ended.
+
+        Raises:
+            WorkLostError: if anything was given up.
+        """
+        if self._in_all:
+            raise WorkLostError
 
 
 class Outcome(NamedTuple):
@@ -98,7 +132,7 @@ class Backend(ABC):
             The number of a unit and its result, as they end.
 
         Raises:
-            WorkLostError: if workers are killed again and again.
+            WorkLostError: if workers are killed again and again: at the end, where others succeed.
             BackendError: if the backend cannot be used.
             Exception: whatever the task raises; no result comes after that.
         """

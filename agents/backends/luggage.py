@@ -4,12 +4,13 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from agents.backends.backend import BackendError
 from agents.policy_file import SUFFIX, load_policy
 from agents.provenance import COMMIT, git_commit
 from swarm_gym.scenarios.data_files import DATA, data_folder
 
 PACKAGES = ("swarm_gym", "agents", "experiments")
-MAPS = "maps"
+MAPS = "swarm_gym_maps"
 LEFT_BEHIND = ["**/__pycache__"]
 
 
@@ -18,20 +19,31 @@ def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
 
     Args:
         folder: an empty one.
-        files: those whose paths are relative to here; other paths have to lead to the same files everywhere.
+        files: brought along where their paths are relative; others have to lead to the same files everywhere.
 
     Returns:
         What has to be set in the environment of the workers.
+
+    Raises:
+        BackendError: for a relative path that cannot be the same there.
     """
     for package in PACKAGES:
         (folder / package).symlink_to(Path(__file__).parents[2] / package)
     if data_folder().is_dir():
         (folder / MAPS).symlink_to(data_folder().resolve())
+    linked = {path.name for path in folder.iterdir()}
     for file in files:
         place = folder / file
-        if not file.is_absolute() and ".." not in file.parts and not place.exists():
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.symlink_to(file.resolve())
+        goes_up = ".." in file.parts
+        if file.is_absolute() or (not goes_up and place.exists() and place.samefile(file)):
+            continue
+        if goes_up or file.parts[0] in linked:
+            raise BackendError(
+                f"{file} is not brought to other machines: give a path that they all see, or one below this "
+                f"folder and none of {', '.join(sorted(linked))}"
+            )
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.symlink_to(file.resolve())
     return {DATA: MAPS, COMMIT: git_commit()}
 
 

@@ -20,6 +20,7 @@ from agents.backends.backend import (
     ONE_THREAD,
     Backend,
     BackendError,
+    GivenUp,
     Outcome,
     Task,
     WorkLostError,
@@ -76,6 +77,7 @@ class RayBackend(Backend):
         shared = ray.put(task)
         left = list(range(len(units)))[::-1]
         under_way: dict[Any, list[int]] = {}
+        given_up = GivenUp()
         try:
             while left or under_way:
                 while left and len(under_way) < self._most_under_way():
@@ -83,8 +85,16 @@ class RayBackend(Backend):
                     under_way[carry_out.remote(shared, [units[number] for number in numbers])] = numbers
                 for reference in self._ended(list(under_way)):
                     numbers = under_way.pop(reference)
-                    for number, outcome in zip(numbers, self._outcomes(reference), strict=False):
+                    try:
+                        outcomes = self._outcomes(reference)
+                    except WorkLostError:
+                        tqdm.write("a task was lost again and again, and is given up")
+                        given_up.add()
+                        continue
+                    given_up.succeeded()
+                    for number, outcome in zip(numbers, outcomes, strict=False):
                         yield number, outcome.get()
+            given_up.end()
         finally:
             for reference in under_way:
                 ray.cancel(reference, force=True)
@@ -101,6 +111,7 @@ class RayBackend(Backend):
         here = self._address is None
         _require_answer(self._address)
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # of a cluster, whoever started it decides
+        os.environ.setdefault("RAY_task_oom_retries", str(MOST_LOSSES - 1))  # not for ever
         os.environ.setdefault("RAY_IGNORE_UNHANDLED_ERRORS", "1")  # the first one is raised, and all end
         with TemporaryDirectory(prefix="swarm_gym") as folder, _own_signals():
             environment: dict[str, Any] = {"env_vars": ONE_THREAD}
@@ -158,8 +169,15 @@ class RayBackend(Backend):
             raise error.cause from error
         except errors.RuntimeEnvSetupError as error:
             raise BackendError(f"--backend ray: a node could not make ready ({error})") from error
-        except errors.RayError as error:
+        except (
+            errors.WorkerCrashedError,
+            errors.NodeDiedError,
+            errors.OutOfMemoryError,
+            errors.ObjectLostError,
+        ) as error:
             raise WorkLostError from error
+        except errors.RayError as error:
+            raise BackendError(f"--backend ray: {error}") from error
 
 
 def _require_answer(address: str | None) -> None:

@@ -4,6 +4,7 @@ import math
 import signal
 import subprocess
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -16,9 +17,9 @@ from agents.backends.backend import (
     ONE_THREAD,
     Backend,
     BackendError,
+    GivenUp,
     Outcome,
     Task,
-    WorkLostError,
 )
 from swarm_gym.errors import MissingExtraError
 
@@ -26,6 +27,7 @@ HERE = "local"
 ROUNDS = 4  # jobs that come after one another in each place of the queue, lest one long job ends last
 MINUTES = 24 * 60  # of a job, unless SBATCH_TIMELIMIT says otherwise
 PATIENCE = 1.0  # seconds between two looks at the jobs
+PREEMPTED = "PREEMPTED"  # which submitit takes for the state of a job that goes on; it may be its last one
 
 
 class SlurmBackend(Backend):
@@ -80,7 +82,8 @@ class SlurmBackend(Backend):
         numbers = range(len(units))
         left = [numbers[first : first + size] for first in numbers[::size]][::-1]
         under_way: dict[Any, range] = {}
-        losses = 0
+        losses: Counter[range] = Counter()
+        given_up = GivenUp()
         try:
             while left or under_way:
                 while left and len(under_way) < self._jobs:
@@ -92,20 +95,24 @@ class SlurmBackend(Backend):
                         break  # an account may have as many jobs as it may, one of which is about to end
                     under_way[job] = left.pop()
                 time.sleep(PATIENCE)
-                for job in [job for job in under_way if job.done()]:
+                for job in [job for job in under_way if job.done() or job.state == PREEMPTED]:
                     numbers = under_way.pop(job)
                     outcomes = self._outcomes(job)
                     if outcomes is None:
                         job.cancel(check=False)  # Slurm begins some of them again, as when a node fails
-                        tqdm.write(f"job {job.job_id} was lost ({job.state}); its work is done again")
-                        losses += 1
-                        if losses == MOST_LOSSES:
-                            raise WorkLostError
-                        left.append(numbers)
+                        losses[numbers] += job.state != PREEMPTED  # for which its work is not to blame
+                        again = losses[numbers] < MOST_LOSSES
+                        then = "done again" if again else "given up"
+                        tqdm.write(f"job {job.job_id} was lost ({job.state}); its work is {then}")
+                        if again:
+                            left.append(numbers)
+                        else:
+                            given_up.add()
                         continue
-                    losses = 0
+                    given_up.succeeded()
                     for number, outcome in zip(numbers, outcomes, strict=False):
                         yield number, outcome.get()
+            given_up.end()
         finally:
             for job in under_way:
                 job.cancel(check=False)
@@ -126,6 +133,8 @@ class SlurmBackend(Backend):
 
     def _outcomes(self, job: Any) -> list[Outcome] | None:
         """What a job that has ended tells, or nothing, if it was killed."""
+        if not job.done():  # but preempted
+            return None
         try:
             outcomes = job.result()
         except self._submitit.core.utils.FailedJobError as error:  # a kind of the other one
