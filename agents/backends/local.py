@@ -2,6 +2,7 @@
 
 import gc
 import multiprocessing
+import signal
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
@@ -56,12 +57,16 @@ class LocalBackend(Backend):
 
 
 def _numbered(number: int, task: Task, unit: Any) -> tuple[int, Any]:
-    _spare_what_stays()
+    _begin_worker()
     return number, task(unit)
 
 
 @cache
-def _spare_what_stays() -> None:
-    """Loky's workers collect garbage every second: 5 % of their time, if all modules are searched for it."""
-    if multiprocessing.parent_process() is not None:
-        gc.freeze()
+def _begin_worker() -> None:
+    """What a process of the pool does before its first unit."""
+    if multiprocessing.parent_process() is None:
+        return
+    # Ctrl-C comes to all processes of a command; this one is ended by the first, and says nothing itself.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Loky's workers collect garbage every second: 5 % of their time, if all modules are searched for it.
+    gc.freeze()
