@@ -47,7 +47,7 @@ PHASES = {
     "optuna.Study.ask": "asking the study",
     "optuna.Study.tell": "telling the study",
     "experiments.runner.run_one": "run",
-    "experiments.results.Results.add": "storing a run",
+    "experiments.results.Results.add": "storing runs",
     "experiments.tables.make_tables": "tables",
     "experiments.page.write_page": "tables",
 }
@@ -208,7 +208,8 @@ def _announced(function: Callable, doing: str, phase: RawArray, stored: RawValue
         before, phase.value = phase.value, doing.encode()
         result = function(*args, **kwargs)
         phase.value = before
-        stored.value += doing == "storing a run"
+        if doing == "storing runs":
+            stored.value += len(args) - 1  # besides the database
         return result
 
     return announced

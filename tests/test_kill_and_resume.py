@@ -100,8 +100,8 @@ def test_tuning_that_is_killed_at_certain_moments(tmp_path, what):
 
 def test_an_evaluation_that_is_killed_at_random_moments(tmp_path):
     def check(folder, stored, killed):
-        # One more may be stored than a process that was killed has lived to count.
-        assert stored <= len(rows(folder)) <= stored + killed
+        # A unit of three runs more may be stored than a process that was killed has lived to count.
+        assert stored <= len(rows(folder)) <= stored + 3 * killed
 
     run_killed_at_random(evaluation, check, tmp_path, KILLS, seed=3)
     expected = rows(tmp_path / "timed")

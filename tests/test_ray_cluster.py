@@ -69,11 +69,15 @@ def whole(tmp_path_factory):
 @pytest.mark.parametrize("killed", ["nothing", "worker", "node"])
 def test_rows_are_those_made_here_whatever_is_killed(tmp_path, cluster, whole, killed):
     def kill_a_worker():  # of this cluster; other tests have theirs meanwhile
-        raylet = cluster.workers[0].all_processes["raylet"][0].process.pid
-        found = subprocess.run(
-            ["pgrep", "-P", str(raylet), "-f", "ray::_carry_out"], capture_output=True, text=True, check=True
-        )
-        os.kill(int(found.stdout.split()[0]), signal.SIGKILL)
+        raylets = [str(node.all_processes["raylet"][0].process.pid) for node in cluster.workers]
+        find = ["pgrep", "-P", ",".join(raylets), "-f", "ray::_carry_out"]
+        for _ in range(100):
+            found = subprocess.run(find, capture_output=True, text=True, check=False).stdout.split()
+            if found:
+                os.kill(int(found[0]), signal.SIGKILL)
+                return
+            time.sleep(0.02)
+        pytest.fail("no worker is at work")
 
     def kill_a_node():
         cluster.remove_node(cluster.workers[0], allow_graceful=False)
