@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 from small_commands import CONTROLLERS, rows
 from trainings import make_policy
 
-from agents.backends import BackendError, BackendOptions, Task, WorkLostError, slurm
+from agents.backends import BackendError, BackendOptions, Task, WorkLostError, ray_backend, slurm
 from agents.backends.backend import Outcome
 from agents.backends.luggage import files_of, pack
 from agents.open_loop import save_open_loop
@@ -93,6 +94,27 @@ def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
             list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
     finally:
         backend.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("length", "alone"), [(0.0, False), (0.1, True)])
+def test_short_units_share_a_ray_task_and_long_ones_have_their_own(tmp_path, monkeypatch, length, alone):
+    monkeypatch.setattr(ray_backend, "TASK_SECONDS", 0.15)
+
+    def work(unit, length):
+        import ray
+
+        time.sleep(length)
+        return ray.get_runtime_context().get_task_id()
+
+    backend = make("ray", tmp_path)
+    try:
+        found = Counter(name for _, name in backend.run(Task(work, (length,)), range(100)))
+    finally:
+        backend.close()
+    assert found.total() == 100
+    assert (max(found.values()) == 1) == alone
+    assert max(found.values()) <= ray_backend.MOST_UNITS
 
 
 class Job:

@@ -30,9 +30,10 @@ from swarm_gym.errors import MissingExtraError
 
 AHEAD = 2  # Ray tasks that wait for each that is under way, so that no worker waits for this process
 
-# A Ray task takes several milliseconds of processors; while many units are left, it carries out several.
+# A Ray task takes several milliseconds of processors; while many short units are left, it carries out a few.
 MOST_UNITS = 5
 TASKS_PER_WORKER = 16
+TASK_SECONDS = 5.0
 PATIENCE = 10.0  # seconds, after which it is asked again how many processors there are
 
 
@@ -78,20 +79,22 @@ class RayBackend(Backend):
         left = list(range(len(units)))[::-1]
         under_way: dict[Any, list[int]] = {}
         given_up = GivenUp()
+        at_once = 1  # as many units as are carried out in TASK_SECONDS
         try:
             while left or under_way:
                 while left and len(under_way) < self._most_under_way():
-                    numbers = [left.pop() for _ in range(min(max(len(left) // tasks, 1), MOST_UNITS))]
+                    numbers = [left.pop() for _ in range(min(max(len(left) // tasks, 1), at_once))]
                     under_way[carry_out.remote(shared, [units[number] for number in numbers])] = numbers
                 for reference in self._ended(list(under_way)):
                     numbers = under_way.pop(reference)
                     try:
-                        outcomes = self._outcomes(reference)
+                        outcomes, seconds = self._told(reference)
                     except WorkLostError:
                         tqdm.write("a task was lost again and again, and is given up")
                         given_up.add()
                         continue
                     given_up.succeeded()
+                    at_once = min(max(int(TASK_SECONDS * len(outcomes) / max(seconds, 1e-3)), 1), MOST_UNITS)
                     for number, outcome in zip(numbers, outcomes, strict=False):
                         yield number, outcome.get()
             given_up.end()
@@ -160,7 +163,7 @@ class RayBackend(Backend):
                 ended, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
             return ended
 
-    def _outcomes(self, reference: Any) -> list[Outcome]:
+    def _told(self, reference: Any) -> tuple[list[Outcome], float]:
         errors = self._ray.exceptions
         try:
             with _own_exceptions():
@@ -195,8 +198,11 @@ def _require_answer(address: str | None) -> None:
         raise BackendError(f"--backend ray --address {address}: nobody answers there ({error})") from error
 
 
-def _carry_out(task: Task, units: list[Any]) -> list[Outcome]:
-    return task.outcomes(units)
+def _carry_out(task: Task, units: list[Any]) -> tuple[list[Outcome], float]:
+    """What becomes of units, and how many seconds that took."""
+    begin = time.perf_counter()
+    outcomes = task.outcomes(units)
+    return outcomes, time.perf_counter() - begin
 
 
 @contextmanager
