@@ -8,10 +8,10 @@ SEEDS ?= 20
 comma := ,
 EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
 
-# A virtual environment, with what these options of pip say.
+# A virtual environment, with what these options of pip say. A module is compiled when it is imported; most never are.
 define install_into
 $(PYTHON) -m venv $(1)
-	$(1)/bin/python -m pip install --quiet --disable-pip-version-check $(2)
+	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile $(2)
 endef
 
 # The tests in a virtual environment.

@@ -102,6 +102,7 @@ def test_counts_are_means_of_the_runs_that_arrived_beside_the_papers(database, s
     assert printed == [("449", "14.2"), ("435", "18.0"), ("–", "–"), ("430", "14.3"), ("447", "49.8")]
 
 
+@pytest.mark.slow
 def test_claims_about_counts_say_where_they_do_not_hold(database, static):
     missing = "10 fireflies, 65 fireflies, 11 fireflies"
     assert claims_of(make_tables(static, database), "brand-yu-static-claims") == {

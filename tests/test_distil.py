@@ -104,6 +104,7 @@ def test_a_rule_never_has_more_numbers_than_allowed(numbers):
     assert len(found.rule.formulas) == len(found.chosen.errors) == 4
 
 
+@pytest.mark.slow
 def test_the_rule_that_earns_most_on_validation_seeds_is_taken():
     found = distil(Everything(), TRAINING, config_of(rounds=2, validation_seeds=8))
     assert {candidate.round for candidate in found.candidates} == {0, 1}

@@ -360,6 +360,7 @@ def test_too_few_seeds_are_refused(tmp_path):
         evaluate(EvaluateConfig("generalisation", seeds=0, output=tmp_path))
 
 
+@pytest.mark.slow
 def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch):
     fields = dataclasses.replace(
         SUITES["generalisation"],

@@ -49,7 +49,8 @@ def test_candidates_earn_what_their_policies_earn(tmp_path, base, begin, width):
     assert learner.num_steps == 8 * (100 - begin) + 2 * begin
 
 
-@pytest.mark.parametrize("hidden_layers", [(), (20,)])  # with a whole covariance, and with its diagonal
+# With a whole covariance, and with its diagonal.
+@pytest.mark.parametrize("hidden_layers", [(), pytest.param((20,), marks=pytest.mark.slow)])
 def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, hidden_layers):
     options = {**EVOLUTION, "hidden_layers": hidden_layers}
     whole = train(tmp_path, name="whole", total_steps=4 * GENERATION, **options)

@@ -57,6 +57,7 @@ def test_units_have_several_seeds_where_there_is_work_for_all(workers, most):
     assert firsts == sorted(firsts)
 
 
+@pytest.mark.slow
 def test_the_page_shows_what_was_measured(tmp_path):
     findings = Findings(
         machine(),

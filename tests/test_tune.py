@@ -248,6 +248,7 @@ def test_trials_meet_the_same_episodes_the_first_one_with_the_parameters_to_begi
     assert outcomes.losses.mean() == content["manifest"]["best_trial_loss"]
 
 
+@pytest.mark.slow
 def test_a_trial_that_was_killed_is_repeated(tmp_path, monkeypatch):
     whole = tune(tmp_path, "schedule", rounds=14, name="whole").run()
     killed = tune(tmp_path, "schedule", rounds=14, name="killed")
