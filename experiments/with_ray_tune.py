@@ -17,9 +17,7 @@ from typing import Any
 
 import tyro
 
-from agents.backends import BackendError
-from agents.backends.luggage import files_of
-from agents.backends.ray_backend import RayBackend
+from agents.backends import BackendError, BackendOptions
 from agents.presets import load_preset
 from agents.run_folder import is_begun
 from agents.train_config import TrainConfig
@@ -77,15 +75,14 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
     for name in ("trials", "rungs", "total_steps"):
         if getattr(config, name) < 1:
             raise ValueError(f"--{name.replace('_', '-')} must be positive, got {getattr(config, name)}")
-    if config.jobs < 0:
-        raise ValueError(f"--jobs must be positive, or 0 for all processors, got {config.jobs}")
     try:
         from ray import tune
         from ray.tune.schedulers import ASHAScheduler
     except ImportError as error:
         raise MissingExtraError("this example", "Ray Tune", "ray-tune") from error
     preset = load_preset(config.preset)
-    files = list(files_of((preset.base, preset.reference, preset.warm_start)))
+    controllers = (preset.base, preset.reference, preset.warm_start)
+    where = BackendOptions("ray", config.address, config.jobs)
     runs = config.runs.absolute()
     space = {
         "learning_rate": tune.loguniform(1e-4, 3e-3),
@@ -93,7 +90,7 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
         "clip_range": tune.uniform(0.1, 0.3),
     }
     os.environ["RAY_CHDIR_TO_TRIAL_DIR"] = "0"  # workers stay where code and maps are
-    with closing(RayBackend(config.address, config.jobs, files)) as backend:
+    with closing(where.make(runs, controllers)) as backend:
         backend.workers()  # connects, and brings them code and maps
         tuner = tune.Tuner(
             tune.with_parameters(train_in_rungs, preset=preset, config=replace(config, runs=runs)),
