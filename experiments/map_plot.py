@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from experiments.figure_style import BLUE, RED, Style
 from experiments.run import Floats, Run, Snapshot
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import Circle, FunctionScenario, GridMap, Obstacle, Scenario, StaticScenario
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"

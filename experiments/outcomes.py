@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from experiments.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import make_problem
 

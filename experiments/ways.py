@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.run import Floats, Run
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios.scenario import Point
 
 

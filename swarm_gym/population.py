@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import borrowing_kernel, inner_kernel, merged_kernel
-from swarm_gym.lanes import NUM_LANES, load, store
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel, merged_kernel
+from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
+from swarm_gym.compiler.simd import NUM_LANES, load, store
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
-from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.scenarios import Point
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from swarm_gym.checks import look_up, require_integer, require_number
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem, WalkProblem
-from swarm_gym.problem.grid_problem import MAX_POINTS
+from swarm_gym.problem.grid.problem import MAX_POINTS
 from swarm_gym.scenarios import (
     AnyScenario,
     FunctionScenario,

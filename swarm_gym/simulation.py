@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
-from swarm_gym.driving import make_robots
+from swarm_gym.compiler.jit import announce_compilation
+from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
-from swarm_gym.jit import announce_compilation
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
-from swarm_gym.random_stream import seed_stream
 from swarm_gym.reference import gap_to_optimum
+from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import Worlds
 

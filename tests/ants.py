@@ -3,7 +3,7 @@
 import numpy as np
 from builders import walk_problem
 
-from swarm_gym.optimizers import trails
+from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.problem import WalkProblem
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario

@@ -27,8 +27,8 @@ from agents.presets import PRESETS, PresetError, load_preset
 from agents.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
 from swarm_gym.scenarios import expand_name
-from swarm_gym.scenarios.moving_ai import read_map, read_scenarios
-from swarm_gym.scenarios.ros_map import read_ros_map
+from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
+from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
 for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "yaml"):
     pytest.importorskip(_package, reason="needs the extra `maps`")

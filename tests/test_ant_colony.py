@@ -21,11 +21,11 @@ from builders import (
 from test_optimizers import run
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers import trails
-from swarm_gym.optimizers.ant_colony import AntColony
+from swarm_gym.optimizers.ant_colony import trails
+from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
 from swarm_gym.problem import WalkProblem
+from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.problem.tables import stack
-from swarm_gym.problem.traversal import blocked_length
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 

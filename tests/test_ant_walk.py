@@ -5,9 +5,9 @@ import pytest
 from ants import MAPS, NAME, cells_of, length_of, optimum_of, path_of, problem_of
 from builders import advance, begin
 
-from swarm_gym.optimizers.ant_colony import AntColony
+from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
 from swarm_gym.problem import WalkProblem
-from swarm_gym.problem.traversal import path_is_free
+from swarm_gym.problem.geometry.traversal import path_is_free
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario
 

@@ -15,7 +15,7 @@ from experiments.run import Run, Snapshot
 from experiments.suites import DYNAMIC as GATES
 from experiments.tables import make_tables
 from experiments.tables.recovery import Recovery
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.simulation import HISTORY
 
 TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))

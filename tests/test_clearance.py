@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from swarm_gym.problem.clearance import clearance
+from swarm_gym.problem.geometry.clearance import clearance
 
 
 def areas(blocked):

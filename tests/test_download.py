@@ -6,8 +6,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from swarm_gym.scenarios import download
-from swarm_gym.scenarios.data_files import find_data_file
 from swarm_gym.scenarios.download import MAPS, RemoteFile, Source, main
+from swarm_gym.scenarios.formats.data_files import find_data_file
 
 CONTENT = {"maps/one.map": b"one", "maps/one.map.scen": b"problems", "two.yaml": b"two"}
 

@@ -19,15 +19,15 @@ from builders import (
 from gymnasium.vector import AutoresetMode
 from test_dynamic_environments import OPEN, SEED, actions, assert_same_steps, episode, walk_cost
 
-from swarm_gym.driving import piece_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.problem import AnalyticProblem, GridProblem
-from swarm_gym.problem.clear_way import is_clear
-from swarm_gym.problem.resampling import resampled
+from swarm_gym.problem.geometry.clear_line import is_clear
+from swarm_gym.problem.geometry.resampling import resampled
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.rendering import Scene
+from swarm_gym.robots import piece_of
 from swarm_gym.scenarios import (
     Appear,
     Circle,

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
-from swarm_gym.problem.traversal import blocked_length
+from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.reference.waypoint_optimum import main
 from swarm_gym.rendering import Scene
 from swarm_gym.scenarios import (

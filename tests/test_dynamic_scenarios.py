@@ -29,7 +29,7 @@ from swarm_gym.scenarios import (
     world_at,
     worlds_of,
 )
-from swarm_gym.scenarios.dynamic import EVENTS
+from swarm_gym.scenarios.dynamic.family import EVENTS
 from swarm_gym.scenarios.obstacle_cells import cells_of
 
 FIRST, SECOND, NEW = Circle(30, 0, 10), Polygon.rectangle(50, -5, 60, 5), Circle(80, 0, 5)

@@ -22,13 +22,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.driver import step_chosen
 from swarm_gym.optimizers.firefly import Firefly, FireflyRules, iterate, move_towards
+from swarm_gym.optimizers.loop import step_chosen
 from swarm_gym.population import Swarms
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import select, stack
-from swarm_gym.random_stream import seed_stream
 
 RULES = FireflyRules()
 PAPER = np.array([2.0, 0.1, 5e-6])

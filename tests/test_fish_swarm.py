@@ -19,7 +19,7 @@ from fish import (
 from test_optimizers import problems, run
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.fish_swarm import FishSwarm
+from swarm_gym.optimizers.fish.standard import FishSwarm
 
 NAME = "fish-swarm"
 

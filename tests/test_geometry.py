@@ -18,8 +18,8 @@ from builders import (
 )
 
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.collision import clearing_shifts
-from swarm_gym.problem.waypoints import PRESENCE
+from swarm_gym.problem.analytic.collision import clearing_shifts
+from swarm_gym.problem.analytic.table import PRESENCE
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
 # Two waypoints: the middle one of three segments spans x in [0, 100], far above the line from start

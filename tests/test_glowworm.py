@@ -17,10 +17,10 @@ from test_re_evaluation import change
 
 from swarm_gym.action import make_action
 from swarm_gym.errors import SettingError, UnknownNameError
-from swarm_gym.optimizers.glowworm import Glowworm
+from swarm_gym.optimizers.glowworm.glowworm import Glowworm
 from swarm_gym.problem import WalkProblem
+from swarm_gym.problem.geometry.traversal import path_is_free, segment_is_free
 from swarm_gym.problem.tables import stack
-from swarm_gym.problem.traversal import path_is_free, segment_is_free
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.settings import Settings
 

@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as arrays
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario, make_scenarios
-from swarm_gym.scenarios.data_files import data_folder, find_data_file
+from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
 
 NAN, INF = math.nan, math.inf
 

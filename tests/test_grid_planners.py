@@ -15,7 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem.traversal import is_gap, path_is_free, segment_is_free
+from swarm_gym.problem.geometry.traversal import is_gap, path_is_free, segment_is_free
 from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path, smooth
 from swarm_gym.reference.priority_queue import enter, make_queue, take_first
 

@@ -44,11 +44,11 @@ from swarm_gym.scenarios import (
     Scenario,
     expand_name,
     make_scenario,
-    moving_ai,
     sample_names,
 )
 from swarm_gym.scenarios.family import MAX_RANGE
-from swarm_gym.scenarios.moving_ai import MAX_PROBLEM_FILE, read_scenarios
+from swarm_gym.scenarios.formats import moving_ai
+from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEM_FILE, read_scenarios
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytest.importorskip("PIL", reason="needs the extra `maps`")

@@ -22,7 +22,7 @@ from fish import (
 from test_optimizers import problems, run
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.hybrid_fish_swarm import HybridFishSwarm
+from swarm_gym.optimizers.fish.hybrid import HybridFishSwarm
 
 NAME = "hybrid-fish-swarm"
 DEFAULTS = {

@@ -20,7 +20,7 @@ from fish import (
 from test_optimizers import problems, run
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.improved_fish_swarm import ImprovedFishSwarm
+from swarm_gym.optimizers.fish.improved import ImprovedFishSwarm
 
 NAME = "improved-fish-swarm"
 DEFAULTS = {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from swarm_gym.jit import borrowing_kernel, inner_kernel, kernel, merged_kernel
+from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel, kernel, merged_kernel
 
 needs_compiler = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
 

@@ -6,8 +6,8 @@ import multiprocessing
 import numba
 import pytest
 
-from swarm_gym import jit
-from swarm_gym.jit import kernel
+from swarm_gym.compiler import jit
+from swarm_gym.compiler.jit import kernel
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from swarm_gym.jit import kernel
-from swarm_gym.lanes import (
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.simd import (
     as_float,
     bits,
     broadcast,
@@ -231,7 +231,7 @@ def test_padding_is_to_whole_blocks(length, expected):
 OUTSIDE = """
 import numba
 import numpy as np
-from swarm_gym.lanes import load, look_up, store, total
+from swarm_gym.compiler.simd import load, look_up, store, total
 
 @numba.njit
 def reach(array, index, write):

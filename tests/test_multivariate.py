@@ -9,8 +9,8 @@ from builders import advance, begin, make_problem
 from test_optimizers import PLAN, problems, run
 
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.multivariate import Multivariate
-from swarm_gym.optimizers.regions import num_regions
+from swarm_gym.optimizers.multivariate.multivariate import Multivariate
+from swarm_gym.optimizers.multivariate.regions import num_regions
 
 NAME = "multivariate"
 

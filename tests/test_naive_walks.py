@@ -14,8 +14,8 @@ from naive_glowworm import Glowworm, relayed
 from naive_walkers import spin
 from naive_walks import length_of
 
+from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.problem import WalkProblem
-from swarm_gym.random_stream import seed_stream
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 

@@ -10,8 +10,8 @@ from hypothesis.extra.numpy import arrays
 
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.cost import evaluate
-from swarm_gym.problem.repair import repair
+from swarm_gym.problem.analytic.cost import evaluate
+from swarm_gym.problem.analytic.repair import repair
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 

@@ -8,8 +8,8 @@ import swarm_gym  # noqa: F401
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.scenarios.data_files import find_data_file
-from swarm_gym.scenarios.moving_ai import read_map, read_scenarios
+from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 
 # Map and problem file.
 BENCHMARKS = (

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.random.bit_generator import ISeedSequence
 
-from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform, seed_stream
+from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform, seed_stream
 
 SEEDS = st.integers(0, 2**64 - 1)
 

@@ -17,7 +17,7 @@ from swarm_gym import settings as settings_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
 from swarm_gym.reference.optima import digest, shipped, store_optimum
 from swarm_gym.reference.visibility import SAMPLING_ANGLE

@@ -10,8 +10,8 @@ from mutations import fuzzed, mutated
 
 from swarm_gym.errors import MissingExtraError, ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario
-from swarm_gym.scenarios.data_files import data_folder, find_data_file
-from swarm_gym.scenarios.ros_map import read_ros_map, read_yaml
+from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
+from swarm_gym.scenarios.formats.ros_map import read_ros_map, read_yaml
 
 Image = pytest.importorskip("PIL.Image", reason="needs the extra `maps`")
 pytest.importorskip("yaml", reason="needs the extra `maps`")

@@ -8,13 +8,13 @@ import pytest
 from agents import SizeLimits, make_controller
 from agents.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.batch import episode_seed
+from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.population import Swarms, make_workspace, resize, summarise
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.cost import evaluate
-from swarm_gym.problem.repair import repair
-from swarm_gym.random_stream import fill_uniform, seed_stream
+from swarm_gym.problem.analytic.cost import evaluate
+from swarm_gym.problem.analytic.repair import repair
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.simulation import HISTORY
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_traversal import grid, grids, lattice_points, points_anywhere
 
-from swarm_gym.problem.sight import (
+from swarm_gym.problem.geometry.sight import (
     cast_shadow,
     hidden_at,
     is_in_shadow,
@@ -17,7 +17,7 @@ from swarm_gym.problem.sight import (
     share_blocked,
     tabulate_rooms,
 )
-from swarm_gym.problem.traversal import blocked_share, segment_is_free
+from swarm_gym.problem.geometry.traversal import blocked_share, segment_is_free
 
 SIDE = 24
 

@@ -21,7 +21,7 @@ from experiments.suites import STUDY_FIGURES, STUDY_TABLES, Family, Suite, train
 from experiments.tables import make_tables
 from experiments.tables.differences import difference_tables, duel_tables
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
 from swarm_gym.scenarios import SCENARIOS, Circle
 from swarm_gym.simulation import HISTORY

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from naive_functions import FUNCTIONS as NAIVE
 from naive_swarm import oracle_of
 
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.simd import load, store
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
-from swarm_gym.jit import kernel
-from swarm_gym.lanes import load, store
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem, FunctionProblem
-from swarm_gym.problem.functions import NUMBERS, squared_sine, values_in_plane
+from swarm_gym.problem.function.table import NUMBERS, squared_sine, values_in_plane
 from swarm_gym.problem.tables import evaluate, select, stack
 from swarm_gym.reference import ensure_optima, gap_to_optimum, known_optimum, shortest_path
 from swarm_gym.scenarios import FunctionScenario, expand_name, make_scenario, make_scenarios

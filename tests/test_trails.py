@@ -7,8 +7,9 @@ from builders import advance, begin, random_grid_scenario, walk_problem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from swarm_gym.optimizers import ant_walk, trails
-from swarm_gym.optimizers.ant_colony import AntColony
+from swarm_gym.optimizers.ant_colony import trails
+from swarm_gym.optimizers.ant_colony import walk as ant_colony_walk
+from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import stack
 
@@ -101,7 +102,7 @@ def test_memory_of_places_where_nothing_was_laid_is_not_touched():
     assert 0 < (per_cell != 0.0).any(axis=1).sum() < 12
     assert AntColony.field_size(stack([problem.table])) == trails.trails_size(
         num_cells
-    ) + ant_walk.places_size(num_cells)
+    ) + ant_colony_walk.places_size(num_cells)
 
 
 def test_an_episode_on_another_map_of_the_stack_begins_as_a_fresh_one():

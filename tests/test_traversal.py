@@ -10,7 +10,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from swarm_gym.problem.traversal import (
+from swarm_gym.problem.geometry.traversal import (
     TOLERANCE,
     blocked_length,
     is_gap,

@@ -9,14 +9,14 @@ import numpy as np
 
 from experiments.speed.measurement import CASES, Measurement, Quantity, derived, medians, seconds_of
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.env import SwarmEnv
-from swarm_gym.jit import kernel
 from swarm_gym.optimizers.firefly import move_towards, squared_distance
 from swarm_gym.population import Workspace, make_workspace
-from swarm_gym.problem.cost import evaluate
+from swarm_gym.problem.analytic.cost import evaluate
+from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.problem.layout import columns
-from swarm_gym.problem.waypoints import WaypointTable
-from swarm_gym.random_stream import STREAM_SHAPE, fill_uniform
 
 SIZE = 60
 REPAIR_DEGREE = 0.2

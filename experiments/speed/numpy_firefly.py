@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.pairs import Pair
+from swarm_gym.problem.analytic.pairs import Pair
 from swarm_gym.scenarios import make_scenario, require_analytic
 
 Floats = NDArray[np.float64]

@@ -21,8 +21,8 @@ from experiments.tables.claims import Claim, claims_table
 from experiments.tables.iafsa import AFSA, IAFSA
 from experiments.tables.table import Table, percent
 from experiments.ways import length_of
-from swarm_gym.problem.clearance import clearance
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.scenarios.iafsa_routes import SITES, read_site_map

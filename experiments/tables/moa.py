@@ -12,8 +12,8 @@ from experiments.outcomes import Outcomes
 from experiments.run import Run
 from experiments.suite import Suite
 from experiments.tables.table import Table, percent
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.traversal import blocked_length, path_is_free
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.traversal import blocked_length, path_is_free
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 

@@ -12,7 +12,7 @@ from experiments.paper_numbers import FITNESS, FITNESS_TABLES, SECONDS, TIME_TAB
 from experiments.statistics import Comparison, Summary, compare, holm, summarise
 from experiments.suite import Suite
 from experiments.tables.table import Table, percent
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import make_problem
 

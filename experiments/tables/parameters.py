@@ -11,7 +11,7 @@ from experiments.parameter_study import SCENARIO, STUDIES, Study
 from experiments.statistics import ratio_interval, summarise
 from experiments.suite import Suite
 from experiments.tables.table import Table
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 
 
 def parameter_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:

@@ -10,7 +10,7 @@ from experiments.run import Run
 from experiments.statistics import mean_interval
 from experiments.suite import Suite
 from experiments.tables.table import Table, percent, percent_interval
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import make_scenario, worlds_of
 
 NEVER = "never"

@@ -20,12 +20,12 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "generational-firefly": ("swarm_gym.optimizers.generational_firefly", "GenerationalFirefly"),
     "particle-swarm": ("swarm_gym.optimizers.particle_swarm", "ParticleSwarm"),
     "elite-genetic": ("swarm_gym.optimizers.elite_genetic", "EliteGenetic"),
-    "multivariate": ("swarm_gym.optimizers.multivariate", "Multivariate"),
-    "fish-swarm": ("swarm_gym.optimizers.fish_swarm", "FishSwarm"),
-    "improved-fish-swarm": ("swarm_gym.optimizers.improved_fish_swarm", "ImprovedFishSwarm"),
-    "hybrid-fish-swarm": ("swarm_gym.optimizers.hybrid_fish_swarm", "HybridFishSwarm"),
-    "glowworm": ("swarm_gym.optimizers.glowworm", "Glowworm"),
-    "ant-colony": ("swarm_gym.optimizers.ant_colony", "AntColony"),
+    "multivariate": ("swarm_gym.optimizers.multivariate.multivariate", "Multivariate"),
+    "fish-swarm": ("swarm_gym.optimizers.fish.standard", "FishSwarm"),
+    "improved-fish-swarm": ("swarm_gym.optimizers.fish.improved", "ImprovedFishSwarm"),
+    "hybrid-fish-swarm": ("swarm_gym.optimizers.fish.hybrid", "HybridFishSwarm"),
+    "glowworm": ("swarm_gym.optimizers.glowworm.glowworm", "Glowworm"),
+    "ant-colony": ("swarm_gym.optimizers.ant_colony.ant_colony", "AntColony"),
 }
 
 

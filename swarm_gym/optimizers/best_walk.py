@@ -5,9 +5,9 @@
 
 import math
 
-from swarm_gym.jit import inner_kernel
+from swarm_gym.compiler.jit import inner_kernel
 from swarm_gym.population import Swarms
-from swarm_gym.problem.walks import WalkTable, share_blocked_between
+from swarm_gym.problem.walk.table import WalkTable, share_blocked_between
 
 
 @inner_kernel

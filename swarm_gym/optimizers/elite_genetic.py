@@ -11,12 +11,12 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
-from swarm_gym.optimizers import driver
+from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent
 from swarm_gym.problem.tables import Table, repair
-from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
@@ -111,4 +111,4 @@ class EliteGenetic(Optimizer):
         "mutation": Knob(0.01, 0.0, 1.0, "pm", "probability that a gene is drawn anew", (0.001, 1.0)),
     }
     rules = EliteGeneticRules
-    kernels = driver.Kernels(iterate)
+    kernels = loop.Kernels(iterate)

@@ -12,9 +12,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inlined_kernel, inner_kernel
-from swarm_gym.lanes import NUM_LANES, broadcast, load, maximum, minimum, store, total
-from swarm_gym.optimizers import driver
+from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
+from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import (
     Swarms,
@@ -23,7 +24,6 @@ from swarm_gym.population import (
     is_spent,
 )
 from swarm_gym.problem.tables import Table, repair
-from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -98,7 +98,7 @@ class Firefly(Optimizer):
 
     name = "firefly"
     rules = FireflyRules
-    kernels = driver.Kernels(iterate)
+    kernels = loop.Kernels(iterate)
     knobs: ClassVar[dict[str, Knob]] = {
         "noise": Knob(
             2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)

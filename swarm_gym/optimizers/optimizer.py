@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up, require_number
-from swarm_gym.optimizers import driver
+from swarm_gym.optimizers import loop
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import Table
 from swarm_gym.threads import spread
@@ -83,10 +83,10 @@ class Optimizer:
     adopts: ClassVar[bool] = True
     is_on_its_way: ClassVar[bool] = False
     rules: ClassVar[type]
-    kernels: ClassVar[driver.Kernels]
+    kernels: ClassVar[loop.Kernels]
 
     def __init_subclass__(cls) -> None:
-        driver.enter(cls.rules, cls.kernels)
+        loop.enter(cls.rules, cls.kernels)
 
     @classmethod
     def initialise(
@@ -106,7 +106,7 @@ class Optimizer:
         """
         if knobs is None:
             knobs = np.tile(cls.knob_values({}), (len(sizes), 1))
-        driver.begin_chosen(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
+        loop.begin_chosen(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
 
     @classmethod
     def step(
@@ -134,7 +134,7 @@ class Optimizer:
         """
 
         def run(part: NDArray[np.bool_]) -> None:
-            driver.step_chosen(cls.rules(), swarms, tables, part, sizes, repair_degrees, knobs, mean_weight)
+            loop.step_chosen(cls.rules(), swarms, tables, part, sizes, repair_degrees, knobs, mean_weight)
 
         spread(run, chosen, num_threads)
 
@@ -154,7 +154,7 @@ class Optimizer:
         """
 
         def run(part: NDArray[np.bool_]) -> None:
-            driver.re_evaluate_chosen(cls.rules(), swarms, tables, part, mean_weight)
+            loop.re_evaluate_chosen(cls.rules(), swarms, tables, part, mean_weight)
 
         spread(run, chosen, num_threads)
 

@@ -10,13 +10,13 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import inner_kernel
-from swarm_gym.optimizers import driver
+from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
 from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent, re_evaluate_members, recall
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, repair
-from swarm_gym.random_stream import fill_uniform
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def begin(
     knobs: Floats,
 ) -> None:
     """Draw positions in the initial bounds, then velocities up to their limit."""
-    driver.draw_population(rules, swarms, b, table, work, size, knobs)
+    loop.draw_population(rules, swarms, b, table, work, size, knobs)
     settle(swarms, b, 0)
     for i in range(swarms.size[b]):
         fill_uniform(swarms.stream[b], work.noise)
@@ -69,7 +69,7 @@ def adopt(
     size: int,
 ) -> None:
     """Begin with given positions, at rest."""
-    driver.adopt_population(rules, swarms, b, table, work, size)
+    loop.adopt_population(rules, swarms, b, table, work, size)
     settle(swarms, b, 0)
 
 
@@ -84,7 +84,7 @@ def change_size(
 ) -> None:
     """Grow or shrink swarm `b`; new members begin at rest."""
     kept = min(size, swarms.size[b])
-    driver.resize_population(rules, swarms, b, table, work, size)
+    loop.resize_population(rules, swarms, b, table, work, size)
     settle(swarms, b, kept)
 
 
@@ -166,7 +166,7 @@ class ParticleSwarm(Optimizer):
         ),
     }
     rules = ParticleSwarmRules
-    kernels = driver.Kernels(iterate, begin, adopt, change_size, re_evaluate)
+    kernels = loop.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def decision_vectors(swarms: Swarms, row: int, dimension: int) -> list[Floats]:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.lanes import padded
+from swarm_gym.compiler.simd import padded
 
 
 def columns(dimension: int) -> int:

@@ -7,8 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.problem.geometry.traversal import path_is_free
 from swarm_gym.problem.problem import Problem
-from swarm_gym.problem.traversal import path_is_free
 from swarm_gym.scenarios import GridScenario, MapScenario, Point
 
 Floats = NDArray[np.float64]

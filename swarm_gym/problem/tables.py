@@ -11,13 +11,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel, kernel_by_class
-from swarm_gym.problem import cost, functions, grid, grid_cost, grid_repair, walks, waypoints
-from swarm_gym.problem import repair as shift_repair
-from swarm_gym.problem.functions import FunctionTable
-from swarm_gym.problem.grid import GridTable
-from swarm_gym.problem.walks import WalkTable
-from swarm_gym.problem.waypoints import WaypointTable
+from swarm_gym.compiler.jit import kernel, kernel_by_class
+from swarm_gym.problem.analytic import cost
+from swarm_gym.problem.analytic import repair as shift_repair
+from swarm_gym.problem.analytic import table as analytic_table
+from swarm_gym.problem.analytic.table import WaypointTable
+from swarm_gym.problem.function import table as function_table
+from swarm_gym.problem.function.table import FunctionTable
+from swarm_gym.problem.grid import cost as grid_cost
+from swarm_gym.problem.grid import repair as grid_repair
+from swarm_gym.problem.grid import table as grid_table
+from swarm_gym.problem.grid.table import GridTable
+from swarm_gym.problem.walk import table as walk_table
+from swarm_gym.problem.walk.table import WalkTable
 
 Table = WaypointTable | GridTable | FunctionTable | WalkTable
 
@@ -26,8 +32,8 @@ evaluate = kernel_by_class(
     {
         WaypointTable: cost.evaluate,
         GridTable: grid_cost.evaluate,
-        FunctionTable: functions.evaluate,
-        WalkTable: walks.evaluate,
+        FunctionTable: function_table.evaluate,
+        WalkTable: walk_table.evaluate,
     }
 )
 
@@ -36,18 +42,18 @@ repair = kernel_by_class(
     {
         WaypointTable: shift_repair.repair,
         GridTable: grid_repair.repair,
-        FunctionTable: functions.repair,
-        WalkTable: walks.repair,
+        FunctionTable: function_table.repair,
+        WalkTable: walk_table.repair,
     }
 )
 
 # select(tables, index) -> one problem out of stacked tables, as views
 select = kernel_by_class(
     {
-        WaypointTable: waypoints.select,
-        GridTable: grid.select,
-        FunctionTable: functions.select,
-        WalkTable: walks.select,
+        WaypointTable: analytic_table.select,
+        GridTable: grid_table.select,
+        FunctionTable: function_table.select,
+        WalkTable: walk_table.select,
     }
 )
 

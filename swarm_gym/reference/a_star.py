@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.jit import inlined_kernel, kernel
 from swarm_gym.errors import ScenarioError
-from swarm_gym.jit import inlined_kernel, kernel
 from swarm_gym.reference.grid_input import as_free_cell, as_grid
 from swarm_gym.reference.priority_queue import PriorityQueue, enter, make_queue, take_first
 

@@ -11,9 +11,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.errors import ScenarioError
-from swarm_gym.jit import kernel
-from swarm_gym.problem.traversal import segment_is_free
+from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_grid, as_point
 from swarm_gym.reference.grid_sight import (
     SHIFT,

@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
-from swarm_gym.problem.traversal import TOLERANCE, is_gap
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.problem.geometry.traversal import TOLERANCE, is_gap
 
 SHIFT = 1.5
 # Columns by which a run of free cells is sought farther than an interval reaches: above rounding errors,

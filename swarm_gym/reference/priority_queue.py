@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
+from swarm_gym.compiler.jit import kernel
 
 
 class PriorityQueue(NamedTuple):

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.jit import kernel
-from swarm_gym.problem.traversal import segment_is_free
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.problem.geometry.traversal import segment_is_free
 
 
 @kernel

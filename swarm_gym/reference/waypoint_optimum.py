@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
-from swarm_gym.jit import kernel
 from swarm_gym.problem import AnalyticProblem, Problem
-from swarm_gym.problem.collision import segment_collision
-from swarm_gym.problem.waypoints import WaypointTable
+from swarm_gym.problem.analytic.collision import segment_collision
+from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.reference.optima import digest, known_optimum, store_optimum
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic, worlds_of

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.problem import FunctionProblem
-from swarm_gym.problem.functions import values_in_plane
+from swarm_gym.problem.function.table import values_in_plane
 from swarm_gym.rendering.pen import BEST, FEASIBLE, MAP, MARGIN, MEDIUM, PAPER, TARGET, Colour, Pen
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.problem import FunctionProblem, Problem, WalkProblem
-from swarm_gym.problem.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import StaticScenario
 from swarm_gym.simulation import Simulation
 

@@ -11,17 +11,16 @@ from collections.abc import Callable
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.scenarios import (
     block_scene,
-    dynamic,
     iafsa_routes,
     made_maps,
     moa_tasks,
-    moving_ai,
     paper_cases,
     random_fields,
-    ros_map,
     test_functions,
 )
-from swarm_gym.scenarios.dynamic_scenario import (
+from swarm_gym.scenarios.dynamic import family as dynamic_family
+from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
+from swarm_gym.scenarios.dynamic.scenario import (
     AnyScenario,
     DynamicScenario,
     MapScenario,
@@ -31,8 +30,8 @@ from swarm_gym.scenarios.dynamic_scenario import (
     world_at,
     worlds_of,
 )
-from swarm_gym.scenarios.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.formats import moving_ai, ros_map
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -88,7 +87,7 @@ FAMILIES: dict[str, Family] = {
     "function": test_functions.FAMILY,
     **block_scene.FAMILIES,
     iafsa_routes.NAME: iafsa_routes.FAMILY,
-    dynamic.NAME: dynamic.FAMILY,
+    dynamic_family.NAME: dynamic_family.FAMILY,
 }
 
 

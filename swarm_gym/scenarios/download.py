@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
-from swarm_gym.scenarios.data_files import data_folder
+from swarm_gym.scenarios.formats.data_files import data_folder
 
 TIMEOUT = 30  # seconds without an answer
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.dynamic_scenario import AnyScenario
+from swarm_gym.scenarios.dynamic.scenario import AnyScenario
 
 # How many scenarios one name can stand for.
 MAX_RANGE = 200_000

@@ -12,11 +12,11 @@ import re
 from typing import NamedTuple
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.data_files import find_data_file
 from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.ros_map import read_ros_map
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.ros_map import read_ros_map
 from swarm_gym.scenarios.scenario import Point
 
 NAME = "routes"

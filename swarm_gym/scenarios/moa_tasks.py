@@ -9,11 +9,11 @@ tasks P1 to P6 in a figure only. These stand in for them: problems of the benchm
 import re
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.data_files import find_data_file
 from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.moving_ai import cached_map
 from swarm_gym.scenarios.grid_map import Cell
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.moving_ai import cached_map
 
 NAME = "den400d"
 USAGE = f"{NAME}:P<number>"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from experiments.speed.measurement import IN_NUMPY
 from experiments.speed.numpy_bezier import numpy_fitness
-from swarm_gym.jit import kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem import GridProblem, Problem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate

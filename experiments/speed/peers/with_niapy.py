@@ -25,7 +25,7 @@ from experiments.speed.measurement import (
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.cost import evaluate
+from swarm_gym.problem.analytic.cost import evaluate
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2

@@ -13,7 +13,7 @@ import numpy as np
 from sko.AFSA import AFSA
 
 from experiments.speed.peers.cost import Cost, Floats
-from swarm_gym.optimizers.fish_swarm import FishSwarm
+from swarm_gym.optimizers.fish.standard import FishSwarm
 from swarm_gym.problem import Problem
 
 # Those of our fish swarm; lengths in ranges of a component.

@@ -1,0 +1,1 @@
+"""Everything that rests on Numba: compiling, caching, vector instructions, random streams in kernels."""

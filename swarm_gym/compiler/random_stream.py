@@ -1,0 +1,53 @@
+"""A seeded random stream for kernels: eight of NumPy's SFC64 side by side, word for word.
+
+Source: C. Doty-Humphrey, PractRand, "sfc64"; `numpy.random.SFC64` is the reference it is tested against.
+A single generator spends its time waiting for its own last word; eight side by side take no longer. A stream
+is an array of 4 x 8 words, advanced in place, one per swarm: it needs no lock and no global state.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.simd import NUM_LANES, as_float, load, store
+
+STREAM_SHAPE = (4, NUM_LANES)
+
+_SHIFT_RIGHT = np.uint64(11)
+_SHIFT_LEFT = np.uint64(3)
+_ROTATE_LEFT = np.uint64(24)
+_ROTATE_RIGHT = np.uint64(40)
+_ONE = np.uint64(1)
+_UNIT = 2.0**-53
+_DISCARDED = 12  # numbers of a lane that NumPy does not use when it seeds an SFC64
+
+
+def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
+    """Words of a stream, shape (4, 8): column k is the state of an `SFC64` seeded with three words.
+
+    These are words 3 k to 3 k + 2, of 64 bits, of those that the sequence generates.
+    """
+    stream = np.ones(STREAM_SHAPE, dtype=np.uint64)  # the last row counts from one
+    stream[:3] = sequence.generate_state(3 * NUM_LANES, np.uint64).reshape(NUM_LANES, 3).T
+    fill_uniform(stream, np.empty(_DISCARDED * NUM_LANES))
+    return stream
+
+
+@inlined_kernel
+def fill_uniform(stream: NDArray[np.uint64], out: NDArray[np.float64]) -> None:
+    """Fill `out`, whose length is a multiple of eight, with numbers uniform in [0, 1); advances `stream`.
+
+    Number 8 m + k is number m of lane k, as `numpy.random.Generator(SFC64).random()` gives it.
+    """
+    a, b, c, counter = load(stream, 0), load(stream, 1), load(stream, 2), load(stream, 3)
+    for k in range(0, out.shape[0], NUM_LANES):
+        word = a + b + counter
+        counter = counter + _ONE
+        a = b ^ (b >> _SHIFT_RIGHT)
+        b = c + (c << _SHIFT_LEFT)
+        c = ((c << _ROTATE_LEFT) | (c >> _ROTATE_RIGHT)) + word
+        store(out, k, as_float(word >> _SHIFT_RIGHT) * _UNIT)
+    store(stream, 0, a)
+    store(stream, 1, b)
+    store(stream, 2, c)
+    store(stream, 3, counter)

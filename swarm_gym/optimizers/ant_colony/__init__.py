@@ -1,0 +1,1 @@
+"""Ant colony optimization on grids: the colony, an ant's walk and the pheromone trails."""

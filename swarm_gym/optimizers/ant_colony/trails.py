@@ -1,0 +1,138 @@
+"""Pheromone on the moves of a grid, which evaporates only where somebody looks.
+
+Source: M. Dorigo, V. Maniezzo, A. Colorni, "Ant System: optimization by a colony of cooperating agents", IEEE
+Trans. Syst. Man Cybern. B 26(1):29-41, 1996, eq. 1 to 3, where rho is what stays; here it is what evaporates.
+Limits after T. Stuetzle, H. H. Hoos, "MAX-MIN Ant System", Future Gener. Comput. Syst. 16:889-914, 2000.
+
+A round is tau <- (1 - rho) tau everywhere, then what is laid, then tau <- clip(tau). Ants walk along a few
+thousand moves of the millions that a map has. So a cell remembers in which round its eight moves were last
+brought up to date, and makes up for the rounds since then when it is looked at: multiplied and clipped one
+round after the other, which gives the bits that rounds over all cells would give. Cells where nothing was
+laid yet have one tau in common, and their memory is never touched.
+
+Trails are an array of numbers: a head of `NUM_COMMON`, then for each cell, row by row, its last round and tau
+of its moves in the directions `STEP_COLUMNS`, `STEP_ROWS`. Zeros are trails too, which have to be begun.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+
+Floats = NDArray[np.float64]
+Cells = NDArray[np.int32]
+
+# To the neighbours of a cell, as it goes round: even ones straight, odd ones diagonal.
+STEP_COLUMNS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
+STEP_ROWS = np.array([0, 1, 1, 1, 0, -1, -1, -1])
+NUM_MOVES = 8
+MOVE_BY_STEP = np.array([[5, 6, 7], [4, -1, 0], [3, 2, 1]])  # [rows + 1, columns + 1]
+
+FIRST_TRAIL, LEAST_TRAIL, MOST_TRAIL = 1.0, 1e-4, 10.0
+
+# In the head: the round that it is, the one that the episode began with, the share that a round leaves, and
+# of the moves of a cell where nothing was laid in the episode tau before it was clipped in this round, and
+# all eight tau.
+_ROUND, _BEGUN, _KEPT, _UNCLIPPED, _UNTOUCHED = range(5)
+NUM_COMMON = _UNTOUCHED + NUM_MOVES
+_PER_CELL = 1 + NUM_MOVES
+
+
+@inner_kernel
+def trails_size(num_cells: int) -> int:
+    """How many numbers the trails on so many cells are."""
+    return NUM_COMMON + _PER_CELL * num_cells
+
+
+@inner_kernel
+def begin_trails(trails: Floats) -> None:
+    """The first tau on all moves; rounds go on being counted, so that no cell seems to be up to date."""
+    trails[_ROUND] += 1.0
+    trails[_BEGUN] = trails[_ROUND]
+    trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = FIRST_TRAIL
+
+
+@inlined_kernel
+def current_trails(trails: Floats, cell: int) -> int:
+    """Where tau of the moves of a cell lies in `trails`, up to date."""
+    place = NUM_COMMON + _PER_CELL * cell
+    if trails[place] < trails[_BEGUN]:
+        return _UNTOUCHED
+    if trails[place] < trails[_ROUND]:
+        _catch_up(trails, place, trails[_ROUND])
+    return place + 1
+
+
+@inner_kernel
+def evaporate(trails: Floats, evaporation: float) -> None:
+    """Begin a round, in which the share rho evaporates from all moves."""
+    kept = 1.0 - evaporation
+    if kept != trails[_KEPT] and trails[_ROUND] > trails[_BEGUN]:
+        # The rounds that cells have not made up for were of another share.
+        for cell in range((trails.shape[0] - NUM_COMMON) // _PER_CELL):
+            current_trails(trails, cell)
+    trails[_KEPT] = kept
+    trails[_ROUND] += 1.0
+    trails[_UNCLIPPED] = kept * trails[_UNTOUCHED]
+    trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = _clipped(trails[_UNCLIPPED])
+
+
+@inner_kernel
+def lay_on_way(trails: Floats, width: int, cells: Cells, amount: float) -> None:
+    """Lay an amount on each move along a way in this round; `settle_way` has to follow.
+
+    Args:
+        trails: of a map.
+        width: W, of the map.
+        cells: columns and rows of neighbouring cells, (k, 2).
+        amount: of pheromone.
+    """
+    for k in range(cells.shape[0] - 1):
+        column, row = cells[k]
+        to_column, to_row = cells[k + 1]
+        # Start and target may be in the same cell, which is two on a way without a move.
+        if to_column != column or to_row != row:
+            _lay(trails, row * width + column, MOVE_BY_STEP[to_row - row + 1, to_column - column + 1], amount)
+
+
+@inner_kernel
+def settle_way(trails: Floats, width: int, cells: Cells) -> None:
+    """Clip the moves of these cells, after all that is laid there in this round; others may be among them."""
+    for k in range(cells.shape[0]):
+        place = NUM_COMMON + _PER_CELL * (cells[k, 1] * width + cells[k, 0])
+        if trails[place] == trails[_ROUND]:
+            for move in range(place + 1, place + _PER_CELL):
+                trails[move] = _clipped(trails[move])
+
+
+@inner_kernel
+def _lay(trails: Floats, cell: int, move: int, amount: float) -> None:
+    place = NUM_COMMON + _PER_CELL * cell
+    if trails[place] < trails[_BEGUN]:
+        for k in range(place + 1, place + _PER_CELL):
+            trails[k] = trails[_UNCLIPPED]
+    elif trails[place] < trails[_ROUND]:
+        _catch_up(trails, place, trails[_ROUND] - 1.0)
+        for k in range(place + 1, place + _PER_CELL):
+            trails[k] *= trails[_KEPT]
+    trails[place] = trails[_ROUND]
+    trails[place + 1 + move] += amount
+
+
+@inlined_kernel
+def _clipped(value: float) -> float:
+    return min(max(value, LEAST_TRAIL), MOST_TRAIL)
+
+
+@inner_kernel
+def _catch_up(trails: Floats, place: int, last: float) -> None:
+    """The rounds up to the `last` one, in which nothing was laid on the moves of a cell."""
+    changing = True
+    while trails[place] < last and changing:
+        trails[place] += 1.0
+        changing = False
+        for k in range(place + 1, place + _PER_CELL):
+            value = _clipped(trails[_KEPT] * trails[k])
+            changing = changing or value != trails[k]
+            trails[k] = value
+    trails[place] = last

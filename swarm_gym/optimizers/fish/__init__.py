@@ -1,0 +1,1 @@
+"""Artificial fish swarms: the standard, the improved and the hybrid algorithm."""

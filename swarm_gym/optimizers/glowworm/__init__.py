@@ -1,0 +1,1 @@
+"""The glowworm swarm: glow, neighbours, members and the robot's trajectory."""

@@ -1,0 +1,159 @@
+"""Who is in a glowworm swarm: the robot, which is the first, and others anywhere in the free cells.
+
+Sources are those of `glowworm`. Brand and Yu place their members on a square lattice. Where and how members
+appear later is a reading, see docs/readings.md.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.optimizers.glowworm.trajectory import ROBOT, append_point, begin_trajectory, revise_best
+from swarm_gym.population import Swarms, Workspace, is_spent, shrink
+from swarm_gym.problem.tables import evaluate, repair
+from swarm_gym.problem.walk.table import WalkTable, cell_of, to_map
+
+Floats = NDArray[np.float64]
+
+# What is remembered of a member: its luciferin, its decision range in map units, whom it followed, and the
+# angle at which it wanders.
+LUCIFERIN, RANGE, FOLLOWED, HEADING = range(4)
+# Until the first luciferin is known, with the parameters of the next iteration.
+UNLIT = -1.0
+NOWHERE = math.inf
+
+
+@inner_kernel
+def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace) -> None:
+    """Evaluate the point of `work.path`, and make it that of member i."""
+    swarms.fitness[b, i], swarms.collision[b, i] = evaluate(table, work.path)
+    swarms.evaluations[b] += 1
+    for k in range(swarms.positions.shape[2]):
+        swarms.positions[b, i, k] = work.path[k + 1]
+
+
+@inner_kernel
+def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luciferin: float) -> None:
+    """Append the point of `work.path` as a member that shines like this and looks as far as it may."""
+    i = swarms.size[b]
+    evaluate_member(swarms, b, i, table, work)
+    kindle(swarms, b, i, luciferin)
+    swarms.size[b] += 1
+
+
+@inlined_kernel
+def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
+    """Let member i shine like this, and look as far as it may."""
+    swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
+    swarms.memory[b, i, FOLLOWED], swarms.memory[b, i, HEADING] = 0.0, NOWHERE
+
+
+@inner_kernel
+def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
+    """Draw `work.path`, a point uniform in the free cells."""
+    fill_uniform(swarms.stream[b], work.noise)
+    number = int(work.noise[0] * table.num_free)
+    column = table.free[number, 0] + work.noise[1] - 0.5
+    row = table.free[number, 1] + work.noise[2] - 0.5
+    work.path[1], work.path[2] = to_map(table, column, row)
+
+
+@inner_kernel
+def begin(
+    rules: Any,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: WalkTable,
+    work: Workspace,
+    size: int,
+    knobs: Floats,  # noqa: ARG001
+) -> None:
+    """Begin with the robot at the start, and the others on a square lattice as far as it goes."""
+    work.path[1], work.path[2] = table.start[0], table.start[1]
+    append_member(swarms, b, table, work, UNLIT)
+    begin_trajectory(swarms, b)
+    side = int(math.sqrt(size - 1.0))
+    for number in range(size - 1):
+        if is_spent(swarms, b):
+            return
+        if number < side * side:
+            for k in range(2):
+                share = ((number // side if k == 0 else number % side) + 0.5) / side
+                work.path[k + 1] = table.lower[k] + share * (table.upper[k] - table.lower[k])
+        column, row = cell_of(table, work.path[1], work.path[2])
+        if number >= side * side or table.blocked[row, column]:
+            draw_place(swarms, b, table, work)
+        append_member(swarms, b, table, work, UNLIT)
+
+
+@inner_kernel
+def adopt(
+    rules: Any,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: WalkTable,
+    work: Workspace,
+    size: int,
+) -> None:
+    """Begin with given places; but the robot is at the start, and nobody in a blocked cell."""
+    for i in range(size):
+        place = table.start if i == ROBOT else swarms.positions[b, i]
+        work.path[1], work.path[2] = place[0], place[1]
+        repair(table, work.path, 1.0)
+        append_member(swarms, b, table, work, UNLIT)
+    begin_trajectory(swarms, b)
+
+
+@inner_kernel
+def change_size(
+    rules: Any,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: WalkTable,
+    work: Workspace,
+    size: int,
+) -> None:
+    """Grow anywhere in free cells, since a swarm that goes one way is a line, or shrink; the robot stays."""
+    before = swarms.size[b]
+    if size > before:
+        luciferin = 0.0
+        for i in range(before):
+            luciferin += swarms.memory[b, i, LUCIFERIN]
+        for _ in range(min(size - before, swarms.budget[b] - swarms.evaluations[b])):
+            draw_place(swarms, b, table, work)
+            append_member(swarms, b, table, work, luciferin / before)
+    elif size < before:
+        fitness, collision = swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT]
+        swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT] = -math.inf, 0.0
+        shrink(swarms, b, size)
+        swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT] = fitness, collision
+
+
+@inner_kernel
+def re_evaluate(
+    rules: Any,  # noqa: ARG001
+    swarms: Swarms,
+    b: int,
+    table: WalkTable,
+    work: Workspace,
+) -> None:
+    """Begin anew around the robot, on a map that changed: a swarm that goes one way lights nothing else."""
+    size = swarms.size[b]
+    for i in range(size):
+        if is_spent(swarms, b):
+            swarms.size[b] = i
+            break
+        if i == ROBOT:
+            work.path[1], work.path[2] = swarms.positions[b, i, 0], swarms.positions[b, i, 1]
+            repair(table, work.path, 1.0)
+        else:
+            draw_place(swarms, b, table, work)
+        evaluate_member(swarms, b, i, table, work)
+        kindle(swarms, b, i, UNLIT)
+    # Before the best so far is known on this map, the robot's path is not held against it.
+    append_point(swarms, b)
+    revise_best(swarms, b, table)

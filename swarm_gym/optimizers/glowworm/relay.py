@@ -1,0 +1,157 @@
+"""Who of a swarm of points sees whom, and how far it is to the target from one to the next in sight.
+
+Light that is handed on: a point that does not see the target has the shortest way to it over points that see
+each other. Sight takes the time: whether two see each other is only looked at where it could make a way
+shorter, and remembered.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, inner_kernel, merged_kernel
+from swarm_gym.compiler.simd import NUM_LANES, bits, load, square_root
+from swarm_gym.population import Swarms
+from swarm_gym.problem.geometry.sight import cast_shadow, hidden_at, is_in_shadow
+from swarm_gym.problem.walk.table import WalkTable, to_cells
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Rooms = NDArray[np.int16]
+Bytes = NDArray[np.uint8]
+
+UNKNOWN, HIDDEN, IN_SIGHT = range(3)
+
+
+class Sight(NamedTuple):
+    """The n members of a swarm as they are now, and the target as the last point; zeros up to whole blocks.
+
+    Kernels take the arrays out before they loop over pairs: those of a NamedTuple are counted by reference
+    each time that they are named, which took longer than all else.
+    """
+
+    x: Floats  # (N,) map units; N is the next multiple of eight from n + 1 on
+    y: Floats  # (N,)
+    columns: Floats  # (N,) the same in cells
+    rows: Floats  # (N,)
+    known: Bytes  # (n + 1, n + 1) what is known of each pair, the higher number first
+    shadow: Floats  # (3,) what hid somebody last, see `sight.cast_shadow`
+    blocked: Flags  # (H, W) the map
+    rooms: Rooms  # (H, W)
+
+
+@inner_kernel
+def look_around(swarms: Swarms, b: int, table: WalkTable) -> Sight:
+    """The members of swarm `b`, of whom nothing is known yet."""
+    size = swarms.size[b]
+    x, y, columns, rows = inert(size, 0.0), inert(size, 0.0), inert(size, 0.0), inert(size, 0.0)
+    for i in range(size + 1):
+        place = table.target if i == size else swarms.positions[b, i]
+        x[i], y[i] = place[0], place[1]
+        columns[i], rows[i] = to_cells(table, place[0], place[1])
+    known = np.zeros((size + 1, size + 1), np.uint8)
+    return Sight(x, y, columns, rows, known, np.full(3, -1.0), table.blocked, table.rooms)
+
+
+@inner_kernel
+def inert(size: int, value: float) -> Floats:
+    """Numbers of that many members, of the target and up to a whole block."""
+    return np.full((size // NUM_LANES + 1) * NUM_LANES, value)
+
+
+@inlined_kernel
+def distance(x: Floats, y: Floats, i: int, k: int) -> float:
+    """Between two points, in map units."""
+    dx, dy = x[k] - x[i], y[k] - y[i]
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@merged_kernel
+def in_sight(
+    blocked: Flags,
+    rooms: Rooms,
+    columns: Floats,
+    rows: Floats,
+    known: Bytes,
+    shadow: Floats,
+    i: int,
+    k: int,
+) -> bool:
+    """Whether two points see each other, which is looked at once."""
+    high, low = max(i, k), min(i, k)
+    if known[high, low] == UNKNOWN:
+        x, y, to_x, to_y = columns[high], rows[high], columns[low], rows[low]
+        share = hidden_at(blocked, rooms, x, y, to_x, to_y)
+        known[high, low] = IN_SIGHT if share < 0.0 else HIDDEN
+        if share >= 0.0:
+            cast_shadow(rooms, x + share * (to_x - x), y + share * (to_y - y), shadow)
+    return known[high, low] == IN_SIGHT
+
+
+@inner_kernel
+def relay_lengths(sight: Sight) -> Floats:
+    """(N,) lengths of the shortest ways to the target over points in sight; infinite where there is none.
+
+    Who sees the target has the straight way; the others have one over one of these, or over one another.
+    """
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
+    size = known.shape[0] - 1
+    lengths, hidden, left = inert(size, math.inf), np.empty(size, np.int64), 0
+    for i in range(size):
+        if in_sight(blocked, rooms, columns, rows, known, shadow, i, size):
+            lengths[i] = distance(x, y, i, size)
+        else:
+            hidden[left] = i
+            left += 1
+    over_seers = np.full(left, math.inf)
+    guess = 0
+    for j in range(left):
+        over_seers[j], guess = _shortest(sight, lengths, hidden[j], guess)
+    for j in range(left):
+        lengths[hidden[j]] = over_seers[j]
+    # Dijkstra's algorithm among those who do not see the target.
+    while left > 0:
+        nearest = 0
+        for j in range(1, left):
+            if lengths[hidden[j]] < lengths[hidden[nearest]]:
+                nearest = j
+        here = hidden[nearest]
+        left -= 1
+        hidden[nearest] = hidden[left]
+        for j in range(left):
+            i = hidden[j]
+            over = lengths[here] + distance(x, y, i, here)
+            if over < lengths[i] and in_sight(blocked, rooms, columns, rows, known, shadow, i, here):
+                lengths[i] = over
+    return lengths
+
+
+@inner_kernel
+def _shortest(sight: Sight, lengths: Floats, i: int, guess: int) -> tuple[float, int]:
+    """Length of the shortest way of member i over one other whose length is known, and which one that is.
+
+    The better the guess, the fewer others have to be looked for; where there is none, it is returned.
+    """
+    x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
+    blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
+    least = lengths[guess] + distance(x, y, i, guess)
+    if not (least < math.inf and in_sight(blocked, rooms, columns, rows, known, shadow, i, guess)):
+        least = math.inf
+    for block in range(0, x.shape[0], NUM_LANES):
+        across, along = load(x, block) - x[i], load(y, block) - y[i]
+        shorter = bits(load(lengths, block) + square_root(across * across + along * along) < least)
+        if shorter == 0:
+            continue
+        for k in range(block, block + NUM_LANES):
+            over = lengths[k] + distance(x, y, i, k)
+            # What hid the last one often hides this one, too.
+            if (
+                over < least
+                and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k])
+                and in_sight(blocked, rooms, columns, rows, known, shadow, i, k)
+            ):
+                least, guess = over, k
+    return least, guess

@@ -1,0 +1,1 @@
+"""The multivariate optimization algorithm and its table of regions."""

@@ -1,0 +1,1 @@
+"""Problems on maps of circles and convex polygons: waypoints beside the start-target line."""

@@ -1,0 +1,142 @@
+"""How far the segments of a path must be shifted along y' to clear obstacles.
+
+Source: SPSFA paper, section II; closed forms and the reading of the degree of collision in docs/readings.md.
+
+A block of eight segments is treated at once, one per lane (`swarm_gym.compiler.simd`; `lane` is None), or a
+single one (`lane` is its number in the block): `left` is y' of the left end, `rise` the difference to the
+right end, `length` the length. Shifts are the smallest of the whole segment along +y' and along -y', in map
+units: segment and obstacle are in contact if and only if both are positive; where one is not, neither has a
+meaning. """
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.simd import (
+    NUM_LANES,
+    Lanes,
+    broadcast,
+    load,
+    maximum,
+    minimum,
+    read,
+    square_root,
+    where,
+)
+from swarm_gym.problem.analytic.table import (
+    BEGIN_CHORD,
+    BEGIN_SHARE,
+    CENTRE_SHARE,
+    CENTRE_Y,
+    CORNER_BOTTOM,
+    CORNER_ROWS,
+    CORNER_SHARE,
+    CORNER_TOP,
+    END_CHORD,
+    END_SHARE,
+    HIGHEST_SINE,
+    LOWEST_SINE,
+    RADIUS_SHARE,
+    WaypointTable,
+)
+
+Floats = NDArray[np.float64]
+
+
+@inlined_kernel
+def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, Lanes, Lanes]:
+    """`left`, `rise` and `length` of the segments of a block; `path` as in `cost.evaluate`."""
+    first = block * NUM_LANES
+    left = load(path, first)
+    rise = load(path, first + 1) - left
+    return left, rise, square_root(load(table.squared_spacing, first) + rise * rise)
+
+
+@inlined_kernel
+def circle_shifts(
+    rows: Floats, row: int, lane: int | None, left: Any, rise: Any, length: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear circles; their rows begin at `row`.
+
+    The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
+    of the line: at -r sin from the centre. That tangent passes r / cos above the centre: no root is needed.
+    """
+    from_centre = left - read(rows, row + CENTRE_Y, lane)
+    begin = from_centre + rise * read(rows, row + BEGIN_SHARE, lane)
+    end = from_centre + rise * read(rows, row + END_SHARE, lane)
+    middle = from_centre + rise * read(rows, row + CENTRE_SHARE, lane)
+    begin_chord, end_chord = read(rows, row + BEGIN_CHORD, lane), read(rows, row + END_CHORD, lane)
+    up = maximum(begin_chord - begin, end_chord - end)
+    down = maximum(begin_chord + begin, end_chord + end)
+    tangent = length * read(rows, row + RADIUS_SHARE, lane)
+    lowest, highest = (
+        length * read(rows, row + LOWEST_SINE, lane),
+        length * read(rows, row + HIGHEST_SINE, lane),
+    )
+    up = where((rise > lowest) & (rise < highest), tangent - middle, up)
+    fall = 0.0 - rise
+    down = where((fall > lowest) & (fall < highest), tangent + middle, down)
+    return up, down
+
+
+@inlined_kernel
+def polygon_shifts(
+    rows: Floats, row: int, num_corners: int, lane: int | None, left: Any, rise: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear convex polygons; the rows of their corners begin at `row`.
+
+    The top of a polygon is concave and its bottom convex, so each differs most from a line at a corner or at
+    an end of the overlap.
+    """
+    height = left + rise * read(rows, row + CORNER_SHARE, lane)
+    up, down = read(rows, row + CORNER_TOP, lane) - height, height - read(rows, row + CORNER_BOTTOM, lane)
+    for corner in range(row + CORNER_ROWS, row + num_corners * CORNER_ROWS, CORNER_ROWS):
+        height = left + rise * read(rows, corner + CORNER_SHARE, lane)
+        up = maximum(up, read(rows, corner + CORNER_TOP, lane) - height)
+        down = maximum(down, height - read(rows, corner + CORNER_BOTTOM, lane))
+    return up, down
+
+
+@inlined_kernel
+def clearing_shifts(
+    table: WaypointTable, tile: int, lane: int | None, left: Any, rise: Any, length: Any
+) -> tuple[Any, Any]:
+    """Shifts that clear the obstacles of a tile."""
+    if table.num_corners[tile] > 0:
+        return polygon_shifts(table.rows, table.first_row[tile], table.num_corners[tile], lane, left, rise)
+    return circle_shifts(table.rows, table.first_row[tile], lane, left, rise, length)
+
+
+@inlined_kernel
+def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, length: Lanes) -> Lanes:
+    """For each segment of a block, the sum of its smaller shifts over all obstacles in contact.
+
+    Times the cosine of its slope it is the segment's degree of collision: for each obstacle the distance
+    between the segment and its nearer cleared parallel.
+    """
+    shifts = broadcast(0.0)
+    for tile in range(table.first_tile[block], table.first_tile[block + 1]):
+        up, down = clearing_shifts(table, tile, None, left, rise, length)
+        shifts = shifts + maximum(minimum(up, down), 0.0)
+    return shifts
+
+
+@inlined_kernel
+def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
+    """Degree of collision of one segment, 0 to n, with all obstacles, in map units.
+
+    Args:
+        table: the problem.
+        segment: its number.
+        left: y' of its left end.
+        right: y' of its right end.
+        length: its length.
+    """
+    block, lane = segment // NUM_LANES, segment % NUM_LANES
+    shifts = 0.0
+    for tile in range(table.first_tile[block], table.first_tile[block + 1]):
+        up, down = clearing_shifts(table, tile, lane, left, right - left, length)
+        shifts += maximum(minimum(up, down), 0.0)
+    return shifts * (table.spacing / length)

@@ -1,0 +1,133 @@
+"""Problems on analytic maps: waypoints among circles and convex polygons."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.problem.analytic.pairs import Pair, list_pairs, shapes_in_frame
+from swarm_gym.problem.analytic.table import WaypointTable, points_beside, spacing_of, tabulate
+from swarm_gym.problem.geometry.clear_line import is_clear
+from swarm_gym.problem.geometry.resampling import resampled
+from swarm_gym.problem.geometry.rotation import Frame
+from swarm_gym.problem.map_problem import MapProblem
+from swarm_gym.problem.problem import Problem
+from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario, require_analytic
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AnalyticProblem(MapProblem):
+    """Find the waypoint offsets, shape (num_waypoints,), of least fitness on a scenario.
+
+    Attributes:
+        scenario: the map and the task.
+        num_waypoints: n, the dimension of a decision vector.
+        length_weight: mu in (0, 1], the weight of the length in the fitness; 1 - mu is that of the collision.
+    """
+
+    scenario: Scenario
+    num_waypoints: int = 31
+    length_weight: float = 0.3
+
+    def __post_init__(self) -> None:
+        require_analytic(self.scenario)
+        require_integer("num_waypoints", self.num_waypoints, 1)
+        require_number("length_weight", self.length_weight, math.nextafter(0.0, 1.0), 1.0)
+
+    @property
+    def dimension(self) -> int:
+        """Length of a decision vector."""
+        return self.num_waypoints
+
+    @cached_property
+    def table(self) -> WaypointTable:
+        """The problem as the kernels read it."""
+        return tabulate(self.scenario, self.pairs, self.num_waypoints, self.length_weight)
+
+    @cached_property
+    def pairs(self) -> list[Pair]:
+        """Segments of a path and the obstacles over them."""
+        spacing = spacing_of(self.scenario, self.num_waypoints)
+        return list_pairs(shapes_in_frame(self.scenario), self.num_waypoints + 1, spacing)
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The coordinates in which the start-target line is the x' axis."""
+        return Frame.of(self.scenario)
+
+    @property
+    def lower_bound(self) -> float:
+        """A fitness that no path can be below: mu times the straight line."""
+        return self.length_weight * self.scenario.straight_line
+
+    @property
+    def collision_bound(self) -> float:
+        """A degree of collision that no path inside the workspace can exceed."""
+        lower, upper = self.bounds
+        # The smaller of two shifts is at most half their sum, which the heights bound.
+        reach = float(upper.max() - lower.min())
+        return math.fsum(reach + pair.top - pair.bottom for pair in self.pairs) / 2.0
+
+    @property
+    def collision_bound_anywhere(self) -> float:
+        """The same wherever in the workspace the start is."""
+        x_min, y_min, x_max, y_max = self.scenario.workspace
+        reach = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
+        shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.obstacles]
+        return (self.num_waypoints + 1) * math.fsum(shifts)
+
+    def begun_at(self, start: Point) -> "AnalyticProblem":
+        """The same problem from another start."""
+        return replace(self, scenario=replace(self.scenario, start=start, initial_range=None))
+
+    def carried_over(self, vectors: Floats, before: Problem) -> Floats:
+        """Offsets at which the same paths pass beside the new line, inside the workspace."""
+        return np.clip(resampled(before.points(vectors), self.scenario, self.num_waypoints), *self.bounds)
+
+    def is_clear(self, path: Floats) -> bool:
+        """Whether a polyline enters no obstacle."""
+        return is_clear(path, self.scenario.obstacles)
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What fitness depends on."""
+        scenario = self.scenario
+        numbers = (
+            *scenario.start,
+            *scenario.target,
+            *scenario.workspace,
+            self.num_waypoints,
+            self.length_weight,
+        )
+        # As floats, since 1, 1.0 and a NumPy number are one value but print differently.
+        return [float(number) for number in numbers], [_plain(o) for o in scenario.obstacles]
+
+    def points(self, vectors: ArrayLike) -> Floats:
+        """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
+        return points_beside(self.line, self.frame.across, np.asarray(vectors, dtype=np.float64))
+
+    @cached_property
+    def line(self) -> Floats:
+        """Map coordinates of start, waypoints of offset 0, and target, shape (num_waypoints + 2, 2)."""
+        x = self.table.spacing * np.arange(self.num_waypoints + 2)
+        return self.frame.to_map(x, np.zeros_like(x))
+
+
+def _extent(obstacle: Obstacle) -> float:
+    """A length that no two points of an obstacle are farther apart than."""
+    if isinstance(obstacle, Circle):
+        return 2.0 * obstacle.radius
+    low, high = np.min(obstacle.vertices, axis=0), np.max(obstacle.vertices, axis=0)
+    return math.hypot(*(high - low))
+
+
+def _plain(obstacle: Obstacle) -> list:
+    if isinstance(obstacle, Circle):
+        return [float(obstacle.x), float(obstacle.y), float(obstacle.radius)]
+    return [(float(x), float(y)) for x, y in obstacle.vertices]

@@ -1,0 +1,1 @@
+"""Problems without a map: the minimum of a test function."""

@@ -1,0 +1,61 @@
+"""Problems without a map: the least value of a test function."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.problem.function.table import FunctionTable, tabulate
+from swarm_gym.problem.problem import Problem
+from swarm_gym.scenarios import FunctionScenario
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FunctionProblem(Problem):
+    """Find the vector, shape (dimension,), at which a function is least.
+
+    Attributes:
+        scenario: the function.
+    """
+
+    scenario: FunctionScenario
+
+    @property
+    def dimension(self) -> int:
+        """Length of a decision vector."""
+        return self.scenario.dimension
+
+    @cached_property
+    def table(self) -> FunctionTable:
+        """The problem as the kernels read it."""
+        return tabulate(self.scenario)
+
+    @property
+    def lower_bound(self) -> float:
+        """A value that none can be below: the least one."""
+        return 0.0
+
+    @property
+    def least_fitness(self) -> float:
+        """The least value."""
+        return 0.0
+
+    @property
+    def collision_bound(self) -> float:
+        """Positive, so that the bounds of observations are apart; the degree of collision is always 0."""
+        return 1.0
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What fitness depends on."""
+        return self.scenario.function, list(self.scenario.optimum)
+
+    def points(self, vectors: ArrayLike) -> Floats:
+        """Decision vectors (..., D) in parallel coordinates, (..., D, 2): number from 1, and value."""
+        values = np.asarray(vectors, dtype=np.float64)
+        numbers = np.broadcast_to(np.arange(1.0, self.dimension + 1), values.shape)
+        return np.stack([numbers, values], axis=-1)

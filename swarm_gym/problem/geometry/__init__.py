@@ -1,0 +1,1 @@
+"""Exact geometry that problems of several kinds share."""

@@ -1,0 +1,81 @@
+"""How close a polyline comes to the blocked cells of an occupancy grid, exactly.
+
+Points are (column, row) in cells, as in `traversal`; what lies outside the grid is no obstacle here.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, kernel
+
+
+@kernel
+def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
+    """Least distance of a polyline, (k, 2), from the areas of blocked cells, in cells.
+
+    It is 0 for a path that enters one or touches it, and infinite where no cell is blocked.
+    """
+    height, width = blocked.shape
+    least = math.inf
+    last = points.shape[0] - 1
+    for k in range(max(last, 1)):
+        x0, y0 = points[k]
+        x1, y1 = points[min(k + 1, last)]
+        # Cells whose areas may be closer than the closest so far.
+        reach = least + 0.5
+        left, right = _within(min(x0, x1) - reach, width), _within(max(x0, x1) + reach, width)
+        top, bottom = _within(min(y0, y1) - reach, height), _within(max(y0, y1) + reach, height)
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                if blocked[row, column]:
+                    least = min(least, _to_cell(x0 - column, y0 - row, x1 - column, y1 - row))
+    return least
+
+
+@inlined_kernel
+def _within(position: float, number: int) -> int:
+    """The index of 0 to `number` - 1 that is nearest."""
+    return int(min(max(np.floor(position + 0.5), 0.0), number - 1.0))
+
+
+@kernel
+def _to_cell(x0: float, y0: float, x1: float, y1: float) -> float:
+    """Distance of a segment from the unit square around the origin."""
+    if _enters(x0, y0, x1, y1):
+        return 0.0
+    # Of two convex polygons that are apart, a vertex of one is among the closest points.
+    least = min(_point_to_cell(x0, y0), _point_to_cell(x1, y1))
+    for x, y in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)):
+        least = min(least, _point_to_segment(x, y, x0, y0, x1, y1))
+    return least
+
+
+@inlined_kernel
+def _enters(x0: float, y0: float, x1: float, y1: float) -> bool:
+    """Whether a segment meets the unit square around the origin: its shares in both stripes overlap."""
+    begin, end = 0.0, 1.0
+    for start, change in ((x0, x1 - x0), (y0, y1 - y0)):
+        if change == 0.0:
+            if abs(start) > 0.5:
+                return False
+            continue
+        one, two = (-0.5 - start) / change, (0.5 - start) / change
+        begin, end = max(begin, min(one, two)), min(end, max(one, two))
+    return begin <= end
+
+
+@inlined_kernel
+def _point_to_cell(x: float, y: float) -> float:
+    return math.hypot(max(abs(x) - 0.5, 0.0), max(abs(y) - 0.5, 0.0))
+
+
+@inlined_kernel
+def _point_to_segment(x: float, y: float, x0: float, y0: float, x1: float, y1: float) -> float:
+    dx, dy = x1 - x0, y1 - y0
+    squared = dx * dx + dy * dy
+    share = 0.0
+    if squared > 0.0:
+        share = min(max(((x - x0) * dx + (y - y0) * dy) / squared, 0.0), 1.0)
+    return math.hypot(x - x0 - share * dx, y - y0 - share * dy)

@@ -1,0 +1,1 @@
+"""Problems on occupancy grids: Bezier curves or waypoints among blocked cells."""

@@ -1,0 +1,100 @@
+"""Problems on grid maps: Bezier curves or waypoints among blocked cells."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.checks import look_up, require_integer, require_number
+from swarm_gym.problem.geometry.resampling import resampled
+from swarm_gym.problem.grid import encoding
+from swarm_gym.problem.grid.encoding import Encoding
+from swarm_gym.problem.grid.table import GridTable, tabulate
+from swarm_gym.problem.map_problem import GridMapProblem
+from swarm_gym.problem.problem import Problem
+from swarm_gym.scenarios import GridScenario
+
+Floats = NDArray[np.float64]
+
+# Of a curve or path; binomial coefficients of more do not fit into double precision.
+MAX_POINTS = 1000
+
+# How decision vectors are read, by name.
+ENCODINGS = {"bezier": encoding.bezier, "waypoints": encoding.waypoints}
+
+
+@dataclass(frozen=True)
+class GridProblem(GridMapProblem):
+    """Find the path of least fitness on a grid map.
+
+    Attributes:
+        scenario: the map and the task.
+        encoding: a name in `ENCODINGS`.
+        num_points: free control points of a Bezier curve, or waypoints.
+        penalty: lambda, the fitness that an infeasible sample costs.
+    """
+
+    scenario: GridScenario
+    encoding: str = "bezier"
+    num_points: int = 4
+    penalty: float = 500.0
+
+    def __post_init__(self) -> None:
+        look_up("encoding", self.encoding, ENCODINGS)
+        require_integer("num_points", self.num_points, 1, MAX_POINTS)
+        require_number("penalty", self.penalty, 0.0, 1e9)
+
+    @property
+    def dimension(self) -> int:
+        """Length of a decision vector."""
+        return len(self.curve.lower)
+
+    @cached_property
+    def curve(self) -> Encoding:
+        """How a decision vector becomes a path."""
+        return ENCODINGS[self.encoding](self.scenario, self.num_points)
+
+    @cached_property
+    def table(self) -> GridTable:
+        """The problem as the kernels read it."""
+        return tabulate(self.scenario.map, self.curve, self.penalty)
+
+    @property
+    def lower_bound(self) -> float:
+        """A fitness that no path can be below: the straight line."""
+        return self.scenario.straight_line
+
+    @property
+    def collision_bound(self) -> float:
+        """A degree of collision that no path inside the bounds can exceed: the longest path."""
+        low, high = (self.curve.control_points(bound) for bound in self.bounds)
+        # No curve is longer than the polygon of its control points.
+        extent = np.linalg.norm(np.maximum(low, high).max(axis=0) - np.minimum(low, high).min(axis=0))
+        return float(extent * (len(low) - 1) * (1.0 + 1.0 / self.table.num_pieces))
+
+    @property
+    def collision_bound_anywhere(self) -> float:
+        """The same wherever on the map the start is."""
+        x_min, y_min, x_max, y_max = self.scenario.workspace
+        num_legs = len(self.curve.base) - 1
+        return math.hypot(x_max - x_min, y_max - y_min) * num_legs * (1.0 + 1.0 / self.table.num_pieces)
+
+    def carried_over(self, vectors: Floats, before: Problem) -> Floats:
+        """Offsets at which the same paths pass beside the new line; control points stay where they are."""
+        if self.encoding != "waypoints":
+            return vectors
+        return np.clip(resampled(before.points(vectors), self.scenario, self.num_points), *self.bounds)
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What fitness depends on."""
+        scenario = self.scenario
+        ends = [float(number) for number in (*scenario.start, *scenario.target)]
+        return scenario.map.digest, ends, self.encoding, int(self.num_points), float(self.penalty)
+
+    def points(self, vectors: ArrayLike) -> Floats:
+        """Decision vectors (..., dimension) as polylines in map coordinates, shape (..., k, 2)."""
+        return self.curve.points(vectors)

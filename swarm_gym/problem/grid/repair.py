@@ -1,0 +1,81 @@
+"""Treatment of infeasible paths on grid maps: control points are pulled towards free cells, by a degree phi.
+
+A reading (docs/readings.md): no paper says how a curve is repaired. Of every run of consecutive infeasible
+samples, the mean way to the nearest free cells is taken, and the free control point that weighs most in the
+run moves phi times as far as takes the run there, at most three times the mean way. All runs are those of the
+path as it came.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.simd import NUM_LANES, store, total
+from swarm_gym.problem.grid.cost import samples_of
+from swarm_gym.problem.grid.table import GridTable
+
+Floats = NDArray[np.float64]
+
+# A control point that weighs less in a run is not moved further for it.
+LEAST_WEIGHT = 1.0 / 3.0
+
+
+@inlined_kernel
+def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
+    """One pass over all samples; changes `path` in place, inside the bounds; see `tables`."""
+    num_blocks, num_points = table.first.shape[0], table.base.shape[0]
+    width = table.weights.shape[0] // num_blocks
+    moves = np.zeros((num_points, 2))
+    weights = np.zeros(num_points)  # of the control points, summed over the run
+    x, y, infeasible = np.empty(NUM_LANES), np.empty(NUM_LANES), np.empty(NUM_LANES)
+    count, away_x, away_y = 0, 0.0, 0.0
+    for block in range(num_blocks):
+        columns, rows, _, _, flags = samples_of(table, path, block)
+        if count == 0 and total(flags) == 0.0:
+            continue
+        store(x, 0, columns)
+        store(y, 0, rows)
+        store(infeasible, 0, flags)
+        for lane in range(NUM_LANES):
+            if infeasible[lane] > 0.0:
+                column = int(np.floor(min(max(x[lane], -1.0), table.num_columns - 2.0) + 0.5)) + 1
+                row = int(np.floor(min(max(y[lane], -1.0), table.num_rows - 2.0) + 0.5)) + 1
+                cell = row * table.num_columns + column
+                away_x += table.nearest[cell, 0] - x[lane]
+                away_y += table.nearest[cell, 1] - y[lane]
+                for k in range(width):
+                    weights[table.first[block] + k] += table.weights[block * width + k, lane]
+                count += 1
+            elif count > 0:
+                _pull(moves, weights, count, away_x, away_y)
+                weights[:] = 0.0
+                count, away_x, away_y = 0, 0.0, 0.0
+    # The last sample is the target, which is free: no run is open.
+    for point in range(1, num_points - 1):
+        if moves[point, 0] != 0.0 or moves[point, 1] != 0.0:
+            _move(table, path, point, repair_degree * moves[point, 0], repair_degree * moves[point, 1])
+
+
+@kernel
+def _pull(moves: Floats, weights: Floats, count: int, away_x: float, away_y: float) -> None:
+    """Add to the moves (P, 2) what one run asks of the control point that weighs most in it."""
+    heaviest = 1
+    for point in range(2, weights.shape[0] - 1):
+        if weights[point] > weights[heaviest]:
+            heaviest = point
+    weight = max(weights[heaviest] / count, LEAST_WEIGHT)
+    moves[heaviest, 0] += away_x / count / weight
+    moves[heaviest, 1] += away_y / count / weight
+
+
+@kernel
+def _move(table: GridTable, path: Floats, point: int, columns: float, rows: float) -> None:
+    """Move a control point that far, or as far as its freedom to move goes that way."""
+    k, m = table.source[point, 0], table.source[point, 1]
+    gain_x, gain_y = table.gain[point, 0], table.gain[point, 1]
+    if k == m:  # along a line
+        along = (columns * gain_x + rows * gain_y) / (gain_x * gain_x + gain_y * gain_y)
+        path[k] = min(max(path[k] + along, table.lower[k - 1]), table.upper[k - 1])
+        return
+    path[k] = min(max(path[k] + columns / gain_x, table.lower[k - 1]), table.upper[k - 1])
+    path[m] = min(max(path[m] + rows / gain_y, table.lower[m - 1]), table.upper[m - 1])

@@ -1,0 +1,1 @@
+"""Problems of walking over a grid map, for optimizers whose members are points."""

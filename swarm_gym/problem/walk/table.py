@@ -1,0 +1,161 @@
+"""Walks on a grid map as the kernels read them; see `tables`.
+
+A member is a point that a walk from the start has come to, and what is left to do is to go straight on to the
+target. Its fitness is the length of that way, and a penalty for what of it lies in blocked cells; its degree
+of collision is the blocked length, in map units.
+
+Points are in map units, which kernels turn into cells, (column, row), cell centres at whole numbers.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import inlined_kernel, inner_kernel, kernel
+from swarm_gym.problem.geometry.sight import sees, share_blocked, tabulate_rooms
+from swarm_gym.problem.layout import pad
+from swarm_gym.scenarios import GridScenario
+
+Floats = NDArray[np.float64]
+
+
+class WalkTable(NamedTuple):
+    """What the kernels need of one problem on a map of H x W cells, F of which are free.
+
+    In a stacked table every field has a leading problem axis, and maps are those of the largest one.
+    """
+
+    dimension: Any  # of members: 2; in a stacked table an array
+    resolution: Any  # map units per cell, likewise
+    penalty: Any  # lambda, fitness per cell's length of a blocked way, likewise
+    num_columns: Any  # W, likewise
+    num_rows: Any  # H, likewise
+    num_free: Any  # F, likewise
+    lower: Floats  # (C,) bounds of points: the map
+    upper: Floats  # (C,)
+    initial_lower: Floats  # (C,) the same
+    initial_upper: Floats  # (C,)
+    origin: Floats  # (2,) the centre of cell (0, 0)
+    scale: Floats  # (2,) columns per x, rows per y
+    start: Floats  # (2,)
+    target: Floats  # (2,)
+    blocked: NDArray[np.bool_]  # (H, W)
+    rooms: NDArray[np.int16]  # (H, W) how many cells around are like a cell, see `sight.tabulate_rooms`
+    nearest: NDArray[np.int16]  # (H, W, 2) column and row of the nearest free cell
+    free: NDArray[np.int16]  # (F, 2) column and row of the free cells, row by row
+
+
+@kernel
+def select(tables: WalkTable, index: int) -> WalkTable:
+    """One problem out of stacked tables, as views."""
+    height, width = tables.num_rows[index], tables.num_columns[index]
+    return WalkTable(
+        tables.dimension[index],
+        tables.resolution[index],
+        tables.penalty[index],
+        width,
+        height,
+        tables.num_free[index],
+        tables.lower[index],
+        tables.upper[index],
+        tables.initial_lower[index],
+        tables.initial_upper[index],
+        tables.origin[index],
+        tables.scale[index],
+        tables.start[index],
+        tables.target[index],
+        tables.blocked[index, :height, :width],
+        tables.rooms[index, :height, :width],
+        tables.nearest[index, :height, :width],
+        tables.free[index],
+    )
+
+
+def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
+    """The table of a map, with lambda fitness per cell's length of a blocked way."""
+    from scipy.ndimage import distance_transform_edt
+
+    grid = scenario.map
+    _, nearest = distance_transform_edt(grid.blocked, return_indices=True)
+    row, column = np.nonzero(~grid.blocked)
+    x_min, y_min, x_max, y_max = grid.extent
+    lower, upper = pad(np.array([x_min, y_min])), pad(np.array([x_max, y_max]))
+    return WalkTable(
+        2,
+        float(grid.resolution),
+        float(penalty),
+        grid.width,
+        grid.height,
+        len(row),
+        lower,
+        upper,
+        lower,
+        upper,
+        grid.to_map((0.0, 0.0)),
+        grid.to_cells(grid.to_map((0.0, 0.0)) + 1.0),
+        np.array(scenario.start),
+        np.array(scenario.target),
+        grid.blocked,
+        tabulate_rooms(grid.blocked),
+        np.ascontiguousarray(nearest[::-1].transpose(1, 2, 0).astype(np.int16)),
+        np.stack([column, row], axis=-1).astype(np.int16),
+    )
+
+
+@inlined_kernel
+def to_cells(table: WalkTable, x: float, y: float) -> tuple[float, float]:
+    """Column and row of a point in map units."""
+    return (x - table.origin[0]) * table.scale[0], (y - table.origin[1]) * table.scale[1]
+
+
+@inlined_kernel
+def to_map(table: WalkTable, column: float, row: float) -> tuple[float, float]:
+    """The point, in map units, of a column and a row."""
+    return table.origin[0] + column / table.scale[0], table.origin[1] + row / table.scale[1]
+
+
+@inlined_kernel
+def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
+    """Column and row of the cell that a point of the map, in map units, lies in."""
+    column, row = to_cells(table, x, y)
+    return (
+        int(min(max(np.floor(column + 0.5), 0.0), table.num_columns - 1.0)),
+        int(min(max(np.floor(row + 0.5), 0.0), table.num_rows - 1.0)),
+    )
+
+
+@inner_kernel
+def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> bool:
+    """Whether two points, in map units, see each other; see `sight.sees`."""
+    column, row = to_cells(table, x, y)
+    to_column, to_row = to_cells(table, to_x, to_y)
+    return sees(table.blocked, table.rooms, column, row, to_column, to_row)
+
+
+@inner_kernel
+def share_blocked_between(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
+    """Share of the straight way between two points, in map units, that is blocked; see `sight`."""
+    column, row = to_cells(table, x, y)
+    to_column, to_row = to_cells(table, to_x, to_y)
+    return share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
+
+
+@kernel
+def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
+    """Fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
+    x, y = path[1], path[2]
+    way = math.hypot(table.target[0] - x, table.target[1] - y)
+    collision = way * share_blocked_between(table, x, y, table.target[0], table.target[1])
+    return way + table.penalty * collision / table.resolution, collision
+
+
+@inlined_kernel
+def repair(table: WalkTable, path: Floats, repair_degree: float) -> None:
+    """Move the point `path[1:3]`, where it lies in a blocked cell, that share of the way to a free one."""
+    column, row = cell_of(table, path[1], path[2])
+    if table.blocked[row, column]:
+        x, y = to_map(table, float(table.nearest[row, column, 0]), float(table.nearest[row, column, 1]))
+        path[1] += repair_degree * (x - path[1])
+        path[2] += repair_degree * (y - path[2])

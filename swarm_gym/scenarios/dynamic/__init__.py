@@ -1,0 +1,1 @@
+"""Scenarios whose map changes during an episode."""

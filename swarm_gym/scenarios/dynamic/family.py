@@ -1,0 +1,131 @@
+"""Scenarios on whose maps something happens: `dynamic:<base>-<event>@<iteration>`, see `dynamic_scenario`.
+
+The base is a scenario of a fixed map, the event one of those below for it, and the iteration the one that it
+follows: on `dynamic:case1-block@70` the block is there from the 71st iteration on.
+
+With `-drive@40,every=5,distance=60` behind that, or in the place of the event, the robot drives 60 map units
+after iterations 40, 45, 50 and so on; so it can on any map.
+"""
+
+import re
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from swarm_gym.checks import look_up
+from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
+from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
+from swarm_gym.scenarios.family import NUMBER, Family
+from swarm_gym.scenarios.scenario import Circle, Polygon
+
+NAME = "dynamic"
+USAGE = f"{NAME}:<base>[-<event>@<iteration>][-drive@<first>,every=<iterations>,distance=<length>]"
+# The pattern of a length in a name: no sign, no exponent and no superfluous zero.
+LENGTH = rf"{NUMBER}(?:\.[0-9]*[1-9])?"
+
+# By base and name, with iterations counted from the one in the scenario's name. A block closes the corridor
+# that the shortest path takes, a gate the one that populations of fireflies have settled in by iteration 50;
+# above each stand the lengths of the shortest path and, for maps of circles and polygons, the least fitness
+# with 31 waypoints and mu = 0.3, before and after.
+EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
+    "case1": {
+        # 994.23 to 1005.43, 299.00 to 302.43: over the circle at (680, 280), no longer below it.
+        "block": (Appear(0, Polygon.rectangle(600, 100, 640, 270)),),
+        # Somebody walks through the same corridor, from below it to the next one, and is gone.
+        "passer": (
+            Appear(0, Circle(640, 160, 25)),
+            *(Move(iteration, 14, (0, 30)) for iteration in (5, 10, 15, 20, 25)),
+            Disappear(30, 14),
+        ),
+        # 994.23 and 299.00 as before: in the other corridor, over the circle at (680, 280).
+        "gate": (Appear(0, Polygon.rectangle(690, 290, 730, 400)),),
+    },
+    # 1053.55 to 1071.78, 316.63 to 325.17: through the middle, no longer below all obstacles.
+    # 1053.55 and 316.63 as before: the gap between the obstacles at x = 600 is closed.
+    "case2": {
+        "block": (Appear(0, Polygon.rectangle(600, 60, 640, 200)),),
+        "gate": (Appear(0, Polygon.rectangle(600, 220, 640, 400)),),
+    },
+    # 997.45 to 1011.18, 300.27 to 303.74: below the circle at (530, 240), no longer over it.
+    # 997.45 to 1019.62, 300.27 to 306.52: the wall at x = 600 becomes longer.
+    "case3": {
+        "block": (Appear(0, Polygon.rectangle(560, 270, 620, 330)),),
+        "gate": (Appear(0, Polygon.rectangle(600, 180, 640, 350)),),
+    },
+    # 109.46 to 124.40: the door from the corridor to the room of the target; another room leads there, too.
+    "rooms:0": {"block": (Appear(0, Polygon.rectangle(103.5, 55.5, 111.5, 57.5)),)},
+    # Brand and Yu's: 400.00 to 433.47, and 463.45 for a robot that has gone straight on for 175 by then.
+    "open:500": {"block": (Appear(0, Polygon.rectangle(174.5, 269.5, 324.5, 329.5)),)},
+}
+
+
+def expand(name: str) -> tuple[str, ...]:
+    """The names of single scenarios that a name stands for: several if its base is a range and has no event.
+
+    Raises:
+        UnknownNameError: if there is no such base, there are no events for it, or none of that name.
+        ScenarioError: if the name has another form.
+    """
+    from swarm_gym.scenarios import expand_name
+
+    parts = _parse(name)
+    # Names could be as deep as they are long.
+    if parts.base.partition(":")[0] == NAME:
+        raise ScenarioError(
+            f"scenario {shown(name)}: the base must be a scenario of a fixed map, got {shown(parts.base)}"
+        )
+    if parts.event is not None:
+        look_up(
+            f"event on {shown(parts.base)}",
+            parts.event,
+            look_up("base of dynamic scenarios", parts.base, EVENTS),
+        )
+    rest = name.removeprefix(f"{NAME}:{parts.base}")
+    return tuple(f"{NAME}:{base}{rest}" for base in expand_name(parts.base))
+
+
+def make(name: str) -> DynamicScenario:
+    """The scenario of that name.
+
+    Raises:
+        ScenarioError: if the base has no map, or one that changes itself.
+    """
+    from swarm_gym.scenarios import make_scenario
+
+    base, event, begin, drive = _parse(name)
+    events = () if event is None else EVENTS[base][event]
+    shifted = (replace(one, iteration=one.iteration + begin) for one in events)
+    made: Any = make_scenario(base)  # a map, which the scenario sees to
+    return DynamicScenario(name, made, tuple(shifted), drive)
+
+
+class _Parts(NamedTuple):
+    base: str
+    event: str | None
+    begin: int
+    drive: Drive | None
+
+
+def _parse(name: str) -> _Parts:
+    event_at = f"(?:-([a-z]+)@({NUMBER}))?"
+    drive_at = f"(?:-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
+    match = re.fullmatch(f"{NAME}:(.+?){event_at}{drive_at}", name)
+    iterations = ("0",) if match is None else match.group(3, 4, 5)
+    # There is one or the other, and none of these numbers is 0.
+    if match is None or iterations == (None, None, None) or "0" in iterations:
+        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with iterations from 1 on")
+    base, event, begin, first, every, distance = match.groups()
+    drive = None if first is None else Drive(int(first), int(every), float(distance))
+    return _Parts(base, event, int(begin or 0), drive)
+
+
+FAMILY = Family(
+    USAGE,
+    (
+        *(f"{NAME}:{base}-{event}@70" for base in EVENTS for event in EVENTS[base]),
+        f"{NAME}:case3-drive@40,every=5,distance=80",
+        f"{NAME}:rooms:0-block@50-drive@40,every=5,distance=8",
+    ),
+    expand,
+    make,
+)

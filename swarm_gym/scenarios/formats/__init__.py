@@ -1,0 +1,1 @@
+"""Readers of map files in public formats."""

@@ -1,0 +1,276 @@
+"""Maps and problems of the Moving AI benchmarks: the scenarios `moving-ai:<map>...`.
+
+Source: N. R. Sturtevant, "Benchmarks for grid-based pathfinding", IEEE Transactions on Computational
+Intelligence and AI in Games 4(2):144-148, 2012, doi 10.1109/TCIAIG.2012.2197681.
+
+Map coordinates are those of the benchmark: cells have side 1 and their centres at integers, x grows to the
+right from 0, y downwards from 0. Swamp counts as free and water as blocked, so that on maps that have either,
+the lengths in the problem files may not be the shortest ones.
+"""
+
+import itertools
+import os
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+
+from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
+from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
+from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
+from swarm_gym.scenarios.grid_scenario import GridScenario
+
+NAME = "moving-ai"
+USAGE = f"{NAME}:<map>#<problem> or {NAME}:<map>?start=<x>,<y>&goal=<x>,<y>"
+
+PASSABLE = b".GS"
+BLOCKED = b"@OTW"
+MAX_PROBLEMS = 100_000
+MAX_PROBLEM_FILE = 2**24  # bytes, more than so many problems have
+
+_HEADER_LINES = 4
+_LONGEST_LINE = 1024
+_BLANK_END = 64  # bytes of white space that may follow the last row
+
+# What the byte of a cell means: 0 free, 1 blocked, 2 neither.
+_MEANING = np.full(256, 2, dtype=np.uint8)
+_MEANING[list(PASSABLE)] = 0
+_MEANING[list(BLOCKED)] = 1
+
+
+class BenchmarkProblem(NamedTuple):
+    """A line of a `.scen` file; width and height are those of the map, start and goal cells (x, y)."""
+
+    bucket: int
+    map: str
+    width: int
+    height: int
+    start: Cell
+    goal: Cell
+    length: float
+
+
+def read_map(path: str | Path) -> GridMap:
+    """The map in a `.map` file. Lines may end with CR LF.
+
+    Raises:
+        ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
+    """
+    path = Path(path)
+    try:
+        with open_file(path) as file:
+            width, height = _read_header(path, file)
+            rows = _read_rows(path, file, width, height)
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    meaning = _MEANING[np.frombuffer(rows, dtype=np.uint8).reshape(height, width)]
+    if (meaning == 2).any():
+        row, column = np.argwhere(meaning == 2)[0].tolist()
+        character = rows[row * width + column : row * width + column + 1]
+        raise _malformed(
+            path,
+            row + _HEADER_LINES + 1,
+            f"expected one of {PASSABLE.decode()} (passable) or {BLOCKED.decode()} (blocked) in column "
+            f"{column + 1}, got {character!r}",
+        )
+    return GridMap(path.stem, meaning == 1)
+
+
+def read_scenarios(path: str | Path) -> list[BenchmarkProblem]:
+    """The problems in a `.scen` file. Blank lines are passed over.
+
+    Raises:
+        ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
+    """
+    return [problem for _, problem in _read_numbered(Path(path))]
+
+
+def expand(name: str) -> tuple[str, ...]:
+    """The names of single problems that a name stands for: `...#0-799` for 800 of them, the last included.
+
+    The first problem of a file is number 0. No file is read.
+
+    Raises:
+        ScenarioError: if the name has another form.
+    """
+    given, problems, cells = _parse(name)
+    return (name,) if cells else tuple(f"{NAME}:{given}#{number}" for number in problems)
+
+
+def make(name: str) -> GridScenario:
+    """The single problem of that name.
+
+    The map is `<map>.map` in the data folder, or an absolute path that ends with `.map`; problems are those
+    of `<map>.map.scen` or `<map>.scen`.
+
+    Raises:
+        ScenarioError: if a file is missing or malformed, there is no such problem, or it is not solvable.
+    """
+    given, problems, cells = _parse(name)
+    stem = given.removesuffix(".map") if Path(given).is_absolute() else given
+    grid = cached_map(find_data_file(f"{stem}.map"))
+    if cells:
+        return GridScenario(name, grid, *cells)
+    path = find_data_file(f"{stem}.map.scen", f"{stem}.scen")
+    listed = _cached_problems(path, stamp_of(path))
+    if problems[0] >= len(listed):
+        raise ScenarioError(f"scenario {shown(name)}: {path} has problems 0 to {len(listed) - 1}")
+    line, problem = listed[problems[0]]
+    if (problem.width, problem.height) != (grid.width, grid.height):
+        raise _malformed(
+            path,
+            line,
+            f"the map is {problem.width} x {problem.height}, but it is {grid.width} x {grid.height}",
+        )
+    try:
+        return GridScenario(name, grid, problem.start, problem.goal)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}, line {line}: {error}") from error
+
+
+def cached_map(path: Path) -> GridMap:
+    """The map of a file, which is read again when it has changed."""
+    return _cached_map(path, stamp_of(path))
+
+
+FAMILY = Family(USAGE, (), expand, make)
+
+
+@lru_cache(maxsize=8)
+def _cached_map(path: Path, _stamp: tuple[int, int]) -> GridMap:
+    return read_map(path)
+
+
+@lru_cache(maxsize=8)
+def _cached_problems(path: Path, _stamp: tuple[int, int]) -> list[tuple[int, BenchmarkProblem]]:
+    return _read_numbered(path)
+
+
+def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
+    """Map, numbers of problems and, in their stead, cells of start and goal."""
+    cell = rf"({NUMBER}),({NUMBER})"
+    if match := re.fullmatch(rf"{NAME}:(.+)\?start={cell}&goal={cell}", name):
+        x, y, goal_x, goal_y = map(int, match.groups()[1:])
+        cells, problems = ((x, y), (goal_x, goal_y)), range(0)
+    else:
+        match = re.fullmatch(rf"{NAME}:(.+)#([^#]*)", name)
+        cells, problems = None, parse_numbers(match[2], name) if match else range(0)
+    if not match or not (cells or (problems and problems[-1] < MAX_PROBLEMS)):
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected {USAGE}, with integers, where <problem> is a number from 0 to "
+            f"{MAX_PROBLEMS - 1} or a range of them such as 0-799"
+        )
+    if Path(match[1]).is_absolute() and not match[1].endswith(".map"):
+        raise ScenarioError(
+            f"scenario {shown(name)}: an absolute path to a map ends with .map, got {shown(match[1])}"
+        )
+    return match[1], problems, cells
+
+
+def _malformed(path: Path, line: int, reason: str) -> ScenarioError:
+    return ScenarioError(f"{path}, line {line}: {reason}")
+
+
+def _read_header(path: Path, file: BinaryIO) -> tuple[int, int]:
+    """Width and height."""
+    patterns = (rb"type\s+octile", rb"height\s+([1-9][0-9]{0,8})", rb"width\s+([1-9][0-9]{0,8})", b"map")
+    expected = ("'type octile'", "'height' and a positive number", "'width' and a positive number", "'map'")
+    sizes = []
+    for line, (pattern, wanted) in enumerate(zip(patterns, expected, strict=True), start=1):
+        text = file.readline(_LONGEST_LINE).rstrip(b" \t\r\n")
+        match = re.fullmatch(pattern, text)
+        if not match:
+            raise _malformed(path, line, f"expected {wanted}, got {_shown(text)}")
+        if match.re.groups:
+            sizes.append(int(match[1]))
+            if sizes[-1] > MAX_SIDE:
+                raise _malformed(
+                    path, line, f"a map has at most {MAX_SIDE} cells along a side, got {sizes[-1]}"
+                )
+    height, width = sizes
+    return width, height
+
+
+def _read_rows(path: Path, file: BinaryIO, width: int, height: int) -> bytes:
+    """The cells, row by row: never more of the file than the header announces."""
+    rows: list[bytes] = []
+    for line in range(_HEADER_LINES + 1, _HEADER_LINES + 1 + height):
+        text = file.readline(width + len(b"\r\n"))
+        row = text.removesuffix(b"\n").removesuffix(b"\r")
+        if not text:
+            raise _malformed(path, line, f"the file ends after {len(rows)} of {height} rows")
+        if len(row) != width:
+            got = f"{len(row)}" if len(row) < width else "more"
+            raise _malformed(path, line, f"expected a row of {width} cells, got {got}")
+        rows.append(row)
+    end = file.read(_BLANK_END + 1)
+    if end.strip() or len(end) > _BLANK_END:
+        raise _malformed(path, _HEADER_LINES + 1 + height, f"the file goes on after {height} rows")
+    return b"".join(rows)
+
+
+def _read_numbered(path: Path) -> list[tuple[int, BenchmarkProblem]]:
+    """Problems, each with its line in the file."""
+    try:
+        with open_file(path) as file:
+            size = os.fstat(file.fileno()).st_size
+            if size > MAX_PROBLEM_FILE:
+                raise ScenarioError(f"{path}: expected at most {MAX_PROBLEM_FILE} bytes, got {size}")
+            numbered = list(_problems(path, file))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    if not numbered:
+        raise ScenarioError(f"{path}: no problems after line 1")
+    return numbered
+
+
+def _problems(path: Path, file: BinaryIO) -> Iterator[tuple[int, BenchmarkProblem]]:
+    """Problems, each with its line: never more of the file in memory than is known to be well-formed."""
+    first = file.readline(_LONGEST_LINE)
+    if not re.fullmatch(rb"version\s+1(\.0)?\s*", first):
+        raise _malformed(path, 1, f"expected 'version 1', got {_shown(first)}")
+    found = 0
+    for line in itertools.count(2):
+        text = file.readline(_LONGEST_LINE)
+        if not text:
+            return
+        text = text.removesuffix(b"\n")
+        if found == MAX_PROBLEMS or line > 2 * MAX_PROBLEMS:
+            raise _malformed(path, line, f"expected at most {MAX_PROBLEMS} problems, and as many blank lines")
+        if text.strip():
+            found += 1
+            yield line, _parse_problem(path, line, text)
+
+
+def _parse_problem(path: Path, line: int, text: bytes) -> BenchmarkProblem:
+    # Names of maps may have spaces where fields are separated by tabs.
+    fields = [field.strip() for field in (text.split(b"\t") if b"\t" in text else text.split())]
+    if len(fields) != 9:
+        raise _malformed(path, line, f"expected 9 fields, got {len(fields)}: {_shown(text)}")
+    if not text.isascii():
+        raise _malformed(path, line, f"expected ASCII, got {_shown(text)}")
+    integers = []
+    for field in (fields[0], *fields[2:8]):
+        if not re.fullmatch(NUMBER, field.decode()):
+            raise _malformed(path, line, f"expected an integer, got {_shown(field)}")
+        integers.append(int(field))
+    if not re.fullmatch(rb"[0-9]{1,15}(\.[0-9]{0,30})?(e[+-]?[0-9]{1,2})?", fields[8]):
+        raise _malformed(path, line, f"expected a length, got {_shown(fields[8])}")
+    bucket, width, height, x, y, goal_x, goal_y = integers
+    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
+        raise _malformed(
+            path, line, f"expected a map of 1 to {MAX_SIDE} cells a side, got {width} x {height}"
+        )
+    for cell in ((x, y), (goal_x, goal_y)):
+        if not (cell[0] < width and cell[1] < height):
+            raise _malformed(path, line, f"cell {cell} lies outside the map of {width} x {height}")
+    name, length = fields[1].decode(), float(fields[8])
+    return BenchmarkProblem(bucket, name, width, height, (x, y), (goal_x, goal_y), length)
+
+
+def _shown(text: bytes) -> str:
+    return repr(text[:60])[1:] + ("..." if len(text) > 60 else "")
