@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats
-from agents.wrapper import Wrapper
+from swarm_gym.controllers.controller import Controller, Floats
+from swarm_gym.controllers.wrapper import Wrapper
 from swarm_gym.observation import make_observation
 
 # Inputs that are the iteration in other words: at a given iteration there is nothing in them to be blind for.

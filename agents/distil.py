@@ -1,9 +1,9 @@
 """Distil a trained policy into a rule of at most ten numbers: `python -m agents.distil --help`.
 
 The policy's decisions are collected over episodes of its training, with the inputs that a person can read
-(`agents.distilled.INPUTS`), and each decision is fitted by a weighted sum of few of them. What a rule does
-leads to states that the policy does not visit: in further rounds the policy is asked in those that the last
-rule visits, and all are fitted together (S. Ross et al., "A reduction of imitation learning and structured
+(`swarm_gym.controllers.distilled.INPUTS`), and each decision is fitted by a weighted sum of few of them. What
+a rule does leads to states that the policy does not visit: in further rounds the policy is asked in those that
+the last rule visits, and all are fitted together (S. Ross et al., "A reduction of imitation learning and structured
 prediction to no-regret online learning", AISTATS 2011). Of all rules on the way, with few numbers or many,
 the one is taken that earns the highest mean return as a controller on validation seeds.
 """
@@ -17,9 +17,15 @@ import numpy as np
 import tyro
 from numpy.typing import NDArray
 
-from agents import make_controller
-from agents.controller import Controller
-from agents.distilled import (
+from agents.provenance import provenance
+from agents.rule_fit import select_forward, share_out
+from agents.seeds import ANALYSIS, VALIDATION, training_seed
+from agents.train_config import TrainConfig, stored_config
+from agents.watching import decision_names, watch
+from swarm_gym.command import command
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.distilled import (
     CURRENT_SIZE,
     INPUTS,
     LINEAR,
@@ -30,12 +36,6 @@ from agents.distilled import (
     decision_bounds,
     save_rule,
 )
-from agents.provenance import provenance
-from agents.rule_fit import select_forward, share_out
-from agents.seeds import ANALYSIS, VALIDATION, training_seed
-from agents.train_config import TrainConfig, stored_config
-from agents.watching import decision_names, watch
-from swarm_gym.command import command
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ class DistilConfig:
     policy: Annotated[str, tyro.conf.Positional]
     """Controller to distil: learned:<name or file>."""
     output: Path
-    """The file to write, a name in agents/distilled to be found as distilled:<name>."""
+    """The file to write, a name in swarm_gym/controllers/data/distilled to be found as distilled:<name>."""
     numbers: int = MOST_NUMBERS
     """How many numbers the rule may have at most, PS(0) counted."""
     rounds: int = 2

@@ -21,9 +21,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from agents.manifest import LSTM
-from agents.policy_file import Weights, load_policy, resolve
 from swarm_gym.command import command
+from swarm_gym.controllers.learned.manifest import LSTM
+from swarm_gym.controllers.learned.policy_file import Weights, load_policy, resolve
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 
@@ -99,7 +99,7 @@ def _affine(helper: Any, entry: str, layer: str, result: str) -> Any:
 
 
 def _memory(helper: Any) -> list[Any]:
-    """One step of an LSTM, as in `agents.recurrent`; the operator of that name takes a whole sequence."""
+    """One step of the LSTM of `learned.recurrent`; the operator of that name takes a whole sequence."""
     gates = ("keep_new", "keep_old", "new", "show")  # i, f, g, o
     squash = {"keep_new": "Sigmoid", "keep_old": "Sigmoid", "new": "Tanh", "show": "Sigmoid"}
     return [

@@ -8,9 +8,9 @@ import torch
 from numpy.typing import NDArray
 from tqdm import trange
 
-from agents.controller import Controller
 from agents.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import make_action
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation
 
 ROLLOUTS = 4

@@ -22,13 +22,13 @@ from typing import Any
 
 import tyro
 
-from agents.controller import SizeLimits
-from agents.learned import load_learned
-from agents.manifest import MAX_LAYERS, PolicyFileError
-from agents.policy_file import MAX_FILE, Weights, encode_policy
 from agents.provenance import provenance
-from agents.shipped import read_bytes
 from swarm_gym.command import command
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.manifest import MAX_LAYERS, PolicyFileError
+from swarm_gym.controllers.learned.policy_file import MAX_FILE, Weights, encode_policy
+from swarm_gym.controllers.packaged import read_bytes
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation

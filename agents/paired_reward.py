@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from agents.controller import Controller
+from swarm_gym.controllers.controller import Controller
 
 PAIRED = "paired"  # the name of this reward in a training configuration
 ENV_REWARD = "final-gap"  # what the environments pay then

@@ -8,8 +8,8 @@ import tomllib
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from agents.shipped import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
 from agents.train_config import TrainConfig
+from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
 from swarm_gym.errors import shown
 
 PRESETS = Path(__file__).parent / "presets"

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from agents.controller import Controller
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.scenarios import Scenario
 from swarm_gym.simulation import HISTORY, Simulation
 from swarm_gym.vector_env import SwarmVectorEnv

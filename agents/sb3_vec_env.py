@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from agents.paired_reward import Reference
-from agents.residual import Base, Proposal
+from swarm_gym.controllers.learned.residual import Base, Proposal
 
 
 class SB3VecEnv(VecEnv):

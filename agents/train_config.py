@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from agents import SizeLimits
 from agents.paired_reward import ENV_REWARD, PAIRED
+from swarm_gym.controllers import SizeLimits
 
 
 @dataclass(frozen=True)

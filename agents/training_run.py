@@ -10,12 +10,9 @@ import torch
 from tqdm import tqdm
 
 from agents.checkpoints import Checkpoints
-from agents.controller import Controller
-from agents.learned import load_learned
 from agents.learners import make_learner
 from agents.learners.environments import reference_controller
 from agents.paired_reward import PAIRED
-from agents.policy_file import load_policy, save_policy
 from agents.provenance import provenance
 from agents.replay_strip import make_replay_strip
 from agents.rollout import Episodes, look_away, run_episodes
@@ -23,6 +20,9 @@ from agents.run_folder import as_json, prepare_folder
 from agents.seeds import VALIDATION, training_seed
 from agents.train_config import TrainConfig
 from agents.training_events import TrainingEvents
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.simulation import Simulation
 
 # Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller
 from agents.rollout import drive, swarms_for
 from swarm_gym.action import make_action
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings

@@ -18,9 +18,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from agents import make_controller
-from agents.controller import Controller, Floats
 from agents.watching import Watched, decision_names, watch
-from agents.wrapper import Wrapper
 from experiments.analysis import analysis_seeds, outcome
 from experiments.labels import label
 from experiments.results import ResultsError
@@ -28,6 +26,8 @@ from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.action import make_action
 from swarm_gym.command import command
+from swarm_gym.controllers.controller import Controller, Floats
+from swarm_gym.controllers.wrapper import Wrapper
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer

@@ -6,8 +6,8 @@ To add a study, enter it in `STUDIES`; the suite `parameters`, its tables and it
 from collections.abc import Container
 from dataclasses import dataclass
 
-from agents.schedules import SelfAdaptiveSchedule
 from experiments.paper_numbers import PARAMETER_SECONDS
+from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 
 SCENARIO = "case3"
 

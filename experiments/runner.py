@@ -10,17 +10,17 @@ from tqdm import tqdm
 
 from agents import Controller
 from agents.backends import Backend, Task, WorkLostError
-from agents.distilled import DistilledRule
-from agents.feedforward import FeedforwardController
-from agents.open_loop import OpenLoop
 from agents.provenance import provenance
-from agents.tuned import load_tuned
 from experiments.contestants import contestant
 from experiments.episode import Episode, controller_of, warm_up
 from experiments.groups import group_key, set_key
 from experiments.results import Results, ResultsError
 from experiments.run import Run, RunKey, Snapshot
 from experiments.suite import Suite
+from swarm_gym.controllers.distilled import DistilledRule
+from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings, make_problem

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from agents import make_controller
 from agents.blinding import Blinded, clock_columns, input_names, mean_courses
-from agents.controller import Controller
-from agents.distilled import LINEAR
 from agents.train_config import TrainConfig, stored_config
 from agents.watching import Watched, decision_names, watch
 from experiments.analysis import Outcome, analysis_seeds, outcome
 from experiments.results import ResultsError
 from swarm_gym.command import command
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.distilled import LINEAR
 
 Floats = NDArray[np.float64]
 

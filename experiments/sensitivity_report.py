@@ -7,13 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from agents.distilled import LINEAR
 from experiments.analysis import Outcome
 from experiments.figure_style import BLUE, FORMATS, ORANGE, new_figure, render, settings
 from experiments.labels import label
 from experiments.sensitivity import Sensitivity
 from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
+from swarm_gym.controllers.distilled import LINEAR
 from swarm_gym.files import write_atomically
 
 Floats = NDArray[np.float64]

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from agents.distilled import load_rule
 from experiments.figures import decisions_name
 from experiments.groups import group_controllers
 from experiments.page import MADE_WITH
@@ -15,6 +14,7 @@ from experiments.suites import ABLATED, ABLATION, FITTED_TO_CASES, FITTED_TO_FIE
 from experiments.tables.origins import origins_table
 from experiments.tables.reshape import NOTHING, join, select, shorten_heads, split, spread
 from experiments.tables.table import Table
+from swarm_gym.controllers.distilled import load_rule
 
 FIGURES = "results/study"  # seen from the document
 

@@ -17,14 +17,14 @@ import pytest
 import safetensors.numpy  # noqa: F401, so that the fuzzer sees what it does
 
 from agents import make_controller
-from agents.controller import SizeLimits
-from agents.distilled import DISTILLED, DistilledFileError
-from agents.learned import load_learned
-from agents.manifest import PolicyFileError, check_manifest, tensor_shapes
-from agents.open_loop import OPEN_LOOPS, OpenLoopFileError
-from agents.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
 from agents.presets import PRESETS, PresetError, load_preset
-from agents.tuned import TUNED, TunedFileError
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
+from swarm_gym.controllers.learned.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
+from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
+from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios

@@ -13,7 +13,7 @@ from event_files import shown
 from trainings import STEPS, TINY
 
 from agents.checkpoints import Checkpoints
-from agents.policy_file import load_policy
+from swarm_gym.controllers.learned.policy_file import load_policy
 
 
 class Command(NamedTuple):

@@ -18,11 +18,11 @@ from trainings import make_policy
 from agents.backends import BackendError, BackendOptions, Task, WorkLostError, ray_backend, slurm
 from agents.backends.backend import Outcome
 from agents.backends.luggage import files_of, pack
-from agents.open_loop import save_open_loop
 from agents.provenance import git_commit
 from experiments.results import Results
 from experiments.runner import configuration, run_missing
 from experiments.suite import Suite
+from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.errors import MissingExtraError
 
 OPTIONS = {

@@ -10,10 +10,10 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 from trainings import train
 
 from agents.checkpoints import Checkpoints
-from agents.policy_file import load_policy
 from agents.run_folder import RunFolderError
 from agents.training_events import TrainingEvents
 from swarm_gym import files
+from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.files import remove_partials, write_atomically
 
 

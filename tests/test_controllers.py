@@ -7,14 +7,20 @@ import numpy as np
 import pytest
 from trainings import make_policy
 
-from agents import CONTROLLERS, Controller, SizeLimits, make_controller, policy_file
-from agents.distilled import shipped_rules
-from agents.learned import load_learned
-from agents.open_loop import OpenLoopFileError, shipped_open_loops
-from agents.policy_file import PolicyFileError, load_policy, save_policy, shipped_policies
+from agents import CONTROLLERS, Controller, SizeLimits, make_controller
 from agents.rollout import run_episodes
-from agents.tuned import FORMAT, TunedFileError, shipped_tuned
 from swarm_gym.action import make_action
+from swarm_gym.controllers.distilled import shipped_rules
+from swarm_gym.controllers.learned import policy_file
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import (
+    PolicyFileError,
+    load_policy,
+    save_policy,
+    shipped_policies,
+)
+from swarm_gym.controllers.open_loop import OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.tuned import FORMAT, TunedFileError, shipped_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.controller import Controller
 from agents.distil import DistilConfig, assess, distil
-from agents.distilled import (
+from agents.rule_fit import Fit, fit_within, select_forward, share_out
+from agents.seeds import ANALYSIS, VALIDATION
+from agents.train_config import TrainConfig, stored_config
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.distilled import (
     DISTILLED,
     INPUTS,
     MOST_NUMBERS,
@@ -21,9 +24,6 @@ from agents.distilled import (
     save_rule,
     shipped_rules,
 )
-from agents.rule_fit import Fit, fit_within, select_forward, share_out
-from agents.seeds import ANALYSIS, VALIDATION
-from agents.train_config import TrainConfig, stored_config
 from swarm_gym.observation import OBSERVATIONS
 
 TRAINING = TrainConfig(scenarios=("case3",), initial_population_size=40)

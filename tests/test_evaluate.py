@@ -10,8 +10,6 @@ from trainings import make_policy
 
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
-from agents.open_loop import save_open_loop
-from agents.tuned import save_tuned
 from experiments import episode, runner
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.publish_suite import publish_suite
@@ -20,6 +18,8 @@ from experiments.run import Run
 from experiments.runner import configuration, run_missing, run_one
 from experiments.suites import COLLECTIONS, SUITES, Suite, get_suite
 from experiments.tables import make_tables
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.scenarios import expand_name

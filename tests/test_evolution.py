@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from trainings import tiny_config, train
 
-from agents.learned import load_learned
 from agents.learners import make_learner
-from agents.policy_file import load_policy
 from agents.rollout import run_episodes
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy
 
 EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "num_swarms": 8}
 GENERATION = 8 * 100  # environment steps

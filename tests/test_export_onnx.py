@@ -7,8 +7,8 @@ import pytest
 from trainings import add_memory, make_policy
 
 from agents.export_onnx import STATE, main, to_onnx
-from agents.learned import load_learned
-from agents.policy_file import load_policy
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.observation import ITERATION
 
 onnx = pytest.importorskip("onnx", reason="needs the extra `onnx`")

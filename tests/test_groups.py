@@ -3,8 +3,6 @@
 import pytest
 
 from agents import make_controller
-from agents.open_loop import shipped_open_loops
-from agents.policy_file import shipped_policies
 from agents.seeds import TEST
 from experiments.contestants import contestant
 from experiments.figures import FIGURES
@@ -21,6 +19,8 @@ from experiments.suites import (
     training_seeds,
 )
 from experiments.tables import TABLES
+from swarm_gym.controllers.learned.policy_file import shipped_policies
+from swarm_gym.controllers.open_loop import shipped_open_loops
 from swarm_gym.scenarios import expand_name
 
 NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parameters")]

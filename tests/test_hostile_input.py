@@ -15,12 +15,12 @@ from mutations import bounded_memory, fuzzed, mutated
 from parsers import decides
 
 from agents import make_controller
-from agents.distilled import DistilledFileError, shipped_rules
-from agents.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops
-from agents.policy_file import PolicyFileError
 from agents.presets import PRESETS, PresetError, load_preset
-from agents.shipped import MAX_TEXT_FILE
-from agents.tuned import TunedFileError, shipped_tuned
+from swarm_gym.controllers.distilled import DistilledFileError, shipped_rules
+from swarm_gym.controllers.learned.policy_file import PolicyFileError
+from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.packaged import MAX_TEXT_FILE
+from swarm_gym.controllers.tuned import TunedFileError, shipped_tuned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import (
     ActionError,
@@ -289,7 +289,7 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
 
 
 def shipped_file(kind):
-    from agents import distilled, open_loop, tuned
+    from swarm_gym.controllers import distilled, open_loop, tuned
 
     folders = {"open-loop": (open_loop.OPEN_LOOPS, shipped_open_loops()),
                "tuned": (tuned.TUNED, shipped_tuned()),

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from agents.policy_file import load_policy
+from swarm_gym.controllers.learned.policy_file import load_policy
 
 if sys.platform == "win32":
     pytest.skip("there are no signals that kill", allow_module_level=True)

@@ -11,10 +11,10 @@ from trainings import STEPS, tiny_config
 from agents import many_runs
 from agents.backends.local import LocalBackend
 from agents.many_runs import Finished, RunOutcome, carry_out, configs_of_seeds, train, tune
-from agents.policy_file import load_policy
 from agents.run_folder import prepare_folder
 from agents.training_run import TrainingRun
 from agents.tuning.config import TuneConfig
+from swarm_gym.controllers.learned.policy_file import load_policy
 
 SHORT = {"warm_start": "none", "total_steps": STEPS}
 

@@ -7,8 +7,14 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits
-from agents.open_loop import OpenLoop, OpenLoopFileError, load_open_loop, save_open_loop, shipped_open_loops
 from agents.rollout import run_episodes
+from swarm_gym.controllers.open_loop import (
+    OpenLoop,
+    OpenLoopFileError,
+    load_open_loop,
+    save_open_loop,
+    shipped_open_loops,
+)
 from swarm_gym.optimizers.firefly import Firefly
 
 KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]

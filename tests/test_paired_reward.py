@@ -6,12 +6,12 @@ from gymnasium.vector import AutoresetMode
 from trainings import STEPS, tiny_config, train
 
 from agents import SizeLimits, make_controller
-from agents.learned import load_learned
 from agents.learners.environments import make_reference, reference_controller
 from agents.paired_reward import Reference
 from agents.rollout import run_episodes
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import VALIDATION
+from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -109,6 +109,6 @@ def test_a_reference_needs_a_seed_and_the_right_autoreset():
 
 
 def test_a_reference_that_sees_the_price_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("agents.fixed.Fixed.price", 0.3)
+    monkeypatch.setattr("swarm_gym.controllers.fixed.Fixed.price", 0.3)
     with pytest.raises(ValueError, match="reference 'fixed:4'"):
         make_reference(tiny_config(tmp_path, reward="paired", reference="fixed:4"), 2)

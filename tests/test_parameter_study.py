@@ -9,7 +9,6 @@ import pytest
 from builders import make_problem
 
 from agents import make_controller
-from agents.schedules import SelfAdaptiveSchedule
 from experiments.figures import load_cases, plan, write_figures
 from experiments.parameter_drawings import draw_courses, draw_outcomes
 from experiments.parameter_study import CONTROLLERS, SCENARIO, STUDIES
@@ -18,6 +17,7 @@ from experiments.run import Run
 from experiments.statistics import ratio_interval
 from experiments.suites import PARAMETERS, get_suite
 from experiments.tables import make_tables
+from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 
 NUM_SEEDS, ITERATIONS = 4, 6
 SUITE = dataclasses.replace(PARAMETERS, num_seeds=NUM_SEEDS)

@@ -12,9 +12,8 @@ from mutations import fuzzed, mutated
 from trainings import add_memory, change_policy, make_policy
 
 from agents import make_controller
-from agents.learned import load_learned
-from agents.open_loop import save_open_loop
-from agents.policy_file import (
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import (
     MAX_FILE,
     MAX_HEADER,
     MAX_WEIGHT,
@@ -25,7 +24,8 @@ from agents.policy_file import (
     save_policy,
     shipped_policies,
 )
-from agents.tuned import TunedFileError, save_tuned
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.tuned import TunedFileError, save_tuned
 from swarm_gym.optimizers import firefly  # noqa: F401, which takes seconds that no example shall wait for
 
 FEATURES, SIZE = 9, 3

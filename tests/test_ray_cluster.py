@@ -17,12 +17,12 @@ from agents.backends.local import LocalBackend
 from agents.backends.luggage import files_of
 from agents.backends.ray_backend import RayBackend
 from agents.many_runs import carry_out, configs_of_seeds, train
-from agents.policy_file import load_policy
 from agents.training_run import TrainingRun
 from experiments.results import Results
 from experiments.runner import configuration, missing_runs, run_missing
 from experiments.scaling.clusters import logical_cluster
 from experiments.suite import Suite
+from swarm_gym.controllers.learned.policy_file import load_policy
 
 if not sys.platform.startswith("linux"):
     pytest.skip("looks at processes as Linux has them", allow_module_level=True)

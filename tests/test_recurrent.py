@@ -9,13 +9,13 @@ from test_controllers import make_policy, random_observations
 from trainings import STEPS, add_memory, change_policy, tiny_config, train
 
 from agents import make_controller
-from agents.feedforward import FeedforwardController
 from agents.imitation import _cut, demonstrate, imitate
-from agents.learned import NETWORKS, load_learned
 from agents.learners import make_learner
 from agents.learners.recurrent import SequencePolicy
-from agents.policy_file import PolicyFileError, load_policy
-from agents.recurrent import ITERATION, RecurrentController
+from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.learned.load import NETWORKS, load_learned
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
+from swarm_gym.controllers.learned.recurrent import ITERATION, RecurrentController
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -121,7 +121,9 @@ def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):
 
 def test_the_file_tells_which_class_it_is_of_and_is_read_once(policy, tmp_path, monkeypatch):
     read = []
-    monkeypatch.setattr("agents.learned.load_policy", lambda path: read.append(path) or load_policy(path))
+    monkeypatch.setattr(
+        "swarm_gym.controllers.learned.load.load_policy", lambda path: read.append(path) or load_policy(path)
+    )
     other = make_policy(tmp_path / "other.safetensors", np.random.default_rng(0))
     assert type(load_learned(policy)) is NETWORKS["lstm"] is RecurrentController
     assert type(load_learned(other)) is NETWORKS["feedforward"] is FeedforwardController

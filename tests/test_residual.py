@@ -6,13 +6,13 @@ from gymnasium.vector import AutoresetMode
 from trainings import make_rule
 
 from agents import Controller, SizeLimits, make_controller
-from agents.learned import load_learned
-from agents.open_loop import OpenLoop, save_open_loop
-from agents.policy_file import PolicyFileError, save_policy
-from agents.residual import Base
 from agents.rollout import run_episodes
 from agents.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import make_action
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy
+from swarm_gym.controllers.learned.residual import Base
+from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings

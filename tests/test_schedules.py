@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.batch import episode_seed
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
+from swarm_gym.controllers.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.population import Swarms, make_workspace, resize, summarise

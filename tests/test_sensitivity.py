@@ -5,13 +5,13 @@ import pytest
 
 from agents import make_controller
 from agents.blinding import CLOCKS, Blinded, clock_columns, input_names, mean_courses
-from agents.controller import Controller
 from agents.rollout import run_episodes
 from agents.seeds import ANALYSIS
 from agents.train_config import TrainConfig
 from agents.watching import decision_names, watch
 from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 

@@ -11,12 +11,12 @@ from stable_baselines3.common.vec_env import VecEnv
 from trainings import STEPS, make_rule, tiny_config, train
 
 from agents import SizeLimits, make_controller
-from agents.learned import load_learned
 from agents.learners import make_learner
-from agents.policy_file import load_policy
 from agents.run_folder import RunFolderError
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TEST, VALIDATION, training_seed
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 

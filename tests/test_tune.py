@@ -7,11 +7,7 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from agents.fixed import Fixed
-from agents.open_loop import OpenLoop
-from agents.parameters import format_parameters
 from agents.run_folder import RunFolderError
-from agents.schedules import SelfAdaptiveSchedule
 from agents.seeds import TRAINING_START, training_seed
 from agents.tune import main, read_command_line
 from agents.tuning.config import TuneConfig
@@ -20,6 +16,10 @@ from agents.tuning.parameter_spaces import SCHEDULE
 from agents.tuning.run import TuningRun
 from agents.tuning.side_by_side import LOSSES, SideBySide
 from agents.tuning.tuners import TUNERS, kind_defaults
+from swarm_gym.controllers.fixed import Fixed
+from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.controllers.parameters import format_parameters
+from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.env import SwarmEnv
 from swarm_gym.observation import OBSERVATIONS
 

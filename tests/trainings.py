@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from agents.controller import SizeLimits
-from agents.distilled import DistilledRule, Formula, save_rule
-from agents.policy_file import load_policy, save_policy
 from agents.train_config import TrainConfig
 from agents.training_run import TrainingRun
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.distilled import DistilledRule, Formula, save_rule
+from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.observation import OBSERVATIONS
 
 TINY = {

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from agents.backends.backend import BackendError
-from agents.policy_file import SUFFIX, load_policy
 from agents.provenance import COMMIT, git_commit
+from swarm_gym.controllers.learned.policy_file import SUFFIX, load_policy
 from swarm_gym.scenarios.formats.data_files import DATA, data_folder
 
 PACKAGES = ("swarm_gym", "agents", "experiments")

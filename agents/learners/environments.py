@@ -5,12 +5,12 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from agents import Controller, make_controller
 from agents.paired_reward import PAIRED, Reference
-from agents.residual import Base
 from agents.train_config import TrainConfig
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.checks import look_up, require_integer
+from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id

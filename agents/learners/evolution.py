@@ -17,13 +17,13 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from agents.cma_state import load_strategy, strategy_state
-from agents.feedforward import affine
 from agents.learners.environments import feature_names, make_swarms
 from agents.learners.learner import Learner
 from agents.paired_reward import ENV_REWARD, PAIRED
-from agents.policy_file import Weights
-from agents.residual import carried_out
 from agents.train_config import TrainConfig
+from swarm_gym.controllers.learned.feedforward import affine
+from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.controllers.learned.residual import carried_out
 
 Floats = NDArray[np.float64]
 

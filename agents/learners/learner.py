@@ -3,8 +3,8 @@
 from abc import ABC, abstractmethod
 from typing import Any
 
-from agents.policy_file import Weights
 from agents.train_config import TrainConfig
+from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class Learner(ABC):
@@ -15,7 +15,7 @@ class Learner(ABC):
         num_steps: environment steps so far, over all swarms.
         features: names of what the policy sees.
         num_decisions: numbers in an action.
-        network: the kind of the actor, a name in `agents.learned.NETWORKS`.
+        network: the kind of the actor, a name in `swarm_gym.controllers.learned.load.NETWORKS`.
     """
 
     config: TrainConfig

@@ -13,16 +13,16 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
 
-from agents import make_controller
-from agents.controller import require_fitting
 from agents.imitation import Demonstration, demonstrate, imitate
 from agents.learners.environments import feature_names, make_reference, make_swarms
 from agents.learners.learner import Learner
-from agents.policy_file import Weights
 from agents.sb3_vec_env import SB3VecEnv
 from agents.seeds import TRAINING_START
 from agents.train_config import TrainConfig
 from swarm_gym.action import ACTIONS
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import require_fitting
+from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class PPOLearner(Learner):

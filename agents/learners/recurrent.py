@@ -12,7 +12,7 @@ from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 
 from agents.imitation import Demonstration
 from agents.learners.ppo import PPOLearner
-from agents.policy_file import Weights
+from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class SequencePolicy(MlpLstmPolicy):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents import SizeLimits
+from swarm_gym.controllers import SizeLimits
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ from cmaes import CMA
 
 from agents.checkpoints import Checkpoints
 from agents.cma_state import load_strategy, strategy_state
-from agents.open_loop import OpenLoop, save_open_loop
 from agents.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import KnotSpace
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 
 
 class OpenLoopTuner(Tuner):

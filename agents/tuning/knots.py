@@ -1,7 +1,7 @@
 """The space of open loops: decisions at knots as a point of the unit cube.
 
 Every decision has its range; sizes and the optimizer's parameters are logarithmic in it, phi is a square
-root, as `agents.open_loop` interpolates them. A constant is an open loop of one knot.
+root, as `swarm_gym.controllers.open_loop` interpolates them. A constant is an open loop of one knot.
 """
 
 from typing import NamedTuple
@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import SizeLimits
-from agents.open_loop import OpenLoop
 from agents.tuning.config import TuneConfig
 from swarm_gym.checks import require_integer
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer

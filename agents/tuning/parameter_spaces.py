@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from agents.controller import SizeLimits
-from agents.parameters import Number
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.parameters import Number
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from typing import Any
 
 from tqdm import tqdm
 
-from agents.controller import Controller
 from agents.provenance import provenance
 from agents.run_folder import RunFolderError, as_json, prepare_folder
 from agents.seeds import training_seed
@@ -14,6 +13,7 @@ from agents.tuning.config import TuneConfig
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuners import make_tuner
 from swarm_gym.checks import require_integer
+from swarm_gym.controllers.controller import Controller
 
 ESTIMATE_EPISODES = 300  # training seeds that the search did not see; nothing is chosen by them
 ESTIMATE = 10**9  # in the place of a round's number, for the seeds of these

@@ -8,9 +8,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from agents.controller import Controller
 from agents.tuning.config import TuneConfig
 from swarm_gym.checks import look_up
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.registration import environment_id
 from swarm_gym.simulation import Simulation
 

@@ -19,16 +19,16 @@ from optuna.exceptions import StorageInternalError
 from optuna.trial import FrozenTrial, TrialState, create_trial
 from sqlalchemy.exc import SQLAlchemyError
 
-from agents import make_controller
-from agents.controller import Controller
-from agents.parameters import Number, format_parameters
 from agents.run_folder import RunFolderError
 from agents.seeds import training_seed
-from agents.tuned import save_tuned
 from agents.tuning.config import TuneConfig
 from agents.tuning.parameter_spaces import ParameterSpace, Span
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.parameters import Number, format_parameters
+from swarm_gym.controllers.tuned import save_tuned
 
 DIGITS = 4  # significant ones of a parameter: more would say more than 48 noisy episodes can
 

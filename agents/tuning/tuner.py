@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.controller import Controller
+from swarm_gym.controllers.controller import Controller
 
 
 class Tuner(ABC):

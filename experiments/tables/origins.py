@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from agents import make_controller
-from agents.distilled import DISTILLED
-from agents.open_loop import OPEN_LOOPS
-from agents.tuned import TUNED
 from experiments.groups import group_controllers
 from experiments.labels import label
 from experiments.tables.table import Table
+from swarm_gym.controllers.distilled import DISTILLED
+from swarm_gym.controllers.open_loop import OPEN_LOOPS
+from swarm_gym.controllers.tuned import TUNED
 
 FOLDERS = {"distilled": DISTILLED, "open-loop": OPEN_LOOPS, "tuned": TUNED}
 NOT_FITTED = "–"

@@ -6,7 +6,8 @@ A block of eight segments is treated at once, one per lane (`swarm_gym.compiler.
 single one (`lane` is its number in the block): `left` is y' of the left end, `rise` the difference to the
 right end, `length` the length. Shifts are the smallest of the whole segment along +y' and along -y', in map
 units: segment and obstacle are in contact if and only if both are positive; where one is not, neither has a
-meaning. """
+meaning.
+"""
 
 from typing import Any
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Floats
-from agents.size_rule import SHARE_DONE, SizeRule, column
+from swarm_gym.controllers.controller import Floats
+from swarm_gym.controllers.size_rule import SHARE_DONE, SizeRule, column
 
 
 @dataclass

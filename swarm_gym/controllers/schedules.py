@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats, SizeLimits
-from agents.parameters import Number, Range, format_parameters, parse_parameters
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.parameters import Number, Range, format_parameters, parse_parameters
 
 
 @dataclass

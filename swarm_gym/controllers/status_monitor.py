@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Floats, SizeLimits
-from agents.parameters import Range
-from agents.size_rule import BEST_FITNESS, SizeRule, column
+from swarm_gym.controllers.controller import Floats, SizeLimits
+from swarm_gym.controllers.parameters import Range
+from swarm_gym.controllers.size_rule import BEST_FITNESS, SizeRule, column
 
 
 @dataclass

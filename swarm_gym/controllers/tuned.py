@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.shipped import find_json, read_json, shipped_names
+from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym tuned controller 1"
-TUNED = Path(__file__).parent / "tuned"
+TUNED = Path(__file__).parent / "data" / "tuned"
 
 
 class TunedFileError(ValueError):

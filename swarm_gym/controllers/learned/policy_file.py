@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from agents.manifest import PolicyFileError, check_manifest, tensor_shapes
-from agents.shipped import find_file, read_bytes, shipped_names
+from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
+from swarm_gym.controllers.packaged import find_file, read_bytes, shipped_names
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 __all__ = ["PolicyFileError", "Weights", "decode_policy", "encode_policy", "load_policy", "save_policy"]
 
 FORMAT = "swarm_gym policy 1"
-POLICIES = Path(__file__).parent / "policies"
+POLICIES = Path(__file__).parents[1] / "data" / "policies"
 SUFFIX = ".safetensors"
 
 Weights = dict[str, NDArray[np.float32]]

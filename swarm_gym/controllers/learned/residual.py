@@ -10,8 +10,8 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from agents.controller import Controller, require_fitting
 from swarm_gym.action import Action
+from swarm_gym.controllers.controller import Controller, require_fitting
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.settings import Settings
 

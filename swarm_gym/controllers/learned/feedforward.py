@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, SizeLimits
-from agents.manifest import FEEDFORWARD, PRICED, PolicyFileError, require_features
-from agents.policy_file import Weights
-from agents.residual import Base, carried_out
 from swarm_gym.action import Action, make_action
+from swarm_gym.controllers.controller import Controller, SizeLimits
+from swarm_gym.controllers.learned.manifest import FEEDFORWARD, PRICED, PolicyFileError, require_features
+from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.controllers.learned.residual import Base, carried_out
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -23,8 +23,8 @@ class FeedforwardController(Controller):
     for at once; and no torch is needed.
 
     Args:
-        path: the file, for messages; see `agents.learned.load_learned`.
-        weights: what the file holds, as `agents.policy_file.load_policy` has checked it.
+        path: the file, for messages; see `load.load_learned`.
+        weights: what the file holds, as `policy_file.load_policy` has checked it.
         manifest: what it says of them.
         limits: the sizes that the environment allows.
         price: what evaluations cost, for a policy that sees it.
@@ -116,7 +116,7 @@ class FeedforwardController(Controller):
         name = self.manifest["base"]
         if name == "none":
             return None
-        from agents import make_controller
+        from swarm_gym.controllers.registry import make_controller
 
         corrected_from = self.manifest.get("corrected_from", 0)
         try:

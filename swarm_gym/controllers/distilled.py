@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats, SizeLimits
-from agents.shipped import find_json, read_json, shipped_names
 from swarm_gym.action import make_action
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
@@ -26,7 +26,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
 FORMAT = "swarm_gym distilled rule 1"
-DISTILLED = Path(__file__).parent / "distilled"
+DISTILLED = Path(__file__).parent / "data" / "distilled"
 MOST_NUMBERS = 10
 DIGITS = 3  # significant ones, of every number
 OBSERVATION = "rich"

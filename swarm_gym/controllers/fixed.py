@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 
 LARGEST = 10_000
 

@@ -1,6 +1,6 @@
 """A controller around another one, which sees or decides something else."""
 
-from agents.controller import Controller
+from swarm_gym.controllers.controller import Controller
 
 
 class Wrapper(Controller):

@@ -8,9 +8,9 @@ numbers lack the population size: a memory can make up for what an observation d
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.feedforward import FeedforwardController, affine
-from agents.manifest import LSTM
-from agents.policy_file import Weights
+from swarm_gym.controllers.learned.feedforward import FeedforwardController, affine
+from swarm_gym.controllers.learned.manifest import LSTM
+from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.observation import ITERATION
 
 

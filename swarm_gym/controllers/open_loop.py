@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats, SizeLimits
-from agents.shipped import find_json, read_json, shipped_names
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
 
 FORMAT = "swarm_gym open loop 2"
-OPEN_LOOPS = Path(__file__).parent / "open_loops"
+OPEN_LOOPS = Path(__file__).parent / "data" / "open_loops"
 # Far beyond an episode; the table of decisions has as many rows.
 MAX_KNOT = 10**5
 

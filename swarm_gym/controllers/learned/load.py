@@ -3,10 +3,10 @@
 import os
 from pathlib import Path
 
-from agents.controller import SizeLimits
-from agents.feedforward import FeedforwardController
-from agents.policy_file import PolicyFileError, load_policy, resolve
-from agents.recurrent import RecurrentController
+from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
+from swarm_gym.controllers.learned.recurrent import RecurrentController
 from swarm_gym.errors import shown
 
 NETWORKS: dict[str, type[FeedforwardController]] = {

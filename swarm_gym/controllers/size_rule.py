@@ -11,8 +11,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.controller import Controller, Floats, SizeLimits
-from agents.parameters import Range, parse_parameters
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.parameters import Range, parse_parameters
 from swarm_gym.observation import make_observation
 
 

@@ -1,0 +1,1 @@
+"""Learned controllers: policy files, their manifests and networks."""
