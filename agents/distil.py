@@ -1,11 +1,12 @@
 """Distil a trained policy into a rule of at most ten numbers: `python -m agents.distil --help`.
 
 The policy's decisions are collected over episodes of its training, with the inputs that a person can read
-(`swarm_gym.controllers.distilled.INPUTS`), and each decision is fitted by a weighted sum of few of them. What
-a rule does leads to states that the policy does not visit: in further rounds the policy is asked in those that
-the last rule visits, and all are fitted together (S. Ross et al., "A reduction of imitation learning and structured
-prediction to no-regret online learning", AISTATS 2011). Of all rules on the way, with few numbers or many,
-the one is taken that earns the highest mean return as a controller on validation seeds.
+(`swarm_gym.controllers.distilled.INPUTS`), and each decision is fitted by a weighted sum of few of them.
+What a rule does leads to states that the policy does not visit: in further rounds the policy is asked in
+those that the last rule visits, and all are fitted together (S. Ross et al., "A reduction of imitation
+learning and structured prediction to no-regret online learning", AISTATS 2011). Of all rules on the way,
+with few numbers or many, the one is taken that earns the highest mean return as a controller on validation
+seeds.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,11 +18,11 @@ import numpy as np
 import tyro
 from numpy.typing import NDArray
 
-from agents.provenance import provenance
-from agents.rule_fit import select_forward, share_out
-from agents.seeds import ANALYSIS, VALIDATION, training_seed
-from agents.train_config import TrainConfig, stored_config
-from agents.watching import decision_names, watch
+from agents.evaluation.observers import decision_names, watch
+from agents.evaluation.rule_fit import select_forward, share_out
+from agents.runs.provenance import provenance
+from agents.runs.seeds import ANALYSIS, VALIDATION, training_seed
+from agents.training.config import TrainConfig, stored_config
 from swarm_gym.command import command
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller

@@ -22,7 +22,7 @@ from typing import Any
 
 import tyro
 
-from agents.provenance import provenance
+from agents.runs.provenance import provenance
 from swarm_gym.command import command
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.learned.load import load_learned

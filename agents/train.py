@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 import tyro
 
 from agents.backends import BackendError, BackendOptions
-from agents.many_runs import configs_of_seeds, run_all, train
-from agents.presets import load_preset
-from agents.run_folder import RunFolderError
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingRun
+from agents.backends.many_runs import configs_of_seeds, run_all, train
+from agents.runs.folder import RunFolderError
+from agents.training.config import TrainConfig
+from agents.training.presets import load_preset
+from agents.training.run import TrainingRun
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 

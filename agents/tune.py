@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 import tyro
 
 from agents.backends import BackendError, BackendOptions
-from agents.many_runs import configs_of_seeds, run_all, tune
-from agents.presets import load_preset
-from agents.run_folder import RunFolderError
+from agents.backends.many_runs import configs_of_seeds, run_all, tune
+from agents.runs.folder import RunFolderError
+from agents.training.presets import load_preset
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 from agents.tuning.tuners import kind_defaults

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.seeds import ANALYSIS
-from agents.watching import Watched
+from agents.evaluation.observers import Watched
+from agents.runs.seeds import ANALYSIS
 from experiments.results import ResultsError
 
 Floats = NDArray[np.float64]

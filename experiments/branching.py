@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from agents import make_controller
-from agents.watching import Watched, decision_names, watch
+from agents.evaluation.observers import Watched, decision_names, watch
 from experiments.analysis import analysis_seeds, outcome
 from experiments.labels import label
 from experiments.results import ResultsError

@@ -13,8 +13,8 @@ import tyro
 from tqdm import tqdm
 
 from agents import make_controller
-from agents.rollout import run_episodes
-from agents.seeds import TEST
+from agents.evaluation.rollout import run_episodes
+from agents.runs.seeds import TEST
 from experiments.labels import label
 from experiments.paper_numbers import FITNESS
 from experiments.statistics import summarise

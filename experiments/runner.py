@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from agents import Controller
 from agents.backends import Backend, Task, WorkLostError
-from agents.provenance import provenance
+from agents.runs.provenance import provenance
 from experiments.contestants import contestant
 from experiments.episode import Episode, controller_of, warm_up
 from experiments.groups import group_key, set_key

@@ -17,9 +17,9 @@ import tyro
 from numpy.typing import NDArray
 
 from agents import make_controller
-from agents.blinding import Blinded, clock_columns, input_names, mean_courses
-from agents.train_config import TrainConfig, stored_config
-from agents.watching import Watched, decision_names, watch
+from agents.evaluation.masking import Blinded, clock_columns, input_names, mean_courses
+from agents.evaluation.observers import Watched, decision_names, watch
+from agents.training.config import TrainConfig, stored_config
 from experiments.analysis import Outcome, analysis_seeds, outcome
 from experiments.results import ResultsError
 from swarm_gym.command import command

@@ -18,10 +18,10 @@ from typing import Any
 import tyro
 
 from agents.backends import BackendError, BackendOptions
-from agents.presets import load_preset
-from agents.run_folder import is_begun
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingRun
+from agents.runs.folder import is_begun
+from agents.training.config import TrainConfig
+from agents.training.presets import load_preset
+from agents.training.run import TrainingRun
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 

@@ -37,7 +37,7 @@ def database(tmp_path):
 @pytest.fixture
 def little_imitation(monkeypatch):
     """Imitation that ends before it has learned anything."""
-    monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 20)
+    monkeypatch.setattr("agents.training.imitation.GRADIENT_STEPS", 20)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ import pytest
 import safetensors.numpy  # noqa: F401, so that the fuzzer sees what it does
 
 from agents import make_controller
-from agents.presets import PRESETS, PresetError, load_preset
+from agents.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
 from swarm_gym.controllers.learned.load import load_learned

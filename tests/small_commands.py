@@ -12,7 +12,7 @@ import torch
 from event_files import shown
 from trainings import STEPS, TINY
 
-from agents.checkpoints import Checkpoints
+from agents.runs.checkpoints import Checkpoints
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 
@@ -53,7 +53,7 @@ def resumed(folder):
 
 def training(algorithm, folder):
     options = {"preset": "three-cases-ppo", **TINY, **TRAININGS[algorithm], "runs": folder, "name": "it"}
-    patches = {"agents.imitation.GRADIENT_STEPS": 20}
+    patches = {"agents.training.imitation.GRADIENT_STEPS": 20}
     return Command("agents.train", [*as_arguments(options), *resumed(folder)], patches)
 
 

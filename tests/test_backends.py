@@ -17,8 +17,8 @@ from trainings import make_policy
 
 from agents.backends import BackendError, BackendOptions, Task, WorkLostError, ray_backend, slurm
 from agents.backends.backend import Outcome
-from agents.backends.luggage import files_of, pack
-from agents.provenance import git_commit
+from agents.backends.packing import files_of, pack
+from agents.runs.provenance import git_commit
 from experiments.results import Results
 from experiments.runner import configuration, run_missing
 from experiments.suite import Suite

@@ -5,8 +5,8 @@ import pytest
 from scipy import stats
 
 from agents import make_controller
-from agents.rollout import run_episodes
-from agents.seeds import ANALYSIS
+from agents.evaluation.rollout import run_episodes
+from agents.runs.seeds import ANALYSIS
 from experiments.branching import CHANGES, WINDOWS, Change, Changed, analyse, branching_tables, write_report
 from experiments.results import ResultsError
 

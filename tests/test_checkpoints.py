@@ -9,9 +9,9 @@ from event_files import EVERYTHING, shown
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from trainings import train
 
-from agents.checkpoints import Checkpoints
-from agents.run_folder import RunFolderError
-from agents.training_events import TrainingEvents
+from agents.runs.checkpoints import Checkpoints
+from agents.runs.folder import RunFolderError
+from agents.training.events import TrainingEvents
 from swarm_gym import files
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.files import remove_partials, write_atomically
@@ -166,8 +166,8 @@ LITTLE = {
 def plain_pictures():
     """Pictures that take no time to draw."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("agents.training_events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8))
-        patch.setattr("agents.training_run.make_replay_strip", lambda: None)
+        patch.setattr("agents.training.events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8))
+        patch.setattr("agents.training.run.make_replay_strip", lambda: None)
         yield
 
 

@@ -8,9 +8,9 @@ from builders import options_for
 from trainings import make_policy
 
 from agents import make_controller
-from agents.rollout import run_episodes
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingRun
+from agents.evaluation.rollout import run_episodes
+from agents.training.config import TrainConfig
+from agents.training.run import TrainingRun
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.vector_env import SwarmVectorEnv
 

@@ -8,7 +8,7 @@ import pytest
 from trainings import make_policy
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
-from agents.rollout import run_episodes
+from agents.evaluation.rollout import run_episodes
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import shipped_rules
 from swarm_gym.controllers.learned import policy_file

@@ -9,9 +9,9 @@ import pytest
 
 from agents import SizeLimits, make_controller
 from agents.distil import DistilConfig, assess, distil
-from agents.rule_fit import Fit, fit_within, select_forward, share_out
-from agents.seeds import ANALYSIS, VALIDATION
-from agents.train_config import TrainConfig, stored_config
+from agents.evaluation.rule_fit import Fit, fit_within, select_forward, share_out
+from agents.runs.seeds import ANALYSIS, VALIDATION
+from agents.training.config import TrainConfig, stored_config
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
     DISTILLED,
@@ -162,7 +162,7 @@ def test_a_rule_decides_what_its_text_says():
 
 
 def test_inputs_say_what_the_simulation_is_like():
-    from agents.watching import watch
+    from agents.evaluation.observers import watch
 
     watched = watch(LogLinear(), [LogLinear()], ["case1"], range(5, 8), iterations=20)
     seen = watched.seen[7]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from trainings import tiny_config, train
 
-from agents.learners import make_learner
-from agents.rollout import run_episodes
+from agents.evaluation.rollout import run_episodes
+from agents.training.learners import make_learner
 from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
 

@@ -3,7 +3,7 @@
 import pytest
 
 from agents import make_controller
-from agents.seeds import TEST
+from agents.runs.seeds import TEST
 from experiments.contestants import contestant
 from experiments.figures import FIGURES
 from experiments.groups import group_controllers, scenario_sets

@@ -15,7 +15,7 @@ from mutations import bounded_memory, fuzzed, mutated
 from parsers import decides
 
 from agents import make_controller
-from agents.presets import PRESETS, PresetError, load_preset
+from agents.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.controllers.distilled import DistilledFileError, shipped_rules
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
 from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops

@@ -8,11 +8,11 @@ import pytest
 from filelock import FileLock
 from trainings import STEPS, tiny_config
 
-from agents import many_runs
+from agents.backends import many_runs
 from agents.backends.local import LocalBackend
-from agents.many_runs import Finished, RunOutcome, carry_out, configs_of_seeds, train, tune
-from agents.run_folder import prepare_folder
-from agents.training_run import TrainingRun
+from agents.backends.many_runs import Finished, RunOutcome, carry_out, configs_of_seeds, train, tune
+from agents.runs.folder import prepare_folder
+from agents.training.run import TrainingRun
 from agents.tuning.config import TuneConfig
 from swarm_gym.controllers.learned.policy_file import load_policy
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits
-from agents.rollout import run_episodes
+from agents.evaluation.rollout import run_episodes
 from swarm_gym.controllers.open_loop import (
     OpenLoop,
     OpenLoopFileError,

@@ -6,11 +6,11 @@ from gymnasium.vector import AutoresetMode
 from trainings import STEPS, tiny_config, train
 
 from agents import SizeLimits, make_controller
-from agents.learners.environments import make_reference, reference_controller
-from agents.paired_reward import Reference
-from agents.rollout import run_episodes
-from agents.sb3_vec_env import SB3VecEnv
-from agents.seeds import VALIDATION
+from agents.evaluation.rollout import run_episodes
+from agents.runs.seeds import VALIDATION
+from agents.training.learners.environments import make_reference, reference_controller
+from agents.training.paired_reward import Reference
+from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv

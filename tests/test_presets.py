@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from agents import make_controller
-from agents.learners import LEARNERS
-from agents.presets import PresetError, load_preset, preset_names
 from agents.train import main, read_command_line, read_configs
-from agents.train_config import TrainConfig
+from agents.training.config import TrainConfig
+from agents.training.learners import LEARNERS
+from agents.training.presets import PresetError, load_preset, preset_names
 
 
 @pytest.mark.parametrize("name", preset_names())

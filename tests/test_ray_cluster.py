@@ -14,10 +14,10 @@ from small_commands import CONTROLLERS, rows
 from trainings import STEPS, TINY, make_policy, tiny_config
 
 from agents.backends.local import LocalBackend
-from agents.backends.luggage import files_of
+from agents.backends.many_runs import carry_out, configs_of_seeds, train
+from agents.backends.packing import files_of
 from agents.backends.ray_backend import RayBackend
-from agents.many_runs import carry_out, configs_of_seeds, train
-from agents.training_run import TrainingRun
+from agents.training.run import TrainingRun
 from experiments.results import Results
 from experiments.runner import configuration, missing_runs, run_missing
 from experiments.scaling.clusters import logical_cluster

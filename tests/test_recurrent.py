@@ -9,9 +9,9 @@ from test_controllers import make_policy, random_observations
 from trainings import STEPS, add_memory, change_policy, tiny_config, train
 
 from agents import make_controller
-from agents.imitation import _cut, demonstrate, imitate
-from agents.learners import make_learner
-from agents.learners.recurrent import SequencePolicy
+from agents.training.imitation import _cut, demonstrate, imitate
+from agents.training.learners import make_learner
+from agents.training.learners.recurrent import SequencePolicy
 from swarm_gym.controllers.learned.feedforward import FeedforwardController
 from swarm_gym.controllers.learned.load import NETWORKS, load_learned
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
@@ -131,7 +131,7 @@ def test_the_file_tells_which_class_it_is_of_and_is_read_once(policy, tmp_path, 
 
 
 def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, monkeypatch):
-    monkeypatch.setattr("agents.imitation.GRADIENT_STEPS", 150)
+    monkeypatch.setattr("agents.training.imitation.GRADIENT_STEPS", 150)
     learner = make_learner(tiny_config(tmp_path, **{**RECURRENT, "observation": "scaled"}))
     shown = demonstrate(make_controller("spsfa", learner.config.limits), learner.env, 0.1, 1.0, 5)
     assert shown.there.all()

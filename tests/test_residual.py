@@ -6,8 +6,8 @@ from gymnasium.vector import AutoresetMode
 from trainings import make_rule
 
 from agents import Controller, SizeLimits, make_controller
-from agents.rollout import run_episodes
-from agents.sb3_vec_env import SB3VecEnv
+from agents.evaluation.rollout import run_episodes
+from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import make_action
 from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from agents.blinding import CLOCKS, Blinded, clock_columns, input_names, mean_courses
-from agents.rollout import run_episodes
-from agents.seeds import ANALYSIS
-from agents.train_config import TrainConfig
-from agents.watching import decision_names, watch
+from agents.evaluation.masking import CLOCKS, Blinded, clock_columns, input_names, mean_courses
+from agents.evaluation.observers import decision_names, watch
+from agents.evaluation.rollout import run_episodes
+from agents.runs.seeds import ANALYSIS
+from agents.training.config import TrainConfig
 from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
 from swarm_gym.controllers.controller import Controller

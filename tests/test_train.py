@@ -11,10 +11,10 @@ from stable_baselines3.common.vec_env import VecEnv
 from trainings import STEPS, make_rule, tiny_config, train
 
 from agents import SizeLimits, make_controller
-from agents.learners import make_learner
-from agents.run_folder import RunFolderError
-from agents.sb3_vec_env import SB3VecEnv
-from agents.seeds import TEST, VALIDATION, training_seed
+from agents.runs.folder import RunFolderError
+from agents.runs.seeds import TEST, VALIDATION, training_seed
+from agents.training.learners import make_learner
+from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.env import SwarmEnv
@@ -76,7 +76,7 @@ def test_the_saved_policy_decides_as_the_model_does(tmp_path):
 
 def test_the_critic_is_taught_rewards_to_come_under_the_discount_of_the_training(tmp_path, monkeypatch):
     lessons = []
-    monkeypatch.setattr("agents.learners.ppo.imitate", lambda _, shown, *__: lessons.append(shown))
+    monkeypatch.setattr("agents.training.learners.ppo.imitate", lambda _, shown, *__: lessons.append(shown))
     for discount in (1.0, 0.9):
         make_learner(tiny_config(tmp_path, algorithm="recurrent-ppo", discount=discount)).begin()
     whole, discounted = (np.pad(shown.returns, ((0, 0), (0, 1))) for shown in lessons)

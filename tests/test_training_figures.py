@@ -13,9 +13,9 @@ from tensorboard.plugins.hparams.plugin_data_pb2 import HParamsPluginData
 from trainings import train
 
 from agents import SizeLimits, make_controller
-from agents.replay_strip import ReplayStrip
-from agents.rollout import Episodes, run_episodes
-from agents.training_figures import draw_decisions
+from agents.evaluation.rollout import Episodes, run_episodes
+from agents.training.figures import draw_decisions
+from agents.training.replay_strip import ReplayStrip
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 pytest.importorskip("pygame")

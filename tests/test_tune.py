@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from agents.run_folder import RunFolderError
-from agents.seeds import TRAINING_START, training_seed
+from agents.runs.folder import RunFolderError
+from agents.runs.seeds import TRAINING_START, training_seed
 from agents.tune import main, read_command_line
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import START, START_ITERATIONS, KnotSpace

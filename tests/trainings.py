@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingRun
+from agents.training.config import TrainConfig
+from agents.training.run import TrainingRun
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DistilledRule, Formula, save_rule
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 MOST_LOSSES = 3  # of a unit, before it is given up
 
-# More processes, not more threads of each, make use of more cores; see also agents.learners.ppo.
+# More processes, not more threads of each, make use of more cores; see also agents.training.learners.ppo.
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )

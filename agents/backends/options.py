@@ -9,7 +9,7 @@ import tyro
 
 from agents.backends.backend import Backend
 from agents.backends.local import LocalBackend
-from agents.backends.luggage import files_of
+from agents.backends.packing import files_of
 from agents.backends.ray_backend import RayBackend
 from agents.backends.slurm import SlurmBackend
 

@@ -25,7 +25,7 @@ from agents.backends.backend import (
     Task,
     WorkLostError,
 )
-from agents.backends.luggage import LEFT_BEHIND, pack
+from agents.backends.packing import LEFT_BEHIND, pack
 from swarm_gym.errors import MissingExtraError
 
 AHEAD = 2  # Ray tasks that wait for each that is under way, so that no worker waits for this process
@@ -45,7 +45,7 @@ class RayBackend(Backend):
     Args:
         address: of a cluster, as `ray.init` takes it; None starts Ray on this machine.
         jobs: how many units at a time; 0 for as many as there are processors.
-        files: what the nodes of a cluster need besides code and maps, see `agents.backends.luggage`.
+        files: what the nodes of a cluster need besides code and maps, see `agents.backends.packing`.
 
     Raises:
         MissingExtraError: if Ray is missing.

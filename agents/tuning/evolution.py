@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from cmaes import CMA
 
-from agents.checkpoints import Checkpoints
-from agents.cma_state import load_strategy, strategy_state
-from agents.seeds import training_seed
+from agents.runs.checkpoints import Checkpoints
+from agents.runs.cma_state import load_strategy, strategy_state
+from agents.runs.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import KnotSpace
 from agents.tuning.side_by_side import SideBySide

@@ -6,9 +6,9 @@ from typing import Any
 
 from tqdm import tqdm
 
-from agents.provenance import provenance
-from agents.run_folder import RunFolderError, as_json, prepare_folder
-from agents.seeds import training_seed
+from agents.runs.folder import RunFolderError, as_json, prepare_folder
+from agents.runs.provenance import provenance
+from agents.runs.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuners import make_tuner

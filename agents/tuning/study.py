@@ -19,8 +19,8 @@ from optuna.exceptions import StorageInternalError
 from optuna.trial import FrozenTrial, TrialState, create_trial
 from sqlalchemy.exc import SQLAlchemyError
 
-from agents.run_folder import RunFolderError
-from agents.seeds import training_seed
+from agents.runs.folder import RunFolderError
+from agents.runs.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.parameter_spaces import ParameterSpace, Span
 from agents.tuning.side_by_side import SideBySide

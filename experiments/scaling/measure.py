@@ -16,8 +16,8 @@ import numpy as np
 from agents.backends import Backend, Task
 from agents.backends.local import LocalBackend
 from agents.backends.ray_backend import RayBackend
-from agents.presets import load_preset
-from agents.training_run import TrainingRun
+from agents.training.presets import load_preset
+from agents.training.run import TrainingRun
 from experiments.results import Results
 from experiments.run import Run, RunKey
 from experiments.runner import MOST_SEEDS, run_one

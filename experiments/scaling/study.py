@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from agents.presets import load_preset, preset_names
+from agents.training.presets import load_preset, preset_names
 from experiments.runner import all_runs, make_units
 from experiments.scaling.model import Work
 from experiments.suites import get_suite

@@ -13,7 +13,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from agents.provenance import provenance
+from agents.runs.provenance import provenance
 from swarm_gym.files import write_atomically
 
 ALL_THREADS = numba.config.NUMBA_NUM_THREADS

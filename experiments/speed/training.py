@@ -59,8 +59,8 @@ def _shares() -> tuple[float, tuple[float, ...]]:
     """Steps per second, and the share of each of `PARTS` in percent, over a few rollouts."""
     import torch
 
-    from agents.learners.ppo import PPOLearner
-    from agents.presets import load_preset
+    from agents.training.learners.ppo import PPOLearner
+    from agents.training.presets import load_preset
 
     torch.set_num_threads(1)
     config = load_preset("three-cases")

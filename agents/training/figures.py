@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from agents.rollout import Episodes
+from agents.evaluation.rollout import Episodes
 
 Floats = NDArray[np.float64]
 

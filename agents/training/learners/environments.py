@@ -5,8 +5,8 @@ from typing import Any
 import gymnasium
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from agents.paired_reward import PAIRED, Reference
-from agents.train_config import TrainConfig
+from agents.training.config import TrainConfig
+from agents.training.paired_reward import PAIRED, Reference
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.controllers import Controller, make_controller

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from agents.run_folder import RunFolderError
+from agents.runs.folder import RunFolderError
 from swarm_gym.files import write_atomically
 
 FORMAT = b"swarm_gym checkpoint 1"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from agents.paired_reward import ENV_REWARD, PAIRED
+from agents.training.paired_reward import ENV_REWARD, PAIRED
 from swarm_gym.controllers import SizeLimits
 
 
@@ -22,7 +22,7 @@ class TrainConfig:
     resume: bool = False
     """Go on with a run of that name that was stopped."""
     algorithm: str = "ppo"
-    """What learns, a name in `agents.learners.LEARNERS`."""
+    """What learns, a name in `agents.training.learners.LEARNERS`."""
     threads: int = 1
     """Threads that the swarms are spread over. Results do not depend on it; more than one slows torch."""
     seed: int = 0

@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from agents.paired_reward import Reference
+from agents.training.paired_reward import Reference
 from swarm_gym.controllers.learned.residual import Base, Proposal
 
 

@@ -1,4 +1,4 @@
-"""Presets: training configurations as data, in `agents/presets/<name>.toml`.
+"""Presets: training configurations as data, in `agents/training/presets/<name>.toml`.
 
 A preset that is another one but for some options names that one as `like` and states what differs.
 """
@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from agents.train_config import TrainConfig
+from agents.training.config import TrainConfig
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
 from swarm_gym.errors import shown
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from agents.backends.backend import BackendError
-from agents.provenance import COMMIT, git_commit
+from agents.runs.provenance import COMMIT, git_commit
 from swarm_gym.controllers.learned.policy_file import SUFFIX, load_policy
 from swarm_gym.scenarios.formats.data_files import DATA, data_folder
 

@@ -16,11 +16,11 @@ from cmaes import CMA, SepCMA
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from agents.cma_state import load_strategy, strategy_state
-from agents.learners.environments import feature_names, make_swarms
-from agents.learners.learner import Learner
-from agents.paired_reward import ENV_REWARD, PAIRED
-from agents.train_config import TrainConfig
+from agents.runs.cma_state import load_strategy, strategy_state
+from agents.training.config import TrainConfig
+from agents.training.learners.environments import feature_names, make_swarms
+from agents.training.learners.learner import Learner
+from agents.training.paired_reward import ENV_REWARD, PAIRED
 from swarm_gym.controllers.learned.feedforward import affine
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out

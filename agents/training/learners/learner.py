@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from typing import Any
 
-from agents.train_config import TrainConfig
+from agents.training.config import TrainConfig
 from swarm_gym.controllers.learned.policy_file import Weights
 
 

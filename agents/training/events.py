@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from torch.utils.tensorboard import SummaryWriter
 from torch.utils.tensorboard.summary import hparams
 
-from agents.rollout import Episodes
-from agents.training_figures import draw_decisions
+from agents.evaluation.rollout import Episodes
+from agents.training.figures import draw_decisions
 
 FILES = "events.out.tfevents.*"
 MOST_WAIT = 10  # seconds, for a clock that was set back a little

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.rollout import drive, swarms_for
+from agents.evaluation.rollout import drive, swarms_for
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation

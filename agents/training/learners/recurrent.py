@@ -10,8 +10,8 @@ import torch
 from sb3_contrib import RecurrentPPO
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 
-from agents.imitation import Demonstration
-from agents.learners.ppo import PPOLearner
+from agents.training.imitation import Demonstration
+from agents.training.learners.ppo import PPOLearner
 from swarm_gym.controllers.learned.policy_file import Weights
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from agents.backends import Backend, BackendOptions, Task, WorkLostError
-from agents.run_folder import RunFolderError, RunTakenError, is_begun
-from agents.train_config import TrainConfig
-from agents.training_run import TrainingRun
+from agents.runs.folder import RunFolderError, RunTakenError, is_begun
+from agents.training.config import TrainConfig
+from agents.training.run import TrainingRun
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 

@@ -13,12 +13,12 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
 
-from agents.imitation import Demonstration, demonstrate, imitate
-from agents.learners.environments import feature_names, make_reference, make_swarms
-from agents.learners.learner import Learner
-from agents.sb3_vec_env import SB3VecEnv
-from agents.seeds import TRAINING_START
-from agents.train_config import TrainConfig
+from agents.runs.seeds import TRAINING_START
+from agents.training.config import TrainConfig
+from agents.training.imitation import Demonstration, demonstrate, imitate
+from agents.training.learners.environments import feature_names, make_reference, make_swarms
+from agents.training.learners.learner import Learner
+from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import ACTIONS
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting

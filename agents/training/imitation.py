@@ -8,7 +8,7 @@ import torch
 from numpy.typing import NDArray
 from tqdm import trange
 
-from agents.sb3_vec_env import SB3VecEnv
+from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation

@@ -1,15 +1,15 @@
 """How a policy is learned: one file per algorithm.
 
-To add one: write a class with the methods of `agents.learners.learner.Learner` and enter it in `LEARNERS`.
+To add one: write a subclass of `learner.Learner` and enter it in `LEARNERS`.
 """
 
 from collections.abc import Callable
 
-from agents.learners.evolution import EvolutionLearner
-from agents.learners.learner import Learner
-from agents.learners.ppo import PPOLearner
-from agents.learners.recurrent import RecurrentPPOLearner
-from agents.train_config import TrainConfig
+from agents.training.config import TrainConfig
+from agents.training.learners.evolution import EvolutionLearner
+from agents.training.learners.learner import Learner
+from agents.training.learners.ppo import PPOLearner
+from agents.training.learners.recurrent import RecurrentPPOLearner
 from swarm_gym.checks import look_up
 
 __all__ = ["LEARNERS", "Learner", "make_learner"]

@@ -9,17 +9,17 @@ import numpy as np
 import torch
 from tqdm import tqdm
 
-from agents.checkpoints import Checkpoints
-from agents.learners import make_learner
-from agents.learners.environments import reference_controller
-from agents.paired_reward import PAIRED
-from agents.provenance import provenance
-from agents.replay_strip import make_replay_strip
-from agents.rollout import Episodes, look_away, run_episodes
-from agents.run_folder import as_json, prepare_folder
-from agents.seeds import VALIDATION, training_seed
-from agents.train_config import TrainConfig
-from agents.training_events import TrainingEvents
+from agents.evaluation.rollout import Episodes, look_away, run_episodes
+from agents.runs.checkpoints import Checkpoints
+from agents.runs.folder import as_json, prepare_folder
+from agents.runs.provenance import provenance
+from agents.runs.seeds import VALIDATION, training_seed
+from agents.training.config import TrainConfig
+from agents.training.events import TrainingEvents
+from agents.training.learners import make_learner
+from agents.training.learners.environments import reference_controller
+from agents.training.paired_reward import PAIRED
+from agents.training.replay_strip import make_replay_strip
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy

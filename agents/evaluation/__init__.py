@@ -1,0 +1,1 @@
+"""Controllers at work: rollouts, observers, masked inputs and rules fitted to decisions."""

@@ -1,0 +1,1 @@
+"""What training and tuning runs keep on disk: folders, checkpoints, seeds, provenance."""

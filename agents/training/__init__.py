@@ -1,0 +1,1 @@
+"""Training of policies: options, runs, learners and what TensorBoard shows."""
