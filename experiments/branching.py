@@ -19,9 +19,9 @@ from scipy import stats
 
 from agents import make_controller
 from agents.evaluation.observers import Watched, decision_names, watch
-from experiments.analysis import analysis_seeds, outcome
-from experiments.labels import label
-from experiments.results import ResultsError
+from experiments.analysis.episodes import analysis_seeds, outcome
+from experiments.runs.database import ResultsError
+from experiments.runs.labels import label
 from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.action import make_action

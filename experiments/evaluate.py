@@ -13,12 +13,12 @@ from pathlib import Path
 import tyro
 
 from agents.backends import Backend, BackendError, BackendOptions
-from experiments.contestants import contestant
-from experiments.page import write_collection_page, write_page
-from experiments.results import Results, ResultsError
-from experiments.runner import configuration, environment_configuration, refuse_missing, run_missing
-from experiments.suite import Suite
-from experiments.suites import COLLECTIONS, get_suite
+from experiments.catalogue import COLLECTIONS, get_suite
+from experiments.documents.page import write_collection_page, write_page
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.entrants import contestant
+from experiments.runs.runner import configuration, environment_configuration, refuse_missing, run_missing
+from experiments.runs.suite import Suite
 from experiments.tables import make_tables
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
@@ -101,7 +101,7 @@ def _evaluate_collection(config: EvaluateConfig) -> Path:
 
 def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
     # Imported here: runs need no plotting library.
-    from experiments.figures import write_figures
+    from experiments.documents.figures import write_figures
 
     return write_figures(suite, results, folder)
 

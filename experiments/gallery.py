@@ -16,8 +16,8 @@ import numpy as np
 from tqdm import tqdm
 
 from agents import make_controller
-from experiments.episode import iterate
-from experiments.video_files import Frame, nearest, palette_of
+from experiments.plots.video_files import Frame, nearest, palette_of
+from experiments.runs.episode import iterate
 from swarm_gym.command import command
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically

@@ -8,7 +8,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from experiments.documents import replace_block
+from experiments.documents.blocks import replace_block
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically

@@ -8,8 +8,8 @@ no others: no number there is typed by hand. Where something is missing, nothing
 import sys
 from pathlib import Path
 
-from experiments.documents import block_names, replace_block
-from experiments.study_blocks import BLOCKS, FIGURES, Source
+from experiments.documents.blocks import block_names, replace_block
+from experiments.studies.learned.blocks import BLOCKS, FIGURES, Source
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 

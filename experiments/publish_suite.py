@@ -8,7 +8,7 @@ a collection are named <suite>/<table>.
 import sys
 from pathlib import Path
 
-from experiments.documents import block_names, replace_block
+from experiments.documents.blocks import block_names, replace_block
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 

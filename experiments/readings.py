@@ -15,9 +15,9 @@ from tqdm import tqdm
 from agents import make_controller
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import TEST
-from experiments.labels import label
-from experiments.paper_numbers import FITNESS
+from experiments.runs.labels import label
 from experiments.statistics import summarise
+from experiments.studies.spsfa.published import FITNESS
 from experiments.tables import Table
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios import make_scenario, require_analytic

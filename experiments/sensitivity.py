@@ -20,8 +20,8 @@ from agents import make_controller
 from agents.evaluation.masking import Blinded, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import Watched, decision_names, watch
 from agents.training.config import TrainConfig, stored_config
-from experiments.analysis import Outcome, analysis_seeds, outcome
-from experiments.results import ResultsError
+from experiments.analysis.episodes import Outcome, analysis_seeds, outcome
+from experiments.runs.database import ResultsError
 from swarm_gym.command import command
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import LINEAR
@@ -151,7 +151,7 @@ def _side_by_side(parts: list[NDArray]) -> NDArray:
 def main() -> None:
     """Analyse as the command line says."""
     config = tyro.cli(SensitivityConfig, description=__doc__)
-    from experiments.sensitivity_report import write_report
+    from experiments.analysis.sensitivity_report import write_report
 
     with command(ResultsError):
         seeds = analysis_seeds(config.seeds)

@@ -12,9 +12,9 @@ from gymnasium.error import DependencyNotInstalled
 from tqdm import tqdm
 
 from agents import Controller, make_controller
-from experiments.contestants import contestant
-from experiments.episode import iterate
-from experiments.video_files import VIDEO_FILES, Frame
+from experiments.plots.video_files import VIDEO_FILES, Frame
+from experiments.runs.entrants import contestant
+from experiments.runs.episode import iterate
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
 from swarm_gym.errors import SettingError

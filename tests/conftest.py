@@ -27,7 +27,7 @@ def numba_threads():
 @pytest.fixture
 def database(tmp_path):
     """A database of results that holds nothing yet."""
-    from experiments.results import Results  # takes seconds, which most tests shall not wait for
+    from experiments.runs.database import Results  # takes seconds, which most tests shall not wait for
 
     results = Results(tmp_path / "made.sqlite")
     yield results

@@ -24,7 +24,7 @@ from small_commands import Command
 
 CONTEXT = multiprocessing.get_context("forkserver")
 COMMANDS = ["agents.train", "agents.tune", "experiments.evaluate"]
-CONTEXT.set_forkserver_preload([*COMMANDS, "torch._dynamo", "experiments.figures"])
+CONTEXT.set_forkserver_preload([*COMMANDS, "torch._dynamo", "experiments.documents.figures"])
 KILLED = -signal.SIGKILL
 LONGEST = 240.0  # seconds, of a command
 
@@ -46,10 +46,10 @@ PHASES = {
     "optuna.create_study": "opening the study",
     "optuna.Study.ask": "asking the study",
     "optuna.Study.tell": "telling the study",
-    "experiments.runner.run_one": "run",
-    "experiments.results.Results.add": "storing runs",
+    "experiments.runs.runner.run_one": "run",
+    "experiments.runs.database.Results.add": "storing runs",
     "experiments.tables.make_tables": "tables",
-    "experiments.page.write_page": "tables",
+    "experiments.documents.page.write_page": "tables",
 }
 
 

@@ -1,6 +1,6 @@
 """A small suite with every kind of member, for tests of reports."""
 
-from experiments.suite import Suite
+from experiments.runs.suite import Suite
 
 SUITE = Suite(
     name="tiny",

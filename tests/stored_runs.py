@@ -10,8 +10,8 @@ def cells_of(tables, name):
 def make_database(path, suite):
     """The database of a suite with all of its runs, made in this process."""
     from agents.backends.local import LocalBackend  # these imports take seconds
-    from experiments.results import Results
-    from experiments.runner import configuration, run_missing
+    from experiments.runs.database import Results
+    from experiments.runs.runner import configuration, run_missing
 
     results = Results(path, configuration(suite))
     run_missing(suite, results, LocalBackend(1))

@@ -19,9 +19,9 @@ from agents.backends import BackendError, BackendOptions, Task, WorkLostError, r
 from agents.backends.backend import Outcome
 from agents.backends.packing import files_of, pack
 from agents.runs.provenance import git_commit
-from experiments.results import Results
-from experiments.runner import configuration, run_missing
-from experiments.suite import Suite
+from experiments.runs.database import Results
+from experiments.runs.runner import configuration, run_missing
+from experiments.runs.suite import Suite
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.errors import MissingExtraError
 

@@ -8,7 +8,7 @@ from agents import make_controller
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
 from experiments.branching import CHANGES, WINDOWS, Change, Changed, analyse, branching_tables, write_report
-from experiments.results import ResultsError
+from experiments.runs.database import ResultsError
 
 NAME = "open-loop:three-cases-extended"
 SEEDS = ANALYSIS[:6]

@@ -8,13 +8,13 @@ import pytest
 from scipy import stats
 from stored_runs import cells_of
 
-from experiments.brand_yu_numbers import TABLE_1
-from experiments.brand_yu_suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
-from experiments.figures import plan
-from experiments.run import Run, Snapshot
-from experiments.suites import DYNAMIC as GATES
+from experiments.catalogue import DYNAMIC as GATES
+from experiments.documents.figures import plan
+from experiments.runs.run import Run, Snapshot
+from experiments.studies.brand_yu.published import TABLE_1
+from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
+from experiments.studies.dynamic.tables import Recovery
 from experiments.tables import make_tables
-from experiments.tables.recovery import Recovery
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.simulation import HISTORY
 

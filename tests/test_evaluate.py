@@ -10,13 +10,13 @@ from trainings import make_policy
 
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
-from experiments import episode, runner
+from experiments.catalogue import COLLECTIONS, SUITES, Suite, get_suite
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.publish_suite import publish_suite
-from experiments.results import Results, ResultsError
-from experiments.run import Run
-from experiments.runner import configuration, run_missing, run_one
-from experiments.suites import COLLECTIONS, SUITES, Suite, get_suite
+from experiments.runs import episode, runner
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.run import Run
+from experiments.runs.runner import configuration, run_missing, run_one
 from experiments.tables import make_tables
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.controllers.tuned import save_tuned

@@ -24,7 +24,7 @@ from small_commands import (
 
 from agents.backends import BackendOptions
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.results import ResultsError
+from experiments.runs.database import ResultsError
 
 if not sys.platform.startswith("linux"):
     pytest.skip("looks at processes and mounts as Linux has them", allow_module_level=True)
@@ -238,7 +238,7 @@ def test_a_worker_process_that_is_killed(tmp_path, whole):
 
 
 def test_worker_processes_that_are_killed_again_and_again(tmp_path, monkeypatch):
-    monkeypatch.setattr("experiments.runner.run_unit", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+    monkeypatch.setattr("experiments.runs.runner.run_unit", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
     with pytest.raises(ResultsError, match=r"killed 3 times.*is memory short.*108 runs are missing"):
         evaluate(
             EvaluateConfig(seeds=12, controllers=CONTROLLERS, where=BackendOptions(jobs=2), output=tmp_path)

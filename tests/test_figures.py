@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from builders import CASES, function_problem, make_problem
 
-from experiments.drawings import (
+from experiments.catalogue import PAPER, Suite
+from experiments.documents.figures import load_cases, load_snapshots, plan, write_figures
+from experiments.plots.courses import (
     CASE_DRAWINGS,
     best_by_evaluations,
     draw_best_paths,
@@ -19,12 +21,10 @@ from experiments.drawings import (
     draw_population_size,
     draw_snapshots,
 )
-from experiments.figure_style import KNOWN_STYLES, render, settings, styles
-from experiments.figures import load_cases, load_snapshots, plan, write_figures
-from experiments.labels import label
-from experiments.results import Results
-from experiments.run import Run, Snapshot
-from experiments.suites import PAPER, Suite
+from experiments.plots.style import KNOWN_STYLES, render, settings, styles
+from experiments.runs.database import Results
+from experiments.runs.labels import label
+from experiments.runs.run import Run, Snapshot
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 
 CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip", "learned:tiny")
@@ -56,9 +56,9 @@ FILES = [
 DRAW_AGAIN = """
 import sys
 from pathlib import Path
-from experiments.figures import write_figures
-from experiments.results import Results
-from experiments.suites import Suite
+from experiments.documents.figures import write_figures
+from experiments.runs.database import Results
+from experiments.catalogue import Suite
 
 database, folder, *controllers = sys.argv[1:]
 suite = Suite("tiny", tuple(controllers), ("case1",), 4, "spsfa")
@@ -322,7 +322,7 @@ def test_box_plots_show_every_run(cases):
 
 
 def test_box_plots_of_many_runs_show_some_of_them_and_say_so(cases, monkeypatch):
-    monkeypatch.setattr("experiments.drawings.MOST_POINTS", 3)
+    monkeypatch.setattr("experiments.plots.courses.MOST_POINTS", 3)
     case = cases["case2"]
     figure = draw_box_plots(case)
     values = [run.final_fitness for run in case.runs[CONTROLLERS[0]]]

@@ -4,11 +4,7 @@ import pytest
 
 from agents import make_controller
 from agents.runs.seeds import TEST
-from experiments.contestants import contestant
-from experiments.figures import FIGURES
-from experiments.groups import group_controllers, scenario_sets
-from experiments.labels import label
-from experiments.suites import (
+from experiments.catalogue import (
     COLLECTIONS,
     FRESH_SEEDS,
     SUITES,
@@ -18,6 +14,10 @@ from experiments.suites import (
     families_of,
     training_seeds,
 )
+from experiments.documents.figures import FIGURES
+from experiments.runs.entrants import contestant
+from experiments.runs.groups import group_controllers, scenario_sets
+from experiments.runs.labels import label
 from experiments.tables import TABLES
 from swarm_gym.controllers.learned.policy_file import shipped_policies
 from swarm_gym.controllers.open_loop import shipped_open_loops

@@ -8,21 +8,21 @@ import pytest
 from scipy import stats
 from stored_runs import cells_of
 
-from experiments.documents import block_names, replace_block
-from experiments.figures import write_figures
-from experiments.iafsa_drawings import by_evaluations, by_iterations
-from experiments.iafsa_numbers import CONVERGENCE, DIMENSIONS, ITERATIONS, MEAN_BEST, SWARMS, WAYS
-from experiments.iafsa_suites import FUNCTIONS, ROUTES, SHIFTED
-from experiments.labels import label
-from experiments.run import Run
+from experiments.catalogue import Suite
+from experiments.documents.blocks import block_names, replace_block
+from experiments.documents.figures import write_figures
+from experiments.runs.labels import label
+from experiments.runs.run import Run
+from experiments.runs.trajectory import length_of
 from experiments.statistics import holm, rank_sum
-from experiments.suites import Suite
+from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
+from experiments.studies.iafsa.figures import by_evaluations, by_iterations
+from experiments.studies.iafsa.function_tables import Function
+from experiments.studies.iafsa.published import CONVERGENCE, DIMENSIONS, ITERATIONS, MEAN_BEST, SWARMS, WAYS
+from experiments.studies.iafsa.route_tables import make_route
+from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables import make_tables
 from experiments.tables.claims import Claim, claims_table
-from experiments.tables.iafsa import Function
-from experiments.tables.iafsa_convergence import convergence_iteration, iterations_to
-from experiments.tables.iafsa_routes import make_route
-from experiments.ways import length_of
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.iafsa_routes import SITES

@@ -9,13 +9,13 @@ import pytest
 from builders import make_problem
 
 from agents import make_controller
-from experiments.figures import load_cases, plan, write_figures
-from experiments.parameter_drawings import draw_courses, draw_outcomes
-from experiments.parameter_study import CONTROLLERS, SCENARIO, STUDIES
-from experiments.results import Results, ResultsError
-from experiments.run import Run
+from experiments.catalogue import PARAMETERS, get_suite
+from experiments.documents.figures import load_cases, plan, write_figures
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.run import Run
 from experiments.statistics import ratio_interval
-from experiments.suites import PARAMETERS, get_suite
+from experiments.studies.spsfa.parameter_figures import draw_courses, draw_outcomes
+from experiments.studies.spsfa.parameters import CONTROLLERS, SCENARIO, STUDIES
 from experiments.tables import make_tables
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 

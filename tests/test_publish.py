@@ -3,7 +3,7 @@
 import pytest
 
 from experiments.benchmark import GROUPS
-from experiments.documents import replace_block
+from experiments.documents.blocks import replace_block
 from experiments.publish import publish
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from experiments.documents import block_names
-from experiments.figures import decisions_name
-from experiments.groups import group_controllers
-from experiments.page import describe_provenance
+from experiments.catalogue import LOOKED_INTO, SUITES
+from experiments.documents.blocks import block_names
+from experiments.documents.figures import decisions_name
+from experiments.documents.page import describe_provenance
 from experiments.publish_study import STUDY, publish_study
-from experiments.study_blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS
-from experiments.suites import LOOKED_INTO, SUITES
-from experiments.tables.origins import origins_table
+from experiments.runs.groups import group_controllers
+from experiments.studies.learned.blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS
+from experiments.studies.learned.origins import origins_table
 from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
 

@@ -18,10 +18,10 @@ from agents.backends.many_runs import carry_out, configs_of_seeds, train
 from agents.backends.packing import files_of
 from agents.backends.ray_backend import RayBackend
 from agents.training.run import TrainingRun
-from experiments.results import Results
-from experiments.runner import configuration, missing_runs, run_missing
+from experiments.runs.database import Results
+from experiments.runs.runner import configuration, missing_runs, run_missing
+from experiments.runs.suite import Suite
 from experiments.scaling.clusters import logical_cluster
-from experiments.suite import Suite
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 if not sys.platform.startswith("linux"):

@@ -14,14 +14,14 @@ import pytest
 from reports import SUITE
 from stored_runs import make_database
 
+from experiments.catalogue import SUITES
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
 from experiments.report.map_picture import describe_map, extent_of
 from experiments.report.recording import Recording, record
 from experiments.report.replay import LADDER, MOST_BYTES, NEW, REMOVED, pack
-from experiments.results import Results, ResultsError
-from experiments.runner import run_one
-from experiments.suites import SUITES
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.runner import run_one
 from experiments.tables import make_tables
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.scenarios import make_scenario, world_at
@@ -444,7 +444,7 @@ def test_a_recording_of_one_frame_can_be_packed():
 @pytest.mark.slow
 def test_where_an_optimum_is_not_known_nothing_is_said_of_gaps(database, monkeypatch):
     assert {"gaps", "front"} <= page_of(database).tables.keys()
-    monkeypatch.setattr("experiments.outcomes.known_optimum", lambda _: np.nan)
+    monkeypatch.setattr("experiments.runs.outcomes.known_optimum", lambda _: np.nan)
     page = page_of(database, figures=True)
     assert page.tables.keys().isdisjoint({"gaps", "front"})
     assert "Tables and figures of optimality gaps are left out: gaps need the optimum" in page.text

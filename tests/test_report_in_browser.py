@@ -20,11 +20,11 @@ from PIL import Image, ImageFilter
 from reports import SUITE
 from stored_runs import make_database
 
+from experiments.catalogue import SUITES
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.recording import record
-from experiments.results import Results
-from experiments.suites import SUITES
+from experiments.runs.database import Results
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright, of the extra dev")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")

@@ -5,14 +5,14 @@ from itertools import pairwise
 
 import pytest
 
-from experiments.runner import all_runs, make_units
+from experiments.catalogue import get_suite
+from experiments.runs.runner import all_runs, make_units
 from experiments.scaling import measure
 from experiments.scaling.measure import Timed
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.page import Findings, write_page
 from experiments.scaling.study import EVALUATED, evaluations
 from experiments.speed.measurement import machine
-from experiments.suites import get_suite
 
 OVERHEADS = Overheads(start=30.0, per_unit=0.01, units_per_second=100.0, rows_per_second=2000.0)
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.labels import label
-from experiments.page import write_page
-from experiments.paper_numbers import FITNESS, SECONDS
-from experiments.results import Results
-from experiments.run import Run
+from experiments.catalogue import Suite
+from experiments.documents.page import write_page
+from experiments.runs.database import Results
+from experiments.runs.labels import label
+from experiments.runs.run import Run
 from experiments.statistics import compare, holm, mean_interval, summarise
-from experiments.suites import Suite
+from experiments.studies.spsfa.published import FITNESS, SECONDS
 from experiments.tables import Table, make_tables
 
 

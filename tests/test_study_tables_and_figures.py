@@ -8,16 +8,16 @@ import pytest
 from builders import make_problem
 from scipy import stats
 
-from experiments.decision_drawings import draw_decisions, load_courses
-from experiments.figure_style import styles
-from experiments.figures import plan, write_figures
-from experiments.gap_drawings import draw_front, draw_profiles, logarithmic_ticks
-from experiments.labels import label
-from experiments.outcomes import Outcomes
-from experiments.results import Results, ResultsError
-from experiments.run import Run
+from experiments.catalogue import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
+from experiments.documents.figures import plan, write_figures
+from experiments.plots.decisions import draw_decisions, load_courses
+from experiments.plots.gaps import draw_front, draw_profiles, logarithmic_ticks
+from experiments.plots.style import styles
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.run import Run
 from experiments.statistics import holm, hypervolume
-from experiments.suites import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
 from experiments.tables import make_tables
 from experiments.tables.differences import difference_tables, duel_tables
 from swarm_gym.errors import ScenarioError

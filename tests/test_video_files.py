@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from experiments.video_files import LAST, VIDEO_FILES, GifFile, Mp4File, nearest
+from experiments.plots.video_files import LAST, VIDEO_FILES, GifFile, Mp4File, nearest
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.rendering import pen
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from experiments.ways import length_of, turning_of
+from experiments.runs.trajectory import length_of, turning_of
 
 
 def test_a_straight_way_does_not_turn():

@@ -5,9 +5,9 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from experiments.labels import label
-from experiments.results import Results
-from experiments.suite import Suite
+from experiments.runs.database import Results
+from experiments.runs.labels import label
+from experiments.runs.suite import Suite
 
 # Of the most seeds that any pair has: a controller with a smaller share would cost all others their seeds.
 LEAST_SHARE = 0.5

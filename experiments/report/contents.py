@@ -7,18 +7,18 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from experiments.labels import label
-from experiments.outcomes import Outcomes
-from experiments.page import command_of, describe_provenance
+from experiments.documents.page import command_of, describe_provenance
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
 from experiments.report.drawn import Drawn, draw_all
 from experiments.report.map_picture import describe_map
 from experiments.report.recording import Recording, ReplayError, record
 from experiments.report.replay import pack
-from experiments.results import Results, ResultsError
-from experiments.run import RunKey
-from experiments.suite import Suite
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.run import RunKey
+from experiments.runs.suite import Suite
 from experiments.tables import Table, make_tables
 from swarm_gym.errors import ScenarioError
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import matplotlib.style
 from tqdm import tqdm
 
-from experiments.figure_style import settings
-from experiments.figures import NUMBERS, plan
+from experiments.documents.figures import NUMBERS, plan
+from experiments.plots.style import settings
 from experiments.report.themed_svg import SETTINGS, plain_title, themed_svg
-from experiments.results import Results
-from experiments.suite import Suite
+from experiments.runs.database import Results
+from experiments.runs.suite import Suite
 
 # Drawn for each scenario, so of the first few only.
 OF_CASES = ("collision", "cases")
@@ -34,7 +34,7 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
     Args:
         suite: its own figures, and those of its first scenarios, are drawn.
         results: the runs.
-        further: names in `experiments.figures.FIGURES`.
+        further: names in `experiments.documents.figures.FIGURES`.
 
     Returns:
         The figures, and what is left out.

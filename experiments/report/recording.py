@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.episode import Episode
-from experiments.run import Floats, Run, RunKey
-from experiments.suite import Suite
+from experiments.runs.episode import Episode
+from experiments.runs.run import Floats, Run, RunKey
+from experiments.runs.suite import Suite
 from swarm_gym.population import Swarms, shrink
 from swarm_gym.rendering import Scene
 from swarm_gym.scenarios import FunctionScenario, StaticScenario

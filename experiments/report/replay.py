@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.labels import label
 from experiments.report.map_picture import extent_of
 from experiments.report.recording import Frame, Recording
-from experiments.run import Floats
+from experiments.runs.labels import label
+from experiments.runs.run import Floats
 
 Integers = NDArray[np.int64]
 

@@ -5,8 +5,9 @@ import re
 
 from matplotlib.figure import Figure
 
-from experiments import figure_style, map_plot
-from experiments.figure_style import render
+from experiments.plots import map_plot
+from experiments.plots import style as plots_style
+from experiments.plots.style import render
 
 # Settings of Matplotlib beside `figure_style.settings`: text stays text, which is searched and read out.
 SETTINGS = {"svg.fonttype": "none", "figure.facecolor": "none", "savefig.facecolor": "none"}
@@ -15,20 +16,20 @@ SETTINGS = {"svg.fonttype": "none", "figure.facecolor": "none", "savefig.facecol
 VARIABLES = {
     "#ffffff": "paper",
     "#000000": "ink",
-    figure_style.BLACK: "ink",
+    plots_style.BLACK: "ink",
     "#4c4c4c": "faint-ink",
-    figure_style.GREY: "grey",
+    plots_style.GREY: "grey",
     "#bfbfbf": "grey",
-    figure_style.SETTINGS["grid.color"]: "grid",
+    plots_style.SETTINGS["grid.color"]: "grid",
     map_plot.OBSTACLE: "obstacle",
     map_plot.OUTLINE: "outline",
     "#f0e442": "shortest",
-    figure_style.BLUE: "blue",
-    figure_style.SKY: "sky",
-    figure_style.GREEN: "green",
-    figure_style.ORANGE: "orange",
-    figure_style.RED: "red",
-    figure_style.PINK: "pink",
+    plots_style.BLUE: "blue",
+    plots_style.SKY: "sky",
+    plots_style.GREEN: "green",
+    plots_style.ORANGE: "orange",
+    plots_style.RED: "red",
+    plots_style.PINK: "pink",
 }
 _VARIABLES = {colour.lower(): f"var(--{name})" for colour, name in VARIABLES.items()}
 

@@ -13,12 +13,12 @@ from joblib import cpu_count
 from tqdm import tqdm
 
 from agents.backends import BackendError
-from experiments.runner import all_runs, run_one
+from experiments.catalogue import get_suite
+from experiments.runs.runner import all_runs, run_one
 from experiments.scaling import measure
 from experiments.scaling.page import Findings, write_page
 from experiments.scaling.study import EVALUATED, TIMED_PRESETS
 from experiments.speed.measurement import machine
-from experiments.suites import get_suite
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.warm_up import warm_up_single

@@ -18,13 +18,13 @@ from agents.backends.local import LocalBackend
 from agents.backends.ray_backend import RayBackend
 from agents.training.presets import load_preset
 from agents.training.run import TrainingRun
-from experiments.results import Results
-from experiments.run import Run, RunKey
-from experiments.runner import MOST_SEEDS, run_one
+from experiments.runs.database import Results
+from experiments.runs.run import Run, RunKey
+from experiments.runs.runner import MOST_SEEDS, run_one
+from experiments.runs.suite import Suite
 from experiments.scaling.clusters import logical_cluster
 from experiments.scaling.units import compute, compute_together, copies, wait
 from experiments.speed.measurement import run_python, seconds_of
-from experiments.suite import Suite
 
 
 @dataclass(frozen=True)

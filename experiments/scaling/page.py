@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.figure_style import BLUE, FORMATS, GREY, RED, new_figure, render, settings
-from experiments.runner import MOST_SEEDS
+from experiments.plots.style import BLUE, FORMATS, GREY, RED, new_figure, render, settings
+from experiments.runs.runner import MOST_SEEDS
 from experiments.scaling.measure import Timed
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.study import evaluations, trainings

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from agents.training.presets import load_preset, preset_names
-from experiments.runner import all_runs, make_units
+from experiments.catalogue import get_suite
+from experiments.runs.runner import all_runs, make_units
 from experiments.scaling.model import Work
-from experiments.suites import get_suite
 
 EVALUATED = ("headline", "generalisation", "out-of-distribution", "ablation", "parameters")
 TRAINING_SEEDS = 10

@@ -4,7 +4,7 @@ import dataclasses
 import time
 from typing import Any
 
-from experiments.run import Run
+from experiments.runs.run import Run
 
 
 def compute(_: int, seconds: float) -> None:

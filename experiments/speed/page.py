@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from experiments.figure_style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
+from experiments.plots.style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
 from experiments.speed import growth
 from experiments.speed.environments import name as vector_name
 from experiments.speed.measurement import (

@@ -6,30 +6,30 @@ it in the suites that shall have it.
 
 from collections.abc import Callable
 
-from experiments.outcomes import Outcomes
-from experiments.results import Results
-from experiments.suite import Suite
-from experiments.tables import paper
-from experiments.tables.brand_yu import count_tables, grid_tables
+from experiments.runs.database import Results
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
+from experiments.studies.brand_yu.tables import count_tables, grid_tables
+from experiments.studies.dynamic.tables import recovery_tables
+from experiments.studies.iafsa.convergence_tables import convergence_tables
+from experiments.studies.iafsa.function_tables import function_tables, shifted_tables
+from experiments.studies.iafsa.route_tables import route_tables
+from experiments.studies.moa.tables import moa_tables
+from experiments.studies.spsfa import tables as spsfa_tables
+from experiments.studies.spsfa.parameter_tables import parameter_tables
 from experiments.tables.differences import difference_tables, duel_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
-from experiments.tables.iafsa import function_tables, shifted_tables
-from experiments.tables.iafsa_convergence import convergence_tables
-from experiments.tables.iafsa_routes import route_tables
-from experiments.tables.moa import moa_tables
-from experiments.tables.parameters import parameter_tables
-from experiments.tables.recovery import recovery_tables
 from experiments.tables.table import Table
 from swarm_gym.checks import look_up
 
 __all__ = ["TABLES", "Table", "make_tables"]
 
 TABLES: dict[str, Callable[[Suite, Outcomes], list[Table]]] = {
-    "summary": paper.summary_tables,
-    "cases": paper.case_tables,
-    "comparison": paper.comparison_tables,
-    "reproduction": paper.reproduction_tables,
+    "summary": spsfa_tables.summary_tables,
+    "cases": spsfa_tables.case_tables,
+    "comparison": spsfa_tables.comparison_tables,
+    "reproduction": spsfa_tables.reproduction_tables,
     "gaps": gap_tables,
     "differences": difference_tables,
     "duels": duel_tables,

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from experiments.labels import label
-from experiments.outcomes import Outcomes
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
 from experiments.statistics import difference, holm
-from experiments.suite import Suite
 from experiments.tables.table import Table, percent, percent_interval
 
 RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently

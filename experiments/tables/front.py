@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from experiments.labels import label
-from experiments.outcomes import Outcomes
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Family, Suite
 from experiments.statistics import Interval, hypervolume, interval, means, non_dominated
-from experiments.suite import Family, Suite
 from experiments.tables.table import Table, percent, percent_interval
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from experiments.labels import label
-from experiments.outcomes import Outcomes
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
 from experiments.statistics import interval, means, summarise_group
-from experiments.suite import Suite
 from experiments.tables.table import Table, percent, percent_interval
 
 NEAR = 0.01  # of the optimum

@@ -1,0 +1,1 @@
+"""Analyses of controllers that go beyond the runs of a suite."""

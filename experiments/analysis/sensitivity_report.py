@@ -1,0 +1,125 @@
+"""Tables and a figure of what a controller makes of its inputs, and the page that shows them."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from experiments.analysis.episodes import Outcome
+from experiments.plots.style import BLUE, FORMATS, ORANGE, new_figure, render, settings
+from experiments.runs.labels import label
+from experiments.sensitivity import Sensitivity
+from experiments.statistics import paired
+from experiments.tables.table import Table, percent, percent_interval
+from swarm_gym.controllers.distilled import LINEAR
+from swarm_gym.files import write_atomically
+
+Floats = NDArray[np.float64]
+
+SIGNED = "+.2f"  # per cent
+SEEING = "nothing"
+
+
+def sensitivity_tables(found: Sensitivity) -> list[Table]:
+    """Change of the decisions, and of the outcome, a row per input."""
+    where = f"{found.seeing.gap.shape[1]} seeds on each of {', '.join(found.scenarios)}"
+    changes = Table(
+        "sensitivity-decisions",
+        f"Decisions of {label(found.policy)}: mean absolute change where an input is replaced by its mean at "
+        f"the same iteration, in the states that it visits, {where}",
+        ("without", *(_unit(decision) for decision in found.decisions)),
+        [(name, *(f"{change:.3f}" for change in row)) for name, row in found.changes.items()],
+    )
+    rows = [(SEEING, percent(found.seeing.gap.mean(), ".2f"), "–", _thousands(found.seeing), "–", "–")]
+    for name, outcome in found.blinded.items():
+        gap, ends = paired(outcome.gap - found.seeing.gap)
+        gained, gained_ends = paired(outcome.returns - found.seeing.returns)
+        spent, spent_ends = paired(_relative_evaluations(found.seeing, outcome))
+        rows.append(
+            (
+                name,
+                percent(outcome.gap.mean(), ".2f"),
+                f"{percent(gap, SIGNED)} {percent_interval(ends, SIGNED)}",
+                _thousands(outcome),
+                f"{percent(spent, SIGNED)} {percent_interval(spent_ends, SIGNED)}",
+                f"{gained:+.3f} [{gained_ends[0]:+.3f}, {gained_ends[1]:+.3f}]",
+            )
+        )
+    performance = Table(
+        "sensitivity-performance",
+        f"Episodes of {label(found.policy)} without an input, which is replaced by its mean course: mean "
+        "gap, mean evaluations, and mean differences from the controller as it is, on the same scenarios and "
+        f"seeds [95 % bootstrap interval]; of evaluations, relative to its mean on the scenario; {where}",
+        ("without", "mean gap", "difference", "mean evaluations", "difference of evaluations",
+         "difference of the return"),
+        rows,
+    )  # fmt: skip
+    return [changes, performance]
+
+
+def draw_sensitivity(found: Sensitivity) -> Figure:
+    """The same as bars: a row per input, a panel per decision, then gap and evaluations with intervals."""
+    names = list(found.changes)
+    places = np.arange(len(names))
+    num_panels = len(found.decisions) + 2
+    figure = new_figure(3.2 + 1.9 * num_panels, 1.4 + 0.27 * len(names))
+    panels = figure.subplots(1, num_panels, sharey=True)
+    for column, (axes, decision) in enumerate(zip(panels, found.decisions, strict=False)):
+        axes.barh(places, [row[column] for row in found.changes.values()], 0.6, color=BLUE)
+        axes.set_xlabel(f"change of\n{_unit(decision)}")
+    gaps = [100.0 * (found.blinded[name].gap - found.seeing.gap) for name in names]
+    spent = [100.0 * _relative_evaluations(found.seeing, found.blinded[name]) for name in names]
+    _draw_differences(panels[-2], places, gaps, "gap, % of the optimum")
+    _draw_differences(panels[-1], places, spent, "evaluations, %")
+    panels[0].set_yticks(places, names)
+    panels[0].invert_yaxis()
+    for axes in panels:
+        axes.grid(axis="y", visible=False)
+    figure.suptitle(
+        f"{label(found.policy)} without an input: change of its decisions, and differences in outcome "
+        "(95 % intervals)"
+    )
+    return figure
+
+
+def write_report(found: Sensitivity, folder: Path) -> Path:
+    """Write tables as Markdown, CSV and LaTeX, the figure, and a page that shows all; returns the page."""
+    tables = sensitivity_tables(found)
+    for table in tables:
+        table.write(folder)
+    with settings():
+        figure = draw_sensitivity(found)
+        for form in FORMATS:
+            write_atomically(folder / f"figure-sensitivity.{form}", render(figure, form))
+    parts = [
+        f"# What {label(found.policy)} makes of its inputs\n",
+        f"Made by `python -m experiments.sensitivity --policy {found.policy} "
+        f"--seeds {found.seeing.gap.shape[1]} --scenarios {' '.join(found.scenarios)}`.\n",
+        *(table.markdown() for table in tables),
+        "![sensitivity](figure-sensitivity.svg)\n",
+    ]
+    return write_atomically(folder / "README.md", "\n".join(parts))
+
+
+def _relative_evaluations(seeing: Outcome, outcome: Outcome) -> Floats:
+    scale = seeing.evaluations.mean(axis=1, keepdims=True)
+    return (outcome.evaluations - seeing.evaluations) / scale
+
+
+def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], name: str) -> None:
+    found = [paired(one) for one in differences]
+    low, high = np.transpose([ends for _, ends in found])
+    axes.hlines(places, low, high, color=ORANGE, linewidth=1.5)
+    axes.plot([mean for mean, _ in found], places, "o", color=ORANGE)
+    axes.axvline(0.0, color="0.3", linewidth=0.8)
+    axes.set_xlabel(f"difference of\n{name}")
+
+
+def _thousands(outcome: Outcome) -> str:
+    return f"{outcome.evaluations.mean():,.0f}"
+
+
+def _unit(decision: str) -> str:
+    return decision if decision == LINEAR else f"{decision}, log2"

@@ -1,0 +1,1 @@
+"""Pages and documents that show tables and figures."""

@@ -1,0 +1,81 @@
+"""One page with all tables and figures of a suite, and the tables as files of their own."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from experiments.catalogue import SUITES
+from experiments.runs.suite import Suite
+from experiments.tables import Table
+from swarm_gym.files import write_atomically
+
+MADE_WITH = "made-with.md"
+COMMIT_DIGITS = 10
+
+
+def write_page(
+    suite: Suite,
+    tables: Sequence[Table],
+    figures: Sequence[Path],
+    folder: Path,
+    made_with: Sequence[Mapping[str, str]] = (),
+) -> Path:
+    """Write every table as Markdown, CSV and LaTeX, and a README.md that shows all; returns the latter.
+
+    Args:
+        suite: whose page it is.
+        tables: of the suite.
+        figures: files in the folder; those that are SVG are shown.
+        folder: made if missing.
+        made_with: provenances of the runs, said in one line; a file of its own has it for documents.
+    """
+    for table in tables:
+        table.write(folder)
+    pictures = [
+        f"![{figure.stem.replace('-', ' ')}]({figure.name})\n"
+        for figure in figures
+        if figure.suffix == ".svg"
+    ]
+    seeds = "seed" if suite.num_seeds == 1 else "seeds"
+    runs = f"{suite.num_seeds} {seeds} per controller and scenario"
+    if made_with:
+        said = f"{runs}, scenarios: {len(suite.scenarios)}. {describe_provenance(made_with)}"
+        write_atomically(folder / MADE_WITH, said)
+    parts = [
+        f"# Suite {suite.name}: {runs}\n",
+        f"Made by `{command_of(suite)}`.\n",
+        *([describe_provenance(made_with)] if made_with else []),
+        *(table.markdown() for table in tables),
+        *pictures,
+    ]
+    return write_atomically(folder / "README.md", "\n".join(parts))
+
+
+def write_collection_page(name: str, pages: Sequence[Path], folder: Path) -> Path:
+    """Write a README.md that leads to the pages of a collection's suites; returns it."""
+    links = [f"* [{page.parent.name}]({page.relative_to(folder).as_posix()})" for page in pages]
+    return write_atomically(folder / "README.md", "\n".join([f"# Suites of {name}\n", *links, ""]))
+
+
+def describe_provenance(made_with: Sequence[Mapping[str, str]]) -> str:
+    """One line: all commits and all versions of runs that were made with these."""
+    values: dict[str, set[str]] = {}
+    for provenance in made_with:
+        for name, value in provenance.items():
+            values.setdefault(name, set()).add(value)
+    commits = sorted(_short(commit) for commit in values.pop("commit", ()))
+    found = [f"commit{'s' if len(commits) > 1 else ''} {', '.join(commits)}"] if commits else []
+    found += [f"{name} {', '.join(sorted(versions))}" for name, versions in sorted(values.items())]
+    return f"Runs made with: {'; '.join(found)}.\n"
+
+
+def _short(commit: str) -> str:
+    """A commit with fewer digits, and whether files were changed since."""
+    digits, separator, dirty = commit.partition("-")
+    return f"{digits[:COMMIT_DIGITS]}{separator}{dirty}"
+
+
+def command_of(suite: Suite) -> str:
+    """How the runs and tables of a suite are made."""
+    command = f"python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}"
+    usual = SUITES.get(suite.name, suite).controllers
+    return command if suite.controllers == usual else f"{command} --controllers {' '.join(suite.controllers)}"

@@ -1,0 +1,1 @@
+"""Figures: their style and the kinds that several studies share."""

@@ -1,0 +1,311 @@
+"""The results database: one SQLite file per suite, one transaction per finished run.
+
+A run is (controller, scenario, seed). The file remembers what its runs were made with: settings of the
+environments, geometry of the scenarios, weights of the policies. Runs made with anything else are refused.
+"""
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.run import Run, RunKey, Snapshot
+
+SCHEMA = """
+CREATE TABLE IF NOT EXISTS configuration (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS runs (
+    controller TEXT NOT NULL,
+    scenario TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    final_fitness REAL NOT NULL,
+    final_collision REAL NOT NULL,
+    evaluations INTEGER NOT NULL,
+    seconds REAL NOT NULL,
+    best_path BLOB NOT NULL,
+    trace BLOB NOT NULL,
+    provenance TEXT NOT NULL,
+    columns TEXT NOT NULL,
+    way BLOB NOT NULL,
+    PRIMARY KEY (controller, scenario, seed)
+) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS snapshots (
+    controller TEXT NOT NULL,
+    scenario TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    iteration INTEGER NOT NULL,
+    paths BLOB NOT NULL,
+    collisions BLOB NOT NULL,
+    PRIMARY KEY (controller, scenario, seed, iteration)
+) WITHOUT ROWID;
+"""
+
+
+PATIENCE = 60.0  # seconds, while other processes write into the same database
+
+
+class ResultsError(RuntimeError):
+    """A results database cannot be used; the message names the file and the reason."""
+
+
+class Results:
+    """A results database, opened for one configuration.
+
+    Args:
+        path: the file; made if missing.
+        configuration: what runs are made with, by key; new keys are added, changed ones refused.
+
+    Raises:
+        ResultsError: if the file is no database, or holds runs of another configuration.
+    """
+
+    def __init__(self, path: Path, configuration: Mapping[str, Any] | None = None):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with self._opened(path, str(path)):
+            self._connection.execute("PRAGMA journal_mode = WAL")
+            self._connection.executescript(SCHEMA)
+            self._check_columns()
+            self._adopt(self._compare(configuration or {}))
+
+    @classmethod
+    def stored(cls, path: Path, configuration: Mapping[str, Any] | None = None) -> "Results":
+        """What is stored in a database that is there, to be read only.
+
+        Raises:
+            ResultsError: if the file is missing, no results database, or holds runs of another configuration.
+        """
+        if not path.is_file():
+            raise ResultsError(f"{path}: there is no such results database")
+        results = cls.__new__(cls)
+        with results._opened(path, _to_be_read(path)):
+            results._check_columns()
+            results._compare(configuration or {})
+        return results
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def configuration(self) -> dict[str, Any]:
+        """What the stored runs were made with, by key."""
+        rows = self._connection.execute("SELECT key, value FROM configuration ORDER BY key")
+        return {key: json.loads(value) for key, value in rows}
+
+    def finished(self) -> set[RunKey]:
+        """Keys of the stored runs."""
+        return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
+
+    def add(self, *runs: Run) -> None:
+        """Store runs and their snapshots in one transaction; a run that is there stays as it is.
+
+        Raises:
+            ResultsError: if the file cannot be written; what was stored before is still there.
+        """
+        with self._writing() as connection:
+            connection.executemany(
+                "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", map(_row, runs)
+            )
+            connection.executemany(
+                "INSERT OR IGNORE INTO snapshots VALUES (?, ?, ?, ?, ?, ?)",
+                [
+                    (
+                        run.controller,
+                        run.scenario,
+                        run.seed,
+                        s.iteration,
+                        s.paths.tobytes(),
+                        s.collisions.tobytes(),
+                    )
+                    for run in runs
+                    for s in run.snapshots
+                ],
+            )
+
+    def runs(self, controller: str, scenario: str, num_seeds: int, first_seed: int = 0) -> list[Run]:
+        """Runs of one controller on one scenario, by seed, without snapshots.
+
+        Args:
+            controller: its name.
+            scenario: its name.
+            num_seeds: how many seeds.
+            first_seed: the least of them.
+        """
+        query = (
+            "SELECT * FROM runs "
+            "WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
+        )
+        key = (controller, scenario, first_seed, first_seed + num_seeds)
+        with closing(self._connection.execute(query, key)) as rows:
+            return [_run(row) for row in rows]
+
+    def outcomes(self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]) -> Outcomes:
+        """The numbers of runs, without paths and traces.
+
+        Args:
+            controllers: their names.
+            seeds: of every scenario, by its name; equally many each.
+
+        Raises:
+            ResultsError: if a run is missing.
+        """
+        rows = {controller: c for c, controller in enumerate(controllers)}
+        columns = {(name, seed): (s, k) for s, name in enumerate(seeds) for k, seed in enumerate(seeds[name])}
+        num_seeds = len(next(iter(seeds.values())))
+        values = np.full((4, len(rows), len(seeds), num_seeds), np.nan)
+        query = (
+            "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds "
+            "FROM runs"
+        )
+        with closing(self._connection.execute(query)) as found:
+            for controller, scenario, seed, *numbers in found:
+                if controller in rows and (scenario, seed) in columns:
+                    values[:, rows[controller], *columns[scenario, seed]] = numbers
+        for (c, controller), (s, scenario) in product(enumerate(controllers), enumerate(seeds)):
+            there = num_seeds - np.isnan(values[0, c, s]).sum()
+            if there < num_seeds:
+                raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
+
+        def load(controller: str, scenario: str) -> list[Run]:
+            return self.runs(controller, scenario, num_seeds, seeds[scenario][0])
+
+        fitness, collision, evaluations, seconds = values
+        return Outcomes(tuple(controllers), tuple(seeds), fitness, collision, evaluations, seconds, load)
+
+    def provenances(
+        self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]
+    ) -> list[dict[str, str]]:
+        """What the runs of these controllers were made with, each once, in the order of their text.
+
+        Args:
+            controllers: their names.
+            seeds: of every scenario, by its name.
+        """
+        query = "SELECT controller, scenario, seed, provenance FROM runs"
+        with closing(self._connection.execute(query)) as rows:
+            found = {
+                provenance
+                for controller, scenario, seed, provenance in rows
+                if controller in controllers and seed in seeds.get(scenario, ())
+            }
+        return [json.loads(provenance) for provenance in sorted(found)]
+
+    def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
+        """Stored populations of a run, by iteration."""
+        query = (
+            "SELECT iteration, paths, collisions FROM snapshots "
+            "WHERE controller = ? AND scenario = ? AND seed = ? ORDER BY iteration"
+        )
+        found = []
+        for iteration, paths, collisions in self._connection.execute(query, (controller, scenario, seed)):
+            members = np.frombuffer(collisions)
+            found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
+        return found
+
+    @contextmanager
+    def _opened(self, path: Path, name: str) -> Iterator[None]:
+        """Open a file, by the name that SQLite knows it by, and close it if it turns out to be unusable."""
+        self.path = path
+        try:
+            self._connection = sqlite3.connect(name, timeout=PATIENCE, uri=name.startswith("file:"))
+        except sqlite3.Error as error:
+            raise ResultsError(f"{path}: cannot be opened ({error})") from error
+        try:
+            yield
+        except sqlite3.Error as error:
+            self._connection.close()
+            raise ResultsError(f"{path}: not a usable results database ({error})") from error
+        except ResultsError:
+            self._connection.close()
+            raise
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """A transaction."""
+        try:
+            with self._connection as connection:
+                yield connection
+        except sqlite3.Error as error:
+            raise ResultsError(
+                f"{self.path}: cannot be written ({error}); what was stored before is still there, and the "
+                "same command goes on"
+            ) from error
+
+    def _check_columns(self) -> None:
+        there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
+        if not there:
+            raise ResultsError(f"{self.path}: not a results database, since it has no table of runs")
+        for column, meaning in (
+            ("columns", "what the columns of the traces are"),
+            ("way", "where robots have gone"),
+        ):
+            if column not in there:
+                raise ResultsError(
+                    f"{self.path} was written by an earlier version, which did not store {meaning}; use "
+                    "another --database, or delete the file"
+                )
+
+    def _compare(self, configuration: Mapping[str, Any]) -> dict[str, str]:
+        """What is not stored yet of a configuration that does not contradict what is."""
+        stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
+        new = {key: json.dumps(value, sort_keys=True) for key, value in configuration.items()}
+        for key, value in new.items():
+            if stored.get(key, value) != value:
+                raise ResultsError(
+                    f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is "
+                    f"{value}; use another --database, or delete the file"
+                )
+        return {key: value for key, value in new.items() if key not in stored}
+
+    def _adopt(self, new: Mapping[str, str]) -> None:
+        with self._writing() as connection:
+            connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
+
+
+def _to_be_read(path: Path) -> str:
+    """A file that nothing is written to, as SQLite is told of it."""
+    # A reader, too, puts files beside a database, lest others write; where that cannot be, nobody does.
+    alone = not os.access(path.parent, os.W_OK) and not path.with_name(f"{path.name}-wal").exists()
+    return f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
+
+
+def _row(run: Run) -> tuple:
+    return (
+        run.controller,
+        run.scenario,
+        run.seed,
+        run.final_fitness,
+        run.final_collision,
+        run.evaluations,
+        run.seconds,
+        run.best_path.tobytes(),
+        run.trace.tobytes(),
+        json.dumps(dict(run.provenance), sort_keys=True),
+        json.dumps(run.columns),
+        run.way.tobytes(),
+    )
+
+
+def _run(row: tuple) -> Run:
+    *numbers, best_path, trace, provenance, columns, way = row
+    names = tuple(json.loads(columns))
+    controller, scenario, seed, fitness, collision, evaluations, seconds = numbers
+    return Run(
+        controller,
+        scenario,
+        seed,
+        fitness,
+        collision,
+        evaluations,
+        seconds,
+        np.frombuffer(best_path).reshape(-1, 2),
+        np.frombuffer(trace).reshape(-1, len(names)),
+        json.loads(provenance),
+        columns=names,
+        way=np.frombuffer(way).reshape(-1, 2),
+    )

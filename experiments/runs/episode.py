@@ -1,0 +1,71 @@
+"""A run in a single environment, an iteration at a time; one of a suite by its key."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import gymnasium
+
+from agents import Controller, make_controller
+from experiments.runs.entrants import contestant
+from experiments.runs.run import RunKey
+from experiments.runs.suite import Suite
+from swarm_gym.registration import environment_id
+from swarm_gym.simulation import Simulation
+from swarm_gym.warm_up import warm_up_single
+
+
+class Episode:
+    """A run that has not begun; kernels are compiled or loaded, so that no run is charged for it.
+
+    Attributes:
+        simulation: of the environment, a batch of one.
+        info: what the environment told last; empty before the run.
+    """
+
+    def __init__(self, key: RunKey, suite: Suite):
+        name, scenario, self._seed = key
+        runs = contestant(name, suite.optimizer)
+        warm_up(runs.optimizer, suite)
+        self._controller = controller_of(runs.controller)
+        self._env = gymnasium.make(
+            environment_id(runs.optimizer),
+            scenario=scenario,
+            **{**suite.options, **runs.options},
+            **self._controller.env_options(),
+        )
+        self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
+        self.info: dict[str, Any] = {}
+
+    def __iter__(self) -> Iterator[Simulation]:
+        """The simulation with its first population, and after every iteration."""
+        for info in iterate(self._env, self._controller, self._seed):
+            self.info = info
+            yield self.simulation
+
+
+def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, Any]]:
+    """Run an episode; what the environment tells of its first population, and after every iteration."""
+    controller.reset(1, seed)
+    observation, info = env.reset(seed=seed)
+    yield info
+    ended = False
+    while not ended:
+        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+        yield info
+
+
+@cache
+def controller_of(name: str) -> Controller:
+    """The controller of that name, made once per process."""
+    return make_controller(name)
+
+
+def warm_up(optimizer: str, suite: Suite) -> None:
+    """Compile or load the kernels that the runs of a suite need with an optimizer, once per process."""
+    _warm_up(optimizer, tuple({"scenario": suite.scenarios[0], **suite.options}.items()))
+
+
+@cache
+def _warm_up(optimizer: str, options: tuple[tuple[str, Any], ...]) -> None:
+    warm_up_single(optimizer, **dict(options))

@@ -1,0 +1,208 @@
+"""Carrying out the runs of a suite, by a backend, into a results database."""
+
+import dataclasses
+import time
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from tqdm import tqdm
+
+from agents import Controller
+from agents.backends import Backend, Task, WorkLostError
+from agents.runs.provenance import provenance
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.entrants import contestant
+from experiments.runs.episode import Episode, controller_of, warm_up
+from experiments.runs.groups import group_key, set_key
+from experiments.runs.run import Run, RunKey, Snapshot
+from experiments.runs.suite import Suite
+from swarm_gym.controllers.distilled import DistilledRule
+from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.controllers.tuned import load_tuned
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.reference.optima import digest
+from swarm_gym.settings import Settings, make_problem
+
+MOST_NAMED = 10  # in a message
+
+# A unit of work takes long beside the milliseconds of handing it out, and not long beside all of the work.
+MOST_SEEDS = 10
+UNITS_PER_WORKER = 8
+
+
+class Unit(NamedTuple):
+    """What a worker does at a time: runs that differ in their seeds alone."""
+
+    controller: str
+    scenario: str
+    seeds: tuple[int, ...]
+
+
+def all_runs(suite: Suite) -> list[RunKey]:
+    """What belongs to a suite.
+
+    Seeds are outermost: a suite that is stopped has compared everything on the seeds it has done.
+    """
+    return [
+        (controller, scenario, seeds[k])
+        for k in range(suite.num_seeds)
+        for scenario, seeds in suite.seeds.items()
+        for controller in suite.controllers
+    ]
+
+
+def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
+    """What the database lacks."""
+    finished = results.finished()
+    return [key for key in all_runs(suite) if key not in finished]
+
+
+def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
+    """Run what the database lacks; runs are stored as they come back, and what workers lose is run again.
+
+    Raises:
+        ResultsError: if worker processes are killed again and again, or the database cannot be written.
+        BackendError: if the backend cannot be used.
+    """
+    missing = missing_runs(suite, results)
+    if not missing:
+        print(f"{results.path}: all runs are there", flush=True)
+        return
+    if backend.on_this_machine:  # else whoever waits would be told of it by each worker
+        for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
+            warm_up(optimizer, suite)
+    units = make_units(missing, backend.workers())
+    task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")))
+    with tqdm(total=len(missing), unit="run", desc=suite.name) as bar:
+        try:
+            for _, runs in backend.run(task, units):
+                results.add(*runs)
+                bar.update(len(runs))
+        except WorkLostError as error:
+            raise ResultsError(
+                f"{error} {len(missing_runs(suite, results))} runs are missing in {results.path}, and the "
+                "same command goes on"
+            ) from error
+
+
+def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
+    """Units of work that have several seeds, where there is work for all; the first seeds come first."""
+    size = min(max(len(runs) // (UNITS_PER_WORKER * workers), 1), MOST_SEEDS)
+    seeds: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for controller, scenario, seed in runs:
+        seeds[controller, scenario].append(seed)
+    units = [
+        (place, Unit(*names, tuple(found[place : place + size])))
+        for names, found in seeds.items()
+        for place in range(0, len(found), size)
+    ]
+    return [unit for _, unit in sorted(units, key=lambda entry: entry[0])]
+
+
+def run_unit(unit: Unit, suite: Suite, made_with: dict[str, str]) -> list[Run]:
+    """The runs of a unit, one after the other."""
+    return [run_one((unit.controller, unit.scenario, seed), suite, made_with) for seed in unit.seeds]
+
+
+def refuse_missing(suite: Suite, results: Results) -> None:
+    """Make sure that nothing has to be run.
+
+    Raises:
+        ResultsError: naming what is missing.
+    """
+    missing = missing_runs(suite, results)
+    if missing:
+        counts = Counter(
+            f"{group_key(controller)} on {set_key(scenario)}" for controller, scenario, _ in missing
+        )
+        named = [f"{count} of {what}" for what, count in counts.most_common(MOST_NAMED)]
+        more = f" and {len(counts) - MOST_NAMED} more" if len(counts) > MOST_NAMED else ""
+        raise ResultsError(
+            f"{results.path} lacks {len(missing)} runs, which --no-simulate forbids to make: "
+            f"{', '.join(named)}{more}"
+        )
+
+
+def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
+    """One run in a single environment, timed."""
+    name, scenario, seed = key
+    keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
+    episode = Episode(key, suite)
+    begin = time.process_time()
+    snapshots = [_snapshot(simulation) for simulation in episode if simulation.iteration[0] in keep]
+    seconds = time.process_time() - begin
+    simulation, info = episode.simulation, episode.info
+    return Run(
+        name,
+        scenario,
+        seed,
+        float(info["best_fitness"]),
+        float(info["best_collision"]),
+        int(info["evaluations"]),
+        seconds,
+        info["best_path"],
+        simulation.history[0].copy(),
+        made_with,
+        tuple(snapshots),
+        simulation.columns,
+        simulation.way(0),
+    )
+
+
+def configuration(suite: Suite) -> dict[str, Any]:
+    """What the runs of a suite depend on, for the database to hold them against."""
+    found = environment_configuration(suite)
+    for name in suite.controllers:
+        controller_name = contestant(name, suite.optimizer).controller
+        found[f"controller {name}"] = _identity(controller_name, controller_of(controller_name))
+    return found
+
+
+def _identity(name: str, controller: Controller) -> Any:
+    """What a controller is, where its name does not say: files may be replaced."""
+    family, _, argument = name.partition(":")
+    if family == "tuned":
+        return load_tuned(argument)
+    if isinstance(controller, FeedforwardController):
+        manifest = controller.manifest
+        base = manifest["base"]
+        if base == "none":
+            return manifest["weights_sha256"]
+        return (
+            manifest["weights_sha256"],
+            manifest.get("corrected_from", 0),
+            _identity(base, controller_of(base)),
+        )
+    if isinstance(controller, OpenLoop):
+        return controller.initial_population_size, controller.table.tolist()
+    return controller.lines() if isinstance(controller, DistilledRule) else name
+
+
+def environment_configuration(suite: Suite) -> dict[str, Any]:
+    """The part of `configuration` that takes no controllers, whose policies may be elsewhere."""
+    settings = dataclasses.asdict(
+        Settings.from_options(
+            get_optimizer(suite.optimizer), {"scenario": suite.scenarios[0], **suite.options}
+        )
+    )
+    # These vary within a suite and are part of the controllers and the runs.
+    for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
+        del settings[name]
+    # These are part of the scenarios' problems.
+    for name in ("encoding", "num_control_points", "penalty"):
+        del settings[name]
+    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
+    for name in suite.scenarios:
+        problem = make_problem(name, **suite.options)
+        found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
+    return found
+
+
+def _snapshot(simulation: Any) -> Snapshot:
+    return Snapshot(
+        int(simulation.iteration[0]),
+        simulation.problem_of(0).points(simulation.positions(0)),
+        simulation.swarms.collision[0, : simulation.swarms.size[0]].copy(),
+    )

@@ -1,0 +1,1 @@
+"""One folder for each study: its suites, published numbers, tables and figures."""

@@ -1,0 +1,52 @@
+"""The suites of the paper of Brand and Yu: table 1, an obstacle that appears, and grids of growing size."""
+
+from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.studies.brand_yu.published import APPEARS, TABLE_1
+
+GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
+FEW, ANTS = "glowworm+fixed:26", "ant-colony(100)+fixed:50"
+SIDES = (50, 100, 200, 500, 1000, 2000)
+OPTIONS = {"encoding": "walk"}
+
+STATIC = Suite(
+    name="brand-yu-static",
+    controllers=GLOWWORMS,
+    scenarios=("block:500",),
+    num_seeds=20,
+    baseline=GLOWWORMS[0],
+    optimizer="glowworm",
+    first_seed=FRESH_SEEDS,
+    options={**OPTIONS, "iterations": 600},
+    snapshots=tuple(
+        (controller, "block:500", FRESH_SEEDS, (0, iteration))
+        for controller, iteration in zip(GLOWWORMS, (90,) * len(GLOWWORMS), strict=True)
+    ),
+    tables=("brand-yu-counts",),
+    figures=("brand-yu-ways",),
+)
+DYNAMIC = Suite(
+    name="brand-yu-dynamic",
+    controllers=GLOWWORMS,
+    scenarios=(f"dynamic:open:500-block@{APPEARS}",),
+    num_seeds=20,
+    baseline=GLOWWORMS[0],
+    optimizer="glowworm",
+    first_seed=FRESH_SEEDS,
+    options={**OPTIONS, "iterations": 1500},
+    tables=("brand-yu-counts",),
+    figures=("brand-yu-ways",),
+)
+GRIDS = Suite(
+    name="brand-yu-grids",
+    controllers=(FEW, ANTS),
+    scenarios=tuple(f"block:{side}" for side in SIDES),
+    num_seeds=10,
+    baseline=FEW,
+    optimizer="glowworm",
+    first_seed=FRESH_SEEDS,
+    options={**OPTIONS, "iterations": 600},
+    tables=("brand-yu-grids",),
+    figures=("brand-yu-grids",),
+)
+
+BRAND_YU = (STATIC, DYNAMIC, GRIDS)

@@ -1,0 +1,303 @@
+"""Tables of the paper of Brand and Yu: fireflies by their number, and beside ants by the size of the grid."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import stats
+
+from experiments.runs.entrants import contestant
+from experiments.runs.labels import OPTIMIZER_LABELS
+from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.run import Run
+from experiments.runs.suite import Suite
+from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
+from experiments.statistics import mean_interval, rank_sum
+from experiments.studies.brand_yu.published import TABLE_1
+from experiments.studies.brand_yu.suites import ANTS, FEW
+from experiments.tables.claims import Claim, claims_table
+from experiments.tables.table import Table, percent
+from swarm_gym.reference import shortest_grid_path, shortest_path
+from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
+
+# What is claimed of glowworms, and of ants.
+MOST_ABOVE_OPTIMUM, MOST_ABOVE_OCTILE = 0.08, 0.10
+RIGID, SMOOTH = 10, 122  # fireflies, in the words of the paper
+OCTILE_SIDES = (50, 100, 200)
+
+
+@dataclass(frozen=True)
+class Walks:
+    """Runs of one optimizer and population size on one map.
+
+    Attributes:
+        method: as printed.
+        count: members.
+        scenario: at the end of the runs.
+        changed: the iteration after which it has been so.
+        runs: by seed.
+    """
+
+    method: str
+    count: int
+    scenario: GridScenario
+    changed: int
+    runs: list[Run]
+
+    @property
+    def arrived(self) -> list[Run]:
+        """Those that came to the target."""
+        return [run for run in self.runs if arrives(run, self.scenario.target)]
+
+    @property
+    def lengths(self) -> Floats:
+        """Of the ways of runs that arrived."""
+        return np.array([length_of(way_of(run)) for run in self.arrived])
+
+    @property
+    def least(self) -> Floats:
+        """The shortest that were possible for the same runs, from where they were when the map changed.
+
+        Until then robots have gone on at every iteration, as they do where they see the target.
+        """
+        found = []
+        for run in self.arrived:
+            gone = way_of(run)[: self.changed + 1] if self.changed else np.array([self.scenario.start])
+            start = (float(gone[-1, 0]), float(gone[-1, 1]))
+            found.append(length_of(gone) + shortest_path(replace(self.scenario, start=start))[0])
+        return np.array(found)
+
+    @property
+    def turnings(self) -> Floats:
+        """Of the same, in degrees."""
+        return np.array([turning_of(way_of(run)) for run in self.arrived])
+
+    @property
+    def iterations(self) -> Floats:
+        """Of the same."""
+        return np.array([np.isfinite(run.course("best_fitness")).sum() - 1.0 for run in self.arrived])
+
+    @property
+    def seconds(self) -> Floats:
+        """Of all runs."""
+        return np.array([run.seconds for run in self.runs])
+
+    @property
+    def arrival_cell(self) -> str:
+        """How many arrived."""
+        return f"{len(self.arrived)} of {len(self.runs)}"
+
+
+def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Table 1: lengths and times by the number of fireflies, and what is said of them."""
+    (scenario,) = suite.scenarios
+    walks = [_walks(suite, outcomes, name, scenario) for name in suite.controllers]
+    optimum = shortest_path(walks[0].scenario)[0]
+    columns: tuple[str, ...] = (
+        "fireflies", "arrived", "mean length", "above the shortest", "iterations", "turning, degrees",
+        "seconds",
+    )  # fmt: skip
+    is_printed = not walks[0].changed  # the paper has no numbers of maps that change
+    if is_printed:
+        columns += ("length, paper", "seconds, paper")
+    rows = []
+    for walk in walks:
+        printed = TABLE_1.get(walk.count)
+        of_paper = (f"{printed.length:.0f}", f"{printed.seconds:.1f}") if printed else ("–", "–")
+        rows.append(
+            (
+                f"{walk.count}",
+                walk.arrival_cell,
+                _mean(walk.lengths, ".1f"),
+                percent(_excess(walk)),
+                _mean(walk.iterations, ".0f"),
+                _mean(walk.turnings, ".0f"),
+                f"{walk.seconds.mean():.3f}",
+                *(of_paper if is_printed else ()),
+            )
+        )
+    named = {walk.count: walk for walk in walks}
+    claims = [
+        Claim(
+            "all runs arrive",
+            {f"{n} fireflies": len(walk.arrived) == len(walk.runs) for n, walk in named.items()},
+        ),
+        Claim(
+            f"mean length within {percent(MOST_ABOVE_OPTIMUM, '.0f')} of the shortest possible",
+            {
+                f"{n} fireflies": bool(walk.lengths.size) and _excess(walk) <= MOST_ABOVE_OPTIMUM
+                for n, walk in named.items()
+            },
+        ),
+    ]
+    if {RIGID, SMOOTH} <= named.keys():
+        falls = _mean_of(named[SMOOTH].turnings) < _mean_of(named[RIGID].turnings)
+        claims.append(Claim(f"ways turn less with {SMOOTH} than with {RIGID}", {scenario: bool(falls)}))
+    return [
+        claims_table(
+            f"{suite.name}-claims",
+            f"What is said of fireflies on {scenario}, and where it does not hold",
+            claims,
+        ),
+        Table(
+            f"{suite.name}-counts",
+            f"{'Table 1, on' if is_printed else 'On'} {scenario}, whose shortest path is {optimum:.1f}: "
+            "means [95 % intervals] over the runs that arrived, of the way that the robot went, of "
+            "iterations, and of all turns on the way; processor time of a run. "
+            + (
+                "Start, goal and obstacle of the paper are not known"
+                if is_printed
+                else "The shortest way is that from where the robot was when the map changed, and what it "
+                "had gone"
+            ),
+            columns,
+            rows,
+        ),
+    ]
+
+
+def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Figures 8 and 9 as tables: length and time against the size of the grid, with fitted exponents."""
+    sides = [int(name.partition(":")[2]) for name in suite.scenarios]
+    walks = {
+        (controller, side): _walks(suite, outcomes, controller, name)
+        for side, name in zip(sides, suite.scenarios, strict=True)
+        for controller in suite.controllers
+    }
+    optima = {side: _optima(walks[suite.controllers[0], side].scenario) for side in sides}
+    rows = [
+        (
+            f"{side} x {side}",
+            walk.method,
+            walk.arrival_cell,
+            _mean(walk.lengths, ".1f"),
+            percent(_mean_of(walk.lengths) / optima[side][0] - 1.0),
+            percent(_mean_of(walk.lengths) / optima[side][1] - 1.0, "+.1f"),
+            f"{walk.seconds.mean():.3f}",
+        )
+        for (_, side), walk in walks.items()
+    ]
+    slopes = [
+        (
+            walks[controller, sides[0]].method,
+            *_slope(sides, [walks[controller, side].lengths for side in sides]),
+            *_slope(sides, [walks[controller, side].seconds for side in sides]),
+        )
+        for controller in suite.controllers
+    ]
+    tables = [
+        Table(
+            f"{suite.name}-lengths",
+            "Length and time against the size of the grid (figures 8 and 9): means [95 % intervals] of the "
+            "way that the robot of the glowworms went and of the best path of the ants; above the shortest "
+            "path at any angle, and above the shortest one in steps to eight neighbours; processor time "
+            "of a run",
+            ("grid", "method", "arrived", "mean length", "above shortest path", "against octile", "seconds"),
+            rows,
+        ),
+        Table(
+            f"{suite.name}-exponents",
+            f"Exponents p of side^p fitted to lengths and to times on grids of {sides[0]} to {sides[-1]} "
+            "(least squares in logarithms over all runs, 95 % intervals)",
+            ("method", "p of the length", "interval", "p of the time", "interval"),
+            slopes,
+        ),
+    ]
+    if {FEW, ANTS} <= set(suite.controllers):
+        tables.insert(0, _grid_claims(suite, walks, optima, sides))
+    return tables
+
+
+def _grid_claims(
+    suite: Suite,
+    walks: dict[tuple[str, int], Walks],
+    optima: dict[int, tuple[float, float]],
+    sides: list[int],
+) -> Table:
+    def named(side: int) -> str:
+        return f"{side} x {side}"
+
+    pairs = {side: (walks[FEW, side], walks[ANTS, side]) for side in sides}
+    arrived = {side: len(ants.arrived) == len(ants.runs) for side, (_, ants) in pairs.items()}
+    shorter = {side: _mean_of(few.lengths) < _mean_of(ants.lengths) for side, (few, ants) in pairs.items()}
+    faster = {side: few.seconds.mean() < ants.seconds.mean() for side, (few, ants) in pairs.items()}
+    apart = {
+        side: min(few.lengths.size, ants.lengths.size) > 1 and rank_sum(few.lengths, ants.lengths) < 0.05
+        for side, (few, ants) in pairs.items()
+    }
+    small = [side for side in OCTILE_SIDES if side in pairs]
+    large = [side for side in sides if side not in small]
+    return claims_table(
+        f"{suite.name}-claims",
+        "What is said of fireflies and ants on growing grids, and where it does not hold",
+        [
+            Claim("ants arrive in every run", {named(side): holds for side, holds in arrived.items()}),
+            Claim(
+                f"the ants' best paths are within {percent(MOST_ABOVE_OCTILE, '.0f')} of the shortest in "
+                "steps to eight neighbours, on average",
+                {
+                    named(side): _mean_of(pairs[side][1].lengths)
+                    <= (1.0 + MOST_ABOVE_OCTILE) * optima[side][1]
+                    for side in small
+                },
+            ),
+            Claim(
+                "the paper's: lengths do not differ on small grids (U test, 5 %)",
+                {named(side): not apart[side] for side in small},
+            ),
+            Claim(
+                "the paper's: fireflies find shorter ways on large grids",
+                {named(s): shorter[s] for s in large},
+            ),
+            Claim(
+                "the paper's: ants take less time on small grids", {named(s): not faster[s] for s in small}
+            ),
+            Claim(
+                "the paper's: fireflies take less time on large grids", {named(s): faster[s] for s in large}
+            ),
+        ],
+    )
+
+
+def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> Walks:
+    runs = contestant(controller, suite.optimizer)
+    changed, made = worlds_of(make_scenario(scenario))[-1]
+    assert isinstance(made, GridScenario)
+    return Walks(
+        OPTIMIZER_LABELS.get(runs.optimizer, runs.optimizer),
+        int(runs.controller.removeprefix("fixed:")),
+        made,
+        changed,
+        outcomes.runs(controller, scenario),
+    )
+
+
+def _optima(scenario: GridScenario) -> tuple[float, float]:
+    """Shortest path at any angle, and in steps to eight neighbours."""
+    grid = scenario.map
+    ends = (grid.cell_of(point) for point in (scenario.start, scenario.target))
+    return shortest_path(scenario)[0], shortest_grid_path(grid.blocked, *ends).length * grid.resolution
+
+
+def _slope(sides: list[int], values: list[Floats]) -> tuple[str, str]:
+    """Exponent and its interval, over all runs."""
+    x = np.concatenate([np.full(len(v), np.log(side)) for side, v in zip(sides, values, strict=True)])
+    fit = stats.linregress(x, np.log(np.concatenate(values)))
+    margin = stats.t.ppf(0.975, len(x) - 2) * fit.stderr
+    return f"{fit.slope:.2f}", f"[{fit.slope - margin:.2f}, {fit.slope + margin:.2f}]"
+
+
+def _excess(walk: Walks) -> float:
+    """Mean length above the mean of the shortest possible ones, relative to it."""
+    return _mean_of(walk.lengths) / _mean_of(walk.least) - 1.0
+
+
+def _mean_of(values: Floats) -> float:
+    return float(values.mean()) if values.size else np.nan
+
+
+def _mean(values: Floats, form: str) -> str:
+    """The mean and its interval; a dash where there is nothing."""
+    if values.size < 2:
+        return "–" if not values.size else f"{values[0]:{form}}"
+    low, high = mean_interval(values)
+    return f"{values.mean():{form}} [{low:{form}}, {high:{form}}]"

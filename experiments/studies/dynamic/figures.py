@@ -1,0 +1,46 @@
+"""The figure of what becomes of runs after an obstacle appeared: best fitness by iteration."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.plots.courses import columns
+from experiments.plots.gaps import logarithmic_ticks
+from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
+from swarm_gym.reference import known_optimum
+from swarm_gym.settings import Settings
+
+
+def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
+    """Best fitness on the map in force and the optimum of that map, one panel per scenario with one event."""
+    figure = new_figure(3.5 * len(outcomes.scenarios) + 0.6, 4.6)
+    panels = figure.subplots(1, len(outcomes.scenarios), squeeze=False)[0]
+    among = styles(outcomes.groups)
+    for axes, scenario in zip(panels, outcomes.scenarios, strict=True):
+        for group, controllers in outcomes.groups.items():
+            runs = [run for controller in controllers for run in outcomes.runs(controller, scenario)]
+            courses = columns(runs, "best_fitness")
+            low, middle, high = np.quantile(courses, [0.25, 0.5, 0.75], axis=0)
+            draw_banded_line(axes, np.arange(courses.shape[1]), middle, (low, high), group, among)
+        _draw_optima(axes, Settings(scenario=scenario, **suite.options), courses.shape[1] - 1)
+        axes.set(title=scenario, xlabel="iteration", yscale="log")
+        ticks = logarithmic_ticks(*axes.get_ylim())
+        axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.minorticks_off()
+    panels[0].set_ylabel("best fitness on the map in force")
+    figure.suptitle("An obstacle closes the corridor: median of the runs and interquartile band")
+    legend_below(figure)
+    return figure
+
+
+def _draw_optima(axes: Axes, settings: Settings, last: int) -> None:
+    """Draw the least fitness of each of the maps, and when they change."""
+    begins = [world.iteration for world in settings.worlds]
+    optima = [known_optimum(problem) for problem in settings.problems()]
+    axes.step(
+        [*begins, last], [*optima, optima[-1]], where="post", color="black", linewidth=1.0, label="optimum"
+    )
+    for begin in begins[1:]:
+        axes.axvline(begin, color=GREY, linestyle=":", linewidth=1.0, label="the obstacle appears")

@@ -1,0 +1,117 @@
+"""What becomes of runs after an obstacle appeared: when, and at what cost, a path is feasible again."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.run import Run
+from experiments.runs.suite import Suite
+from experiments.statistics import mean_interval
+from experiments.tables.table import Table, percent, percent_interval
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.scenarios import make_scenario, worlds_of
+
+NEVER = "never"
+# Degree of collision, in map units, of a path that only grazes obstacles: on maps of circles and polygons the
+# best paths do, since a little collision costs less than the way around.
+GRAZING = 1.0
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """What runs with one event did about it; arrays (runs,).
+
+    Attributes:
+        was_feasible: whether the best path was feasible when the event came.
+        stayed_feasible: whether the best path was feasible right after that.
+        iterations: from the event to the next feasible best path; infinite without one.
+        evaluations: the same.
+    """
+
+    was_feasible: Floats
+    stayed_feasible: Floats
+    iterations: Floats
+    evaluations: Floats
+
+    @classmethod
+    def of(cls, runs: list[Run], event: int, tolerance: float) -> "Recovery":
+        """Read it off the traces of runs with an event after that iteration.
+
+        Feasible is what has a degree of collision up to the tolerance, in map units.
+        """
+        collision = np.array([run.course("best_collision") for run in runs])
+        spent = np.array([run.course("evaluations") for run in runs])
+        feasible = collision <= tolerance
+        # What happens after an iteration is in its row of the trace already.
+        before, after = feasible[:, event - 1], feasible[:, event:]
+        first = np.where(after.any(axis=1), after.argmax(axis=1), -1)
+        rows = np.arange(len(runs))
+        return cls(
+            before.astype(np.float64),
+            after[:, 0].astype(np.float64),
+            np.where(first < 0, np.inf, first),
+            np.where(first < 0, np.inf, spent[rows, event + first] - spent[:, event]),
+        )
+
+
+def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """A row per scenario with one event and group of controllers."""
+    rows = []
+    for scenario in suite.scenarios:
+        _, (event, _) = worlds_of(make_scenario(scenario))
+        column = outcomes.scenarios.index(scenario)
+        for group, controllers in outcomes.groups.items():
+            runs = [run for controller in controllers for run in outcomes.runs(controller, scenario)]
+            at = [outcomes.controllers.index(controller) for controller in controllers]
+            gaps = outcomes.gap[at, column].ravel()
+            cells = [
+                cell
+                for tolerance in (FEASIBILITY_TOLERANCE, GRAZING)
+                for cell in _cells(Recovery.of(runs, event, tolerance))
+            ]
+            rows.append(
+                (
+                    scenario,
+                    label(group),
+                    str(len(runs)),
+                    *cells,
+                    f"{percent(gaps.mean(), '.2f')} {percent_interval(mean_interval(gaps), '.2f')}",
+                    f"{np.mean([run.evaluations for run in runs]):,.0f}",
+                )
+            )
+    columns = (
+        "scenario", "controller", "runs",
+        "feasible before, after, at last", "iterations", "evaluations",
+        "grazing before, after, at last", "iterations", "evaluations",
+        "final gap", "evaluations in all",
+    )  # fmt: skip
+    return [
+        Table(
+            "recovery",
+            "An obstacle closes the corridor that the population has settled in: runs whose best path was "
+            "feasible before that, right after it, and at some time until the end; iterations and "
+            "evaluations from there to a feasible path, median [quartiles] of all runs; the same of paths "
+            f"with a degree of collision up to {GRAZING:g}, which graze obstacles; mean final gap to the "
+            "optimum of the changed map [95 % interval]",
+            columns,
+            rows,
+        )
+    ]
+
+
+def _cells(found: Recovery) -> tuple[str, ...]:
+    shares = (found.was_feasible, found.stayed_feasible, np.isfinite(found.iterations))
+    return (
+        ", ".join(percent(share.mean(), ".0f") for share in shares),
+        _quartiles(found.iterations),
+        _quartiles(found.evaluations),
+    )
+
+
+def _quartiles(values: Floats) -> str:
+    """Median and quartiles of numbers of which some may be infinite: none is between two of them."""
+    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75], method="inverted_cdf")
+    written = [f"{value:,.0f}" if np.isfinite(value) else NEVER for value in (middle, low, high)]
+    return f"{written[0]} [{written[1]}, {written[2]}]"

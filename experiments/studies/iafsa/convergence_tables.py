@@ -1,0 +1,122 @@
+"""After how many iterations runs on the test functions of the IAFSA paper converge, ours beside its own.
+
+The paper has no criterion. Ours: so little, of all that a run gains on its first best, is still to come.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from experiments.runs.labels import OPTIMIZER_LABELS
+from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.run import Run
+from experiments.runs.suite import Suite
+from experiments.statistics import mean_interval
+from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_contestants
+from experiments.studies.iafsa.published import CONVERGENCE, ITERATIONS
+from experiments.tables.claims import Claim, claims_table
+from experiments.tables.table import Table
+
+STILL_TO_COME = 1e-3
+LENGTH = ITERATIONS[-1]  # of the runs; the paper does not say which
+
+
+class Converged(NamedTuple):
+    """When the runs of one optimizer on one function converged, (runs,) each.
+
+    Attributes:
+        iterations: until then.
+        evaluations: until then.
+        until_level: iterations until a level is reached, all if it never is.
+    """
+
+    iterations: Floats
+    evaluations: Floats
+    until_level: Floats
+
+
+def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Iterations to convergence (table 3), and what is said of them."""
+    names = {o: name for (o, length), name in find_contestants(suite).items() if length == LENGTH}
+    found = {}
+    for scenario in suite.scenarios:
+        level = outcomes.of(names[AFSA], scenario).fitness.mean() if AFSA in names else np.nan
+        for optimizer, name in names.items():
+            runs = outcomes.runs(name, scenario)
+            found[Function.of(scenario), optimizer] = _converged(runs, level)
+    return [
+        claims_table(
+            "iafsa-convergence-claims",
+            "What is said of convergence, and where it does not hold",
+            [
+                Claim(f"IAFSA {text} than AFSA, on average", _sooner(found, what))
+                for what, text in (
+                    ("iterations", "converges in fewer iterations"),
+                    ("evaluations", "converges after fewer evaluations"),
+                    ("until_level", "is below AFSA's final mean in fewer iterations"),
+                )
+            ],
+        ),
+        Table(
+            "iafsa-convergence",
+            f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
+            f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
+            "% interval], and mean evaluations until then; mean iterations until the run is below the final "
+            "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations",
+            (
+                "function", "method", "max", "min", "mean", "evaluations", "to AFSA's mean",
+                "paper max", "paper min", "paper mean",
+            ),
+            [_row(function, optimizer, one) for (function, optimizer), one in found.items()],
+        ),
+    ]  # fmt: skip
+
+
+def convergence_iteration(course: Floats) -> int:
+    """The first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
+
+    Args:
+        course: (T + 1,) best so far.
+    """
+    return int(np.argmax(course - course[-1] <= STILL_TO_COME * (course[0] - course[-1])))
+
+
+def iterations_to(course: Floats, level: float) -> int:
+    """Iterations until a course (T + 1,) is below a level; T if it never is."""
+    below = np.flatnonzero(course < level)
+    return int(below[0]) if below.size else len(course) - 1
+
+
+def _converged(runs: list[Run], level: float) -> Converged:
+    courses = [run.course("best_fitness") for run in runs]
+    at = [convergence_iteration(course) for course in courses]
+    spent = [run.course("evaluations")[k] for run, k in zip(runs, at, strict=True)]
+    until = [iterations_to(course, level) for course in courses]
+    return Converged(np.array(at, dtype=np.float64), np.array(spent), np.array(until, dtype=np.float64))
+
+
+def _row(function: Function, optimizer: str, found: Converged) -> tuple[str, ...]:
+    printed = CONVERGENCE.get((function.key, optimizer))
+    iterations = found.iterations
+    low, high = mean_interval(iterations)
+    return (
+        function.label,
+        OPTIMIZER_LABELS[optimizer],
+        f"{iterations.max():.0f}",
+        f"{iterations.min():.0f}",
+        f"{iterations.mean():.1f} [{low:.1f}, {high:.1f}]",
+        f"{found.evaluations.mean():,.0f}",
+        f"{found.until_level.mean():.1f}",
+        *([f"{number:.0f}" for number in printed] if printed else "–––"),
+    )
+
+
+def _sooner(found: dict[tuple[Function, str], Converged], what: str) -> dict[str, bool]:
+    """Of every function, whether IAFSA's mean number of iterations, or evaluations, is below AFSA's."""
+    return {
+        function.label: bool(
+            getattr(found[function, IAFSA], what).mean() < getattr(found[function, AFSA], what).mean()
+        )
+        for function in dict.fromkeys(function for function, _ in found)
+        if {(function, AFSA), (function, IAFSA)} <= found.keys()
+    }

@@ -1,0 +1,238 @@
+"""The route tables of the IAFSA paper, on our maps: swarms beside A* and the shortest path at any angle.
+
+Runs of two optimizers on one route are independent, and not all may be feasible: Mann-Whitney's U is what
+compares the lengths.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from experiments.runs.entrants import contestant
+from experiments.runs.labels import OPTIMIZER_LABELS
+from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.run import Run
+from experiments.runs.suite import Suite
+from experiments.runs.trajectory import length_of
+from experiments.statistics import holm, mean_interval, rank_sum
+from experiments.studies.iafsa.function_tables import AFSA, IAFSA
+from experiments.studies.iafsa.published import WAYS
+from experiments.tables.claims import Claim, claims_table
+from experiments.tables.table import Table, percent
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.clearance import clearance
+from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
+from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
+from swarm_gym.scenarios.iafsa_routes import SITES, read_site_map
+
+A_STAR, SMOOTHED = "A*", "A*, smoothed"
+COLUMNS = (
+    "route", "method", "feasible", "mean length", "shortest", "above shortest path", "against A*",
+    "p against AFSA", "least clearance", "evaluations", "paper",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Route:
+    """A route and what was run on it; lengths in metres.
+
+    Attributes:
+        site: key of its map in `SITES`.
+        pair: letters of its ends.
+        scenario: on the inflated map.
+        runs: by optimizer.
+    """
+
+    site: str
+    pair: str
+    scenario: GridScenario
+    runs: Mapping[str, list[Run]]
+
+    @property
+    def label(self) -> str:
+        """As tables print it."""
+        return f"{self.site} {self.pair}"
+
+    @cached_property
+    def raw(self) -> GridMap:
+        """The map without the robot."""
+        return read_site_map(self.site)
+
+    @cached_property
+    def shortest(self) -> tuple[float, Floats]:
+        """The shortest path at any angle on the inflated map: its length, and its points (k, 2)."""
+        return shortest_path(self.scenario)
+
+    @cached_property
+    def a_star(self) -> GridPath:
+        """What A* finds on the inflated map."""
+        grid = self.scenario.map
+        ends = (grid.cell_of(point) for point in (self.scenario.start, self.scenario.target))
+        return shortest_grid_path(grid.blocked, *ends)
+
+    @cached_property
+    def cell_paths(self) -> dict[str, Floats]:
+        """(k, 2) paths of A* in map coordinates, as found and smoothed, by method."""
+        grid, cells = self.scenario.map, self.a_star.cells
+        return {A_STAR: grid.to_map(cells), SMOOTHED: grid.to_map(smooth(grid.blocked, cells))}
+
+    def mean(self, method: str) -> float:
+        """Mean length of the feasible runs of an optimizer, or of a path over cells; NaN if there is none."""
+        lengths = self.lengths(method) if method in self.runs else length_of(self.cell_paths[method])
+        return float(np.mean(lengths)) if np.size(lengths) else np.nan
+
+    def lengths(self, optimizer: str) -> Floats:
+        """Of the feasible runs; of a feasible path, the fitness is the length."""
+        return np.array(
+            [
+                run.final_fitness
+                for run in self.runs[optimizer]
+                if run.final_collision <= FEASIBILITY_TOLERANCE
+            ]
+        )
+
+    def clearances(self, optimizer: str) -> Floats:
+        """Least distance of every run's best path from an obstacle."""
+        return np.array([self.clearance(run.best_path) for run in self.runs[optimizer]])
+
+    def clearance(self, path: Floats) -> float:
+        """Least distance of a path in map coordinates from an obstacle."""
+        return clearance(self.raw.blocked, self.raw.to_cells(path)) * self.raw.resolution
+
+
+def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Lengths of routes (tables 4 and 5), and what is said of them."""
+    routes = find_routes(suite, outcomes)
+    p_values = {
+        (route.label, optimizer): rank_sum(route.lengths(optimizer), route.lengths(AFSA))
+        for route in routes
+        for optimizer in route.runs
+        if optimizer != AFSA and AFSA in route.runs
+        if min(route.lengths(optimizer).size, route.lengths(AFSA).size) > 1
+    }
+    adjusted = dict(zip(p_values, holm(list(p_values.values())), strict=True))
+    rows: list[tuple[str, ...]] = []
+    for route in routes:
+        rows.append(_optimum_row(route))
+        rows += [_grid_row(route, method) for method in route.cell_paths]
+        rows += [_swarm_row(route, o, adjusted.get((route.label, o))) for o in route.runs]
+    return [
+        claims_table(
+            "iafsa-routes-claims",
+            f"What is said of the routes, over {suite.num_seeds} runs, and where it does not hold",
+            _claims(routes),
+        ),
+        Table(
+            "iafsa-routes",
+            f"Tables 4 and 5. Mean length [95 % interval] of the feasible runs of {suite.num_seeds}, in "
+            "metres, above the shortest path at any angle on the map inflated for the robot; against A* on "
+            "that map, negative where shorter; p of Mann-Whitney's U test, two-sided, Holm-corrected over "
+            f"the table; least distance of any run from an obstacle, to be {_radii()} at least; what A* "
+            "evaluates is cells. The paper's lengths are of other maps",
+            COLUMNS,
+            rows,
+        ),
+    ]
+
+
+def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
+    """The routes of a suite with its runs, in its order."""
+    optimizers = {name: contestant(name, suite.optimizer).optimizer for name in suite.controllers}
+    return [
+        make_route(name, {optimizers[c]: outcomes.runs(c, name) for c in suite.controllers})
+        for name in suite.scenarios
+    ]
+
+
+def make_route(name: str, runs: Mapping[str, list[Run]]) -> Route:
+    """The route of that scenario, with runs by optimizer."""
+    scenario = make_scenario(name)
+    assert isinstance(scenario, GridScenario)
+    site, _, pair = name.partition(":")[2].partition("-")
+    return Route(site, pair, scenario, runs)
+
+
+def _optimum_row(route: Route) -> tuple[str, ...]:
+    length, points = route.shortest
+    lengths = (f"{length:.3f}",) * 2
+    cells = (route.label, "shortest path", "1.00", *lengths, *_above(length, route))
+    return (*cells, "–", f"{route.clearance(points):.3f}", "–", "–")
+
+
+def _grid_row(route: Route, method: str) -> tuple[str, ...]:
+    path = route.cell_paths[method]
+    length = f"{length_of(path):.3f}"
+    return (
+        route.label,
+        method,
+        "1.00",
+        length,
+        length,
+        *_above(route.mean(method), route),
+        "–",
+        f"{route.clearance(path):.3f}",
+        f"{route.a_star.expansions:,}",
+        _printed(route, "a-star") if method == A_STAR else "–",
+    )
+
+
+def _swarm_row(route: Route, optimizer: str, p_value: float | None) -> tuple[str, ...]:
+    runs, lengths = route.runs[optimizer], route.lengths(optimizer)
+    return (
+        route.label,
+        OPTIMIZER_LABELS.get(optimizer, optimizer),
+        f"{lengths.size / len(runs):.2f}",
+        _mean_cell(lengths),
+        f"{lengths.min():.3f}" if lengths.size else "–",
+        *_above(route.mean(optimizer), route),
+        "–" if p_value is None else f"{p_value:.1g}",
+        f"{route.clearances(optimizer).min():.3f}",
+        f"{np.mean([run.evaluations for run in runs]):,.0f}",
+        _printed(route, optimizer),
+    )
+
+
+def _above(mean: float, route: Route) -> tuple[str, str]:
+    return percent(mean / route.shortest[0] - 1.0), percent(mean / route.mean(A_STAR) - 1.0, "+.1f")
+
+
+def _printed(route: Route, method: str) -> str:
+    way = WAYS.get((route.site, route.pair, method))
+    return "–" if way is None else f"{way:.3f}"
+
+
+def _claims(routes: list[Route]) -> list[Claim]:
+    duels = [route for route in routes if {AFSA, IAFSA} <= route.runs.keys()]
+    return [
+        Claim(
+            "IAFSA's mean is no longer than AFSA's",
+            {route.label: route.mean(IAFSA) <= route.mean(AFSA) for route in duels},
+        ),
+        *(
+            Claim(
+                f"IAFSA's mean is shorter than the path of {method}",
+                {route.label: route.mean(IAFSA) < route.mean(method) for route in duels},
+            )
+            for method in (A_STAR, SMOOTHED)
+        ),
+        *(
+            Claim(
+                f"all runs of {OPTIMIZER_LABELS.get(optimizer, optimizer)} keep the robot clear of obstacles",
+                {r.label: bool((r.clearances(optimizer) >= SITES[r.site].radius).all()) for r in routes},
+            )
+            for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
+        ),
+    ]
+
+
+def _mean_cell(lengths: Floats) -> str:
+    if lengths.size < 2:
+        return "–" if not lengths.size else f"{lengths[0]:.3f}"
+    low, high = mean_interval(lengths)
+    return f"{lengths.mean():.3f} [{low:.3f}, {high:.3f}]"
+
+
+def _radii() -> str:
+    return " and ".join(f"{site.radius:g} ({name}, {site.robot})" for name, site in SITES.items())

@@ -1,0 +1,1 @@
+"""The study of learned controllers, shown in docs/study.md."""

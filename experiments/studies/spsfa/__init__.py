@@ -1,0 +1,1 @@
+"""The study of the SPSFA paper (Li, Fan, Hou 2020)."""

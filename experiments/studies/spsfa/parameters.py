@@ -1,0 +1,60 @@
+"""The parameter studies of the SPSFA paper, as data: one parameter varies, the others are as printed.
+
+To add a study, enter it in `STUDIES`; the suite `parameters`, its tables and its figures follow.
+"""
+
+from collections.abc import Container
+from dataclasses import dataclass
+
+from experiments.studies.spsfa.published import PARAMETER_SECONDS
+from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
+
+SCENARIO = "case3"
+
+
+@dataclass(frozen=True)
+class Study:
+    """Values of one parameter of SPSFA-TIP.
+
+    Attributes:
+        parameter: a parameter of `SelfAdaptiveSchedule`.
+        symbol: what the paper calls it.
+        values: the paper's grid, ascending; the printed setting is among them.
+        table: number of the table of running times in the paper; None where it has only figures.
+    """
+
+    parameter: str
+    symbol: str
+    values: tuple[float, ...]
+    table: int | None
+
+    @property
+    def printed(self) -> float:
+        """The value of the printed setting, which ratios relate to."""
+        return getattr(SelfAdaptiveSchedule, self.parameter)
+
+    @property
+    def seconds(self) -> dict[float, float]:
+        """The paper's mean running times, by value; empty where it prints none."""
+        return PARAMETER_SECONDS.get(self.parameter, {})
+
+    def controller(self, value: float) -> str:
+        """Name of the controller with this value."""
+        return SelfAdaptiveSchedule(True, **{self.parameter: value}).name  # type: ignore[arg-type]
+
+    def compared(self, controllers: Container[str]) -> dict[float, str]:
+        """Those of the controllers that this study compares, by value.
+
+        None unless the printed setting, which ratios relate to, and another value are among them.
+        """
+        found = {v: self.controller(v) for v in self.values if self.controller(v) in controllers}
+        return found if self.printed in found and len(found) > 1 else {}
+
+
+STUDIES = (
+    Study("growth", "ω", tuple(PARAMETER_SECONDS["growth"]), 12),
+    Study("decay", "η", tuple(PARAMETER_SECONDS["decay"]), 13),
+    Study("low_deviation", "T_low", tuple(float(value) for value in range(10, 101, 10)), None),
+)
+# Each once: the printed setting belongs to all studies.
+CONTROLLERS = tuple(dict.fromkeys(study.controller(value) for study in STUDIES for value in study.values))
