@@ -69,18 +69,15 @@ test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all ker
 	@echo "== any input: 10,000 examples of each"
 	$(BIN)/python -m pytest -n auto -m fuzzed --hypothesis-profile=thorough
 	@echo "== kernels as plain Python"
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS)
 	@echo "== compiling the kernels with bounds checks"
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(PROBLEM_TESTS) $(OPTIMIZER_TESTS) \
-	    $(addprefix tests/test_,schedules.py determinism.py vector_env.py)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS) tests/swarm_gym/test_vector_env.py \
+	    tests/swarm_gym/controllers/test_schedules.py tests/reliability/test_determinism.py
 	@$(MAKE) test-supply
 
-PROBLEM_TESTS = $(addprefix tests/test_,jit.py lanes.py random_stream.py geometry.py problem.py grid_problem.py \
-    test_functions.py sight.py population.py firefly.py)
-OPTIMIZER_TESTS = $(addprefix tests/test_,optimizers.py generational_firefly.py particle_swarm.py elite_genetic.py \
-    multivariate.py fish_swarm.py improved_fish_swarm.py hybrid_fish_swarm.py \
-    re_evaluation.py glowworm.py ant_colony.py ant_walk.py trails.py naive_walks.py golden.py)
+KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_golden.py \
+    scenarios/test_test_functions.py)
 
 NEWEST = .venv-newest-$(notdir $(PYTHON))
 PYTHONS = python3.11 python3.12 python3.13 python3.14
@@ -105,8 +102,8 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 
 SECONDS = 3600
 
-fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/fuzz_finds
-	PYTHONPATH=.:tests .venv-fuzz/bin/python tests/fuzz.py --seconds $(SECONDS)
+fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/reliability/fuzz_finds
+	PYTHONPATH=.:tests:tests/reliability .venv-fuzz/bin/python tests/reliability/fuzz.py --seconds $(SECONDS)
 
 .venv-fuzz/.installed: pyproject.toml constraints.txt
 	@echo "== installing a fuzzer into .venv-fuzz"

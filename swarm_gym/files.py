@@ -69,10 +69,10 @@ def user_cache() -> Path:
     return Path(os.environ.get("SWARM_GYM_CACHE") or platformdirs.user_cache_dir("swarm_gym"))
 
 
-def digest_of_sources(folder: Path, *more: str) -> str:
-    """A digest of all Python files of a folder and below, and of some texts; 16 hexadecimal digits."""
-    digest = hashlib.sha256("".join(more).encode())
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(str(source.relative_to(folder)).encode())
+def digest_of_sources(place: Path) -> str:
+    """Return a digest of a Python file, or of all Python files in a folder and below; 16 hexadecimal digits."""
+    digest = hashlib.sha256()
+    for source in [place] if place.is_file() else sorted(place.rglob("*.py")):
+        digest.update(str(source.relative_to(place.parent)).encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]

@@ -2,8 +2,8 @@
 
 Numba's cache looks at the file of the cached function only: an edit in a *called* function of another
 file goes unnoticed, and code compiled without bounds checks is reused when they are asked for. Here the
-cache folder is named by a digest of all sources of the package and of the bounds-check flag, so neither
-can happen.
+cache folder is named by a digest of all sources that hold kernels and of the bounds-check flag, so neither can
+happen.
 """
 
 import hashlib
@@ -25,6 +25,8 @@ from numba.extending import overload
 
 from swarm_gym.files import digest_of_sources, user_cache
 
+# Kernels stand in these folders and files of the package alone, and call nothing from outside of them.
+KERNEL_SOURCES = ("compiler", "population.py", "problem", "optimizers", "reference")
 PATIENCE = 600.0  # seconds that a process waits for the kernel that another one compiles
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -33,7 +35,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 @cache
 def cache_folder() -> Path:
     """Folder for compiled kernels of exactly these sources, in the user's cache."""
-    digest = digest_of_sources(Path(__file__).parents[1], f"boundscheck={numba.config.BOUNDSCHECK}")
+    package = Path(__file__).parents[1]
+    parts = [digest_of_sources(package / part) for part in KERNEL_SOURCES]
+    digest = hashlib.sha256(f"{parts} boundscheck={numba.config.BOUNDSCHECK}".encode()).hexdigest()[:16]
     return user_cache() / "kernels" / digest
 
 

@@ -1,0 +1,192 @@
+"""A suite on a Ray cluster of several nodes: the same rows as here, whatever is killed meanwhile."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from agents.backends.local import LocalBackend
+from agents.backends.many_runs import carry_out, configs_of_seeds, train
+from agents.backends.packing import files_of
+from agents.backends.ray_backend import RayBackend
+from agents.training.run import TrainingRun
+from experiments.runs.database import Results
+from experiments.runs.runner import configuration, missing_runs, run_missing
+from experiments.runs.suite import Suite
+from experiments.scaling.clusters import logical_cluster
+from helpers.small_commands import CONTROLLERS, rows
+from helpers.trainings import STEPS, TINY, make_policy, tiny_config
+from swarm_gym.controllers.learned.policy_file import load_policy
+
+if not sys.platform.startswith("linux"):
+    pytest.skip("looks at processes as Linux has them", allow_module_level=True)
+pytest.importorskip("ray", reason="needs the extra `ray`")
+
+pytestmark = pytest.mark.slow
+
+SUITE = Suite("paper", CONTROLLERS, ("case1", "case2", "case3"), num_seeds=12, baseline="spsfa-tip")
+
+
+@pytest.fixture
+def cluster():
+    """Two nodes of one processor each, besides the head, which has none: nothing is lost with that."""
+    with logical_cluster(0, 1) as (_, made):
+        made.workers = [made.add_node(num_cpus=1) for _ in range(2)]
+        yield made
+
+
+class Watched(Results):
+    """A database that does something once it has so many runs."""
+
+    def __init__(self, path, suite, after, what):
+        super().__init__(path, configuration(suite))
+        self.after, self.what, self.stored = after, what, []
+
+    def add(self, *runs):
+        super().add(*runs)
+        self.stored += [(run.controller, run.scenario, run.seed) for run in runs]
+        if self.what and len(self.stored) >= self.after:
+            what, self.what = self.what, None
+            what()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The folder of a database with all runs, made here."""
+    folder = tmp_path_factory.mktemp("whole")
+    results = Results(folder / "paper.sqlite", configuration(SUITE))
+    run_missing(SUITE, results, LocalBackend(2))
+    results.close()
+    return folder
+
+
+@pytest.mark.parametrize("killed", ["nothing", "worker", "node"])
+def test_rows_are_those_made_here_whatever_is_killed(tmp_path, cluster, whole, killed):
+    def kill_a_worker():  # of this cluster; other tests have theirs meanwhile
+        raylets = [str(node.all_processes["raylet"][0].process.pid) for node in cluster.workers]
+        find = ["pgrep", "-P", ",".join(raylets), "-f", "ray::_carry_out"]
+        for _ in range(100):
+            found = subprocess.run(find, capture_output=True, text=True, check=False).stdout.split()
+            if found:
+                os.kill(int(found[0]), signal.SIGKILL)
+                return
+            time.sleep(0.02)
+        pytest.fail("no worker is at work")
+
+    def kill_a_node():
+        cluster.remove_node(cluster.workers[0], allow_graceful=False)
+
+    what = {"nothing": None, "worker": kill_a_worker, "node": kill_a_node}[killed]
+    results = Watched(tmp_path / "paper.sqlite", SUITE, 20, what)
+    backend = RayBackend(cluster.address, 0)
+    assert backend.workers() == 2
+    run_missing(SUITE, results, backend)
+    backend.close()
+    results.close()
+    assert results.what is None
+    assert len(results.stored) == len(set(results.stored)) == 3 * 3 * 12
+    assert rows(tmp_path) == rows(whole)
+
+
+def test_what_one_backend_began_another_one_ends(tmp_path, cluster, whole):
+    class StoppedError(Exception):
+        pass
+
+    def stop():
+        raise StoppedError
+
+    first = Watched(tmp_path / "paper.sqlite", SUITE, 20, stop)
+    with pytest.raises(StoppedError):
+        run_missing(SUITE, first, LocalBackend(2))
+    first.close()
+    results = Watched(tmp_path / "paper.sqlite", SUITE, 0, None)
+    lacking = missing_runs(SUITE, results)
+    assert 0 < len(lacking) < 3 * 3 * 12
+    backend = RayBackend(cluster.address, 0)
+    run_missing(SUITE, results, backend)
+    backend.close()
+    results.close()
+    assert sorted(results.stored) == sorted(lacking)
+    assert rows(tmp_path) == rows(whole)
+
+
+def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkeypatch):
+    """They are in another folder, and what is set here is not set there."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path / "data"))
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "room.map").write_text(
+        "type octile\nheight 8\nwidth 8\nmap\n" + ("." * 8 + "\n") * 3 + "...@@@..\n" + ("." * 8 + "\n") * 4
+    )
+    make_policy(tmp_path / "mine.safetensors", np.random.default_rng(0))
+    controllers = ("spsfa-tip", "learned:mine.safetensors")
+    suite = Suite("paper", controllers, ("moving-ai:room?start=0,0&goal=7,7",), 3, "spsfa-tip")
+    backend = RayBackend(cluster.address, 0, list(files_of(controllers)))
+    for name, by in (("here", LocalBackend(1)), ("there", backend)):
+        results = Results(tmp_path / name / "paper.sqlite", configuration(suite))
+        run_missing(suite, results, by)
+        results.close()
+    backend.close()
+    assert rows(tmp_path / "here") == rows(tmp_path / "there")
+    assert len(rows(tmp_path / "there")) == 6
+
+
+def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, cluster):
+    long = {"warm_start": "none", "total_steps": 15 * STEPS}
+    begun = [tmp_path / "many" / seed / "latest.safetensors" for seed in ("0", "1")]
+
+    def kill_a_node():
+        while not all(path.exists() for path in begun):
+            time.sleep(0.02)
+        cluster.remove_node(cluster.workers[0], allow_graceful=False)
+
+    killer = threading.Thread(target=kill_a_node, daemon=True)
+    killer.start()
+    backend = RayBackend(cluster.address, 0)
+    outcomes = list(
+        carry_out(train, configs_of_seeds(tiny_config(tmp_path, **long, name="many"), [0, 1]), backend)
+    )
+    backend.close()
+    killer.join(10)
+    assert not killer.is_alive()
+    for outcome in outcomes:
+        seed = int(outcome.folder.name)
+        single = TrainingRun(tiny_config(tmp_path, **long, seed=seed, name=f"single{seed}"))
+        ours, theirs = load_policy(single.run())[0], load_policy(outcome.finished.result)[0]
+        assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"trials": -1}, "--trials.*-1"), ({"rungs": 0}, "--rungs.*0"), ({"jobs": -2}, "--jobs.*-2")],
+)
+def test_a_search_that_cannot_be_is_refused(tmp_path, options, message):
+    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
+    from experiments.with_ray_tune import SearchConfig, search
+
+    with pytest.raises(ValueError, match=message):
+        search(SearchConfig(runs=tmp_path / "runs", **options))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ray_tune_searches_a_preset(tmp_path):
+    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
+    from experiments.with_ray_tune import SearchConfig, search
+
+    lines = [f"{name} = {json.dumps(value)}" for name, value in {**TINY, "warm_start": "none"}.items()]
+    (tmp_path / "tiny.toml").write_text("like = 'three-cases-ppo'\n" + "\n".join(lines))
+    config = SearchConfig(
+        str(tmp_path / "tiny.toml"), trials=4, rungs=2, total_steps=4 * STEPS, runs=tmp_path / "runs", jobs=2
+    )
+    policy, values = search(config)
+    _, manifest = load_policy(policy)
+    assert {name: manifest["config"][name] for name in values} == values
+    runs = [json.loads(path.read_text()) for path in (tmp_path / "runs").glob("*/config.json")]
+    assert len(runs) == 4
+    assert len({run["learning_rate"] for run in runs}) == 4

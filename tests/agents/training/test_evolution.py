@@ -1,0 +1,89 @@
+"""Evolution of policies: it learns, it resumes bit for bit, candidates earn what their policies earn."""
+
+import numpy as np
+import pytest
+
+from agents.evaluation.rollout import run_episodes
+from agents.training.learners import make_learner
+from helpers.trainings import tiny_config, train
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy
+
+EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "num_swarms": 8}
+GENERATION = 8 * 100  # environment steps
+
+
+def test_it_learns_to_save_evaluations_that_cost_much(tmp_path):
+    options = {"price": (500.0,), "hidden_layers": (), "candidates": 8, "sigma": 0.5, "rollouts_per_chunk": 4}
+    run = train(tmp_path, **{**EVOLUTION, **options}, total_steps=3 * 4 * GENERATION)
+    first = run.learner.weights()
+    assert not any(array.any() for array in first.values())
+    best = run.run()
+    after = load_policy(best)[1]["validation"]["case3"]
+    middle = run_episodes(_policy(run, tmp_path, first), "case3", range(4), **run.config.env_options())
+    assert after["evaluations"] < 0.7 * middle.evaluations.mean()
+    assert after["return"] > middle.returns.mean() + 0.5
+
+
+def _policy(run, folder, weights):
+    run.learner.weights = lambda: weights
+    run._save_policy(folder / "one.safetensors", {})
+    return load_learned(folder / "one.safetensors", run.config.limits)
+
+
+@pytest.mark.parametrize(("base", "begin"), [("none", 0), ("spsfa-tip", 0), ("spsfa-tip", 40)])
+@pytest.mark.parametrize("width", [8, 64])
+def test_candidates_earn_what_their_policies_earn(tmp_path, base, begin, width):
+    options = {"base": base, "corrected_from": begin, "hidden_layers": (width,), "observation": "rich"}
+    run = train(tmp_path, **EVOLUTION, **options)
+    learner = run.learner
+    candidates = np.random.default_rng(0).normal(size=(4, len(learner._strategy.mean))) * 0.3
+    earned = learner._earn(candidates, 1_000_000)
+    for candidate, mean in zip(candidates, earned, strict=True):
+        learner._strategy._mean = candidate
+        policy = _policy(run, tmp_path, type(learner).weights(learner))
+        episodes = run_episodes(policy, "case3", range(1_000_000, 1_000_002), **run.config.env_options())
+        assert mean == episodes.returns.mean()
+    assert len(set(earned)) == 4
+    # What the base alone decides is simulated once for all candidates.
+    assert learner.num_steps == 8 * (100 - begin) + 2 * begin
+
+
+# With a whole covariance, and with its diagonal.
+@pytest.mark.parametrize("hidden_layers", [(), pytest.param((20,), marks=pytest.mark.slow)])
+def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, hidden_layers):
+    options = {**EVOLUTION, "hidden_layers": hidden_layers}
+    whole = train(tmp_path, name="whole", total_steps=4 * GENERATION, **options)
+    whole.run()
+    train(tmp_path, name="stopped", total_steps=2 * GENERATION, **options).run()
+    resumed = train(tmp_path, name="stopped", total_steps=4 * GENERATION, resume=True, **options)
+    resumed.run()
+    assert resumed.learner.num_steps == whole.learner.num_steps == 4 * GENERATION
+    np.testing.assert_array_equal(resumed.learner._strategy.mean, whole.learner._strategy.mean)
+    for name in ("latest", "best"):
+        ours = load_policy(tmp_path / "whole" / f"{name}.safetensors")[0]
+        theirs = load_policy(tmp_path / "stopped" / f"{name}.safetensors")[0]
+        assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+def test_a_policy_with_a_base_begins_as_the_base(tmp_path):
+    learner = make_learner(tiny_config(tmp_path, **EVOLUTION, base="spsfa"))
+    weights = learner.weights()
+    assert weights["0.weight"].any()
+    assert not weights["1.weight"].any()
+    assert not weights["1.bias"].any()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"candidates": 3}, "multiple of candidates, got 8 and 3"),
+        ({"warm_start": "spsfa-tip"}, "imitates nobody"),
+        ({"reward": "paired"}, "changes nothing.*'final-gap'"),
+        ({"base": "spsfa", "action": "natural"}, "scaled to"),
+    ],
+)
+def test_what_evolution_cannot_do_is_refused(tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        train(tmp_path, **{**EVOLUTION, **options})
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,237 @@
+"""Training: it runs, it stores, it resumes bit for bit, it refuses."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import torch
+from gymnasium.vector import AutoresetMode
+from stable_baselines3.common.vec_env import VecEnv
+
+from agents import SizeLimits, make_controller
+from agents.runs.folder import RunFolderError
+from agents.runs.seeds import TEST, VALIDATION, training_seed
+from agents.training.learners import make_learner
+from agents.training.sb3_vec_env import SB3VecEnv
+from helpers.trainings import STEPS, make_rule, tiny_config, train
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.env import SwarmEnv
+from swarm_gym.vector_env import SwarmVectorEnv
+
+
+@pytest.fixture(autouse=True)
+def _little(little_imitation):
+    pass
+
+
+def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
+    best = train(tmp_path).run()
+    weights, manifest = load_policy(best)
+    assert manifest["config"]["scenarios"] == ["case3"]
+    assert manifest["validation"]["case3"]["evaluations"] > 0
+    assert {"swarm_gym", "torch", "stable-baselines3"} <= set(manifest["provenance"])
+    assert weights["0.weight"].shape == (8, 9)
+    assert list((tmp_path / "ppo").glob("events*"))
+    events = b"".join(path.read_bytes() for path in (tmp_path / "ppo").glob("events*"))
+    for scalar in (b"rollout/ep_rew_mean", b"validation/case3/final_fitness", b"sizes/iteration 011"):
+        assert scalar in events
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        pytest.param({"algorithm": "recurrent-ppo", "warm_start": "none"}, marks=pytest.mark.slow),
+        pytest.param({"base": "spsfa-tip", "warm_start": "none", "reward": "paired"}, marks=pytest.mark.slow),
+    ],
+)
+def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, options):
+    whole = train(tmp_path, name="whole", **options)
+    whole.run()
+    train(tmp_path, name="stopped", total_steps=STEPS, **options).run()
+    resumed = train(tmp_path, name="stopped", resume=True, **options)
+    resumed.run()
+    assert resumed.learner.num_steps == whole.learner.num_steps == 3 * STEPS
+    one, other = whole.learner.model.policy.state_dict(), resumed.learner.model.policy.state_dict()
+    assert all(torch.equal(one[name], other[name]) for name in one)
+    for name in ("latest", "best"):
+        ours = load_policy(tmp_path / "whole" / f"{name}.safetensors")[0]
+        theirs = load_policy(tmp_path / "stopped" / f"{name}.safetensors")[0]
+        assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+def test_the_saved_policy_decides_as_the_model_does(tmp_path):
+    run = train(tmp_path, total_steps=STEPS)
+    run.run()
+    env = SwarmVectorEnv(4, observation="extended", action="normalised", max_population_size=12,
+                         initial_population_size=4)  # fmt: skip
+    observations, _ = env.reset(seed=0)
+    actions, _ = run.learner.model.predict(observations, deterministic=True)
+    controller = load_learned(tmp_path / "ppo" / "latest.safetensors", run.config.limits)
+    decided = controller.act(observations)
+    np.testing.assert_allclose(decided, np.clip(actions, -1, 1), atol=1e-5)
+
+
+def test_the_critic_is_taught_rewards_to_come_under_the_discount_of_the_training(tmp_path, monkeypatch):
+    lessons = []
+    monkeypatch.setattr("agents.training.learners.ppo.imitate", lambda _, shown, *__: lessons.append(shown))
+    for discount in (1.0, 0.9):
+        make_learner(tiny_config(tmp_path, algorithm="recurrent-ppo", discount=discount)).begin()
+    whole, discounted = (np.pad(shown.returns, ((0, 0), (0, 1))) for shown in lessons)
+    rewards = whole[:, :-1] - whole[:, 1:]
+    np.testing.assert_allclose(discounted[:, :-1], rewards + 0.9 * discounted[:, 1:], atol=1e-5)
+    assert abs(whole - discounted).max() > 0.01
+
+
+@pytest.mark.parametrize("change", [{"price": (0.7,)}, {"seed": 3}, {"scenarios": ("case1",)}])
+def test_resuming_with_another_configuration_is_refused(tmp_path, change):
+    train(tmp_path, total_steps=STEPS).run()
+    with pytest.raises(RunFolderError, match=f"{next(iter(change))} was"):
+        train(tmp_path, resume=True, **change)
+
+
+def test_an_unreadable_configuration_is_named_when_resuming(tmp_path):
+    train(tmp_path)
+    (tmp_path / "ppo" / "config.json").write_text("{")
+    with pytest.raises(RunFolderError, match=r"config\.json"):
+        train(tmp_path, resume=True)
+
+
+def test_options_that_a_stored_configuration_lacks_are_the_defaults(tmp_path):
+    train(tmp_path)
+    path = tmp_path / "ppo" / "config.json"
+    stored = json.loads(path.read_text())
+    del stored["reference"]
+    path.write_text(json.dumps({**stored, "temperature": 3}))
+    with pytest.raises(RunFolderError, match="with temperature was 3, is 'no option'"):
+        train(tmp_path, resume=True)
+    path.write_text(json.dumps(stored))
+    train(tmp_path, resume=True)
+
+
+def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(tmp_path):
+    with pytest.raises(RunFolderError, match="no run"):
+        train(tmp_path, resume=True)
+    train(tmp_path, total_steps=STEPS).run()
+    before = (tmp_path / "ppo" / "checkpoint.pt").read_bytes()
+    with pytest.raises(RunFolderError, match="--resume"):
+        train(tmp_path)
+    assert (tmp_path / "ppo" / "checkpoint.pt").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scenarios": ("case9",)}, "case9.*case1"),
+        ({"warm_start": "spsf"}, "spsf.*spsfa"),
+        ({"optimizer": "bees"}, "bees.*firefly"),
+        ({"observation": "all"}, "all.*extended"),
+        ({"reward": "gold"}, "gold.*progress"),
+        ({"initial_population_size": 13}, "initial_population_size.*13"),
+        ({"min_population_size": 14}, "smallest <= largest"),
+        ({"price": (-1.0,)}, "price.*-1"),
+        ({"algorithm": "sac"}, "sac.*recurrent-ppo"),
+        ({"base": "spsfa"}, "'spsfa' and warm_start 'spsfa-tip' exclude"),
+        ({"base": "spfsa", "warm_start": "none"}, "spfsa.*spsfa"),
+        (
+            {"base": "learned:three-cases/0@1", "warm_start": "none", "max_population_size": 200},
+            "base 'learned:three-cases/0@1': .*'normalised' cannot be corrected",
+        ),
+        ({"corrected_from": 3}, "corrected_from 3: without a base"),
+        ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
+        ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
+        ({"action": "natural"}, "'natural'.*scaled"),
+        (
+            {"warm_start": "open-loop:three-cases-extended", "max_population_size": 200},
+            "'extended'.*imitated",
+        ),
+        ({"warm_start": "learned:three-cases-ppo/0", "max_population_size": 200}, "'normalised'.*imitated"),
+    ],
+)
+def test_a_configuration_that_cannot_be_run_leaves_nothing_behind(tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        train(tmp_path, **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("role", ["base", "warm_start"])
+def test_a_controller_that_needs_a_budget_is_refused_where_episodes_have_another(tmp_path, role):
+    name, runs = make_rule(tmp_path / "rule.json", 900), tmp_path / "runs"
+    options = {"warm_start": "none", role: name}
+    for budget in (0, 800):
+        with pytest.raises(ValueError, match=f"{role} '{name}': .*max_evaluations 900"):
+            train(runs, **options, max_evaluations=budget)
+    assert not runs.exists()
+    train(runs, **options, max_evaluations=900)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"observation": "paper+rich"},
+        {"action": "paced", "max_evaluations": 30},  # all episodes end early
+    ],
+)
+def test_joined_layouts_and_budgets_that_end_all_episodes_early_can_be_trained_with(tmp_path, options):
+    evolution = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "total_steps": 4}
+    best = train(tmp_path / "a@b", **evolution, **options).run()
+    controller = make_controller(f"learned:{best}", SizeLimits(2, 12))
+    assert controller.action == options.get("action", "normalised")
+
+
+def test_a_run_that_was_stopped_before_its_first_checkpoint_begins_anew(tmp_path):
+    train(tmp_path)  # only prepared
+    resumed = train(tmp_path, resume=True, total_steps=STEPS)
+    resumed.run()
+    assert resumed.learner.num_steps == STEPS
+
+
+def test_the_configuration_is_stored_whole(tmp_path):
+    run = train(tmp_path)
+    stored = json.loads((tmp_path / "ppo" / "config.json").read_text())
+    assert set(stored) == {field.name for field in dataclasses.fields(run.config)}
+
+
+def test_seeds_of_test_validation_and_training_are_disjoint():
+    drawn = [training_seed(seed, chunk) for seed in range(30) for chunk in range(30)]
+    assert len(set(drawn)) == len(drawn)
+    assert min(drawn) > VALIDATION.stop > VALIDATION.start >= TEST.stop
+    assert max(drawn) + 10_000 < 2**31 + 10_000
+
+
+OPTIONS = {"initial_population_size": 4, "max_population_size": 9, "iterations": 3}
+
+
+def test_adapter_steps_as_the_single_environments_do():
+    vector = SwarmVectorEnv(3, autoreset_mode=AutoresetMode.SAME_STEP, **OPTIONS)
+    adapter = SB3VecEnv(vector)
+    assert isinstance(adapter, VecEnv)
+    adapter.seed(5)
+    observations = adapter.reset()
+    singles = [SwarmEnv(**OPTIONS) for _ in range(3)]
+    for row, env in enumerate(singles):
+        np.testing.assert_array_equal(env.reset(seed=5 + row)[0], observations[row])
+    returns = np.zeros(3)
+    for step in range(3):
+        actions = np.tile([5 + step, 0.2], (3, 1))
+        observations, rewards, dones, infos = adapter.step(actions)
+        for row, env in enumerate(singles):
+            observation, reward, *_ = env.step(actions[row])
+            returns[row] += reward
+            assert rewards[row] == reward
+            if step < 2:
+                np.testing.assert_array_equal(observation, observations[row])
+                assert infos[row] == {}
+            else:
+                np.testing.assert_array_equal(observation, infos[row]["terminal_observation"])
+                np.testing.assert_array_equal(env.reset()[0], observations[row])
+                assert infos[row]["episode"]["r"] == pytest.approx(returns[row])
+                assert infos[row]["TimeLimit.truncated"] is False
+        assert dones.tolist() == [step == 2] * 3
+
+
+def test_adapter_refuses_another_autoreset_mode():
+    with pytest.raises(ValueError, match="SAME_STEP"):
+        SB3VecEnv(SwarmVectorEnv(2, **OPTIONS))

@@ -1,0 +1,36 @@
+"""What the documents point to is there; in a fresh clone that means it is committed."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[3]
+PAGES = ["README.md", *(str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("docs/**/*.md")))]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_relative_link_leads_to_a_file(page):
+    targets = re.findall(r"\]\(([^)#\s]+)\)", (ROOT / page).read_text(encoding="utf-8"))
+    relative = [target for target in targets if "://" not in target]
+    missing = [target for target in relative if not (ROOT / page).parent.joinpath(target).exists()]
+    assert missing == []
+
+
+def test_the_results_are_among_the_pages_and_show_figures():
+    assert "docs/results/README.md" in PAGES
+    assert (ROOT / "docs/results/README.md").read_text(encoding="utf-8").count(".svg)") == 14
+
+
+def test_the_cluster_is_described_as_ray_wants_it():
+    autoscaler = pytest.importorskip("ray.autoscaler", reason="needs the extra `ray`")
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((Path(autoscaler.__file__).parent / "ray-schema.json").read_text())
+    cluster = yaml.safe_load((ROOT / "docs/ray-cluster.yaml").read_text())
+    jsonschema.validate(cluster, schema)
+    (extras,) = re.findall(r"--editable '\.\[(.*)\]'", "\n".join(cluster["setup_commands"]))
+    known = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert set(extras.split(",")) <= set(known)

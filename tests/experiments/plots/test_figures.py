@@ -1,0 +1,413 @@
+import dataclasses
+import struct
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from experiments.catalogue import PAPER, Suite
+from experiments.documents.figures import load_cases, load_snapshots, plan, write_figures
+from experiments.plots.courses import (
+    CASE_DRAWINGS,
+    best_by_evaluations,
+    draw_best_paths,
+    draw_box_plots,
+    draw_collision,
+    draw_convergence,
+    draw_population_size,
+    draw_snapshots,
+)
+from experiments.plots.style import KNOWN_STYLES, render, settings, styles
+from experiments.runs.database import Results
+from experiments.runs.labels import label
+from experiments.runs.run import Run, Snapshot
+from helpers.builders import CASES, function_problem, make_problem
+from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
+
+CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip", "learned:tiny")
+NUM_SEEDS, ITERATIONS, MEMBERS = 4, 6, 5
+SUITE = Suite(
+    name="tiny",
+    controllers=CONTROLLERS,
+    scenarios=CASES,
+    num_seeds=NUM_SEEDS,
+    baseline="spsfa",
+    snapshots=(("spsfa", "case2", 1, (0, ITERATIONS)),),
+)
+FILES = [
+    "figure-03-population-snapshots",
+    "figure-04-population-collision",
+    "figure-08-convergence-case1",
+    "figure-09-population-size-case1",
+    "figure-10-best-paths-case1",
+    "figure-11-box-plots-case1",
+    "figure-12-convergence-case2",
+    "figure-13-population-size-case2",
+    "figure-14-best-paths-case2",
+    "figure-15-box-plots-case2",
+    "figure-16-convergence-case3",
+    "figure-17-population-size-case3",
+    "figure-18-best-paths-case3",
+    "figure-19-box-plots-case3",
+]
+DRAW_AGAIN = """
+import sys
+from pathlib import Path
+from experiments.documents.figures import write_figures
+from experiments.runs.database import Results
+from experiments.catalogue import Suite
+
+database, folder, *controllers = sys.argv[1:]
+suite = Suite("tiny", tuple(controllers), ("case1",), 4, "spsfa")
+write_figures(suite, Results(Path(database)), Path(folder))
+print(*(name for name in sys.modules if name.startswith("matplotlib.pyplot")))
+"""
+
+
+def make_run(controller, scenario, seed, problem=None):
+    """A run whose numbers look like those of a real one and differ from all others'."""
+    rng = np.random.default_rng([CONTROLLERS.index(controller), len(scenario), seed])
+    problem = problem or make_problem(scenario)
+    rows = ITERATIONS + 1
+    repair = rng.uniform(0.1, 0.3, rows) if controller == "spsfa-tip" else np.zeros(rows)
+    fitness = np.sort(rng.uniform(310.0, 900.0, rows))[::-1]
+    evaluations = np.cumsum(rng.integers(60, 2000, rows)).astype(float)
+    trace = np.stack(
+        [
+            rng.uniform(1.0, 90.0, rows),
+            rng.integers(20, 90, rows),
+            repair,
+            fitness,
+            evaluations,
+            np.zeros(rows),
+        ],
+        axis=1,
+    )
+    offsets = rng.uniform(-100.0, 100.0, (MEMBERS, problem.num_waypoints))
+    collisions = np.array([0.0, 3.0, 0.0, 2.0, 1.0])
+    populations = [Snapshot(k, problem.points(offsets + k), collisions) for k in (0, 3, ITERATIONS)]
+    kept = populations if (controller, scenario, seed) == ("spsfa", "case2", 1) else []
+    return Run(
+        controller=controller,
+        scenario=scenario,
+        seed=seed,
+        final_fitness=fitness[-1],
+        final_collision=rng.choice([0.0, 0.5]),
+        evaluations=int(evaluations[-1]),
+        seconds=0.1,
+        best_path=problem.points(offsets[0]),
+        trace=trace,
+        provenance={},
+        snapshots=tuple(kept),
+    )
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Runs of all controllers but one on the paper's cases."""
+    database = Results(tmp_path_factory.mktemp("results") / "tiny.sqlite")
+    for controller in CONTROLLERS:
+        for scenario in CASES:
+            for seed in range(NUM_SEEDS):
+                database.add(make_run(controller, scenario, seed))
+    yield database
+    database.close()
+
+
+@pytest.fixture(scope="module")
+def cases(results):
+    return {case.scenario.name: case for case in load_cases(SUITE, results)}
+
+
+@pytest.fixture(scope="module")
+def written(results, tmp_path_factory):
+    return write_figures(SUITE, results, tmp_path_factory.mktemp("figures") / "made" / "here")
+
+
+def course(case, controller, name):
+    return np.array([run.course(name) for run in case.runs[controller]])
+
+
+def line(axes, text):
+    """Coordinates of the line with that label."""
+    (found,) = [each for each in axes.lines if each.get_label() == text]
+    return np.array(found.get_data(), dtype=float)
+
+
+def labels(axes):
+    return axes.get_legend_handles_labels()[1]
+
+
+def test_every_figure_of_the_paper_is_written_under_its_number(written):
+    expected = [f"{stem}.{form}" for stem in FILES for form in ("svg", "png")]
+    assert [path.name for path in written] == expected
+    assert sorted(path.name for path in written[0].parent.iterdir()) == sorted(expected)
+
+
+def test_vector_files_are_well_formed(written):
+    for path in written:
+        if path.suffix == ".svg":
+            root = ElementTree.parse(path).getroot()
+            assert root.tag == "{http://www.w3.org/2000/svg}svg"
+            assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
+
+
+def test_pixel_files_have_the_size_of_the_figure(results, written):
+    heads = [path.read_bytes()[:24] for path in written if path.suffix == ".png"]
+    figures = [draw() for draw in plan(SUITE, results).values()]
+    for head, figure in zip(heads, figures, strict=True):
+        assert head[:8] == b"\x89PNG\r\n\x1a\n"
+        expected = 150 * figure.get_size_inches()
+        np.testing.assert_allclose(struct.unpack(">II", head[16:]), expected, atol=1.0)
+
+
+@pytest.mark.slow
+def test_another_process_writes_the_same_bytes_and_needs_no_pyplot(results, written, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", DRAW_AGAIN, str(results.path), str(tmp_path), *CONTROLLERS],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == []
+    by_name = {path.name: path for path in written}
+    again = [path for path in tmp_path.iterdir() if "case1" in path.name]
+    assert len(again) == 2 * len(CASE_DRAWINGS)
+    for path in again:
+        assert path.read_bytes() == by_name[path.name].read_bytes(), path.name
+
+
+def user_settings():
+    # To look at the backend is to choose one.
+    return {name: mpl.rcParams[name] for name in mpl.rcParams.copy().keys() - {"backend"}}
+
+
+def test_settings_of_the_user_neither_matter_nor_change(cases):
+    def drawn():
+        with settings():
+            return render(draw_box_plots(cases["case1"]), "svg")
+
+    expected = drawn()
+    with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 20.0, "svg.hashsalt": "other"}):
+        before = user_settings()
+        assert drawn() == expected
+        assert user_settings() == before
+
+
+def test_convergence_shows_the_median_of_the_runs(cases):
+    case = cases["case1"]
+    by_iteration, by_evaluations = draw_convergence(case).axes
+    for controller in CONTROLLERS:
+        fitness = course(case, controller, "best_fitness")
+        x, y = line(by_iteration, label(controller))
+        np.testing.assert_array_equal(x, np.arange(ITERATIONS + 1))
+        np.testing.assert_array_equal(y, np.median(fitness, axis=0))
+        x, y = line(by_evaluations, label(controller))
+        assert x[-1] == pytest.approx(max(run.evaluations for run in case.runs[controller]))
+        assert y[-1] == np.median(fitness[:, -1])
+    for axes in (by_iteration, by_evaluations):
+        np.testing.assert_array_equal(line(axes, f"known optimum, {case.optimum:.2f}")[1], [case.optimum] * 2)
+        assert axes.get_ylim()[0] < case.optimum
+
+
+def test_the_band_spans_the_quartiles(cases):
+    case = cases["case1"]
+    axes = draw_convergence(case).axes[0]
+    for controller, band in zip(CONTROLLERS, axes.collections, strict=True):
+        fitness = course(case, controller, "best_fitness")
+        ys = band.get_paths()[0].vertices[:, 1]
+        for quartile in np.quantile(fitness, [0.25, 0.75], axis=0):
+            assert set(quartile) <= set(ys)
+
+
+def test_a_run_is_worth_what_it_has_reached_when_so_much_is_spent():
+    fitness = np.array([[9.0, 5.0, 4.0], [8.0, 7.0, 1.0]])
+    evaluations = np.array([[10.0, 20.0, 30.0], [10.0, 40.0, 50.0]])
+    found = best_by_evaluations(fitness, evaluations, np.array([10.0, 19.9, 20.0, 40.0, 99.0]))
+    np.testing.assert_array_equal(found, [[9, 9, 5, 4, 4], [8, 8, 8, 7, 1]])
+
+
+def test_population_size_shows_means_and_phi_of_those_that_repair(cases):
+    case = cases["case3"]
+    sizes, repair_degrees = draw_population_size(case).axes
+    assert labels(sizes) == [label(controller) for controller in CONTROLLERS]
+    assert labels(repair_degrees) == ["SPSFA-TIP"]
+    for axes, name in ((sizes, "population_size"), (repair_degrees, "repair_degree")):
+        expected = course(case, "spsfa-tip", name).mean(axis=0)
+        np.testing.assert_array_equal(line(axes, "SPSFA-TIP")[1], expected)
+        assert axes.get_ylim()[1] > expected.max()
+
+
+def test_there_is_no_panel_for_phi_when_nobody_repairs(cases):
+    case = cases["case3"]
+    others = {name: runs for name, runs in case.runs.items() if name != "spsfa-tip"}
+    assert len(draw_population_size(dataclasses.replace(case, runs=others)).axes) == 1
+
+
+def test_collision_is_shown_for_every_case_beside_its_first_value(cases):
+    figure = draw_collision(list(cases.values()))
+    for axes, case in zip(figure.axes, cases.values(), strict=True):
+        assert labels(axes) == ["FA-60", "SPSFA", "SPSFA-TIP"]
+        for controller in ("fixed:60", "spsfa", "spsfa-tip"):
+            mean = course(case, controller, "population_collision").mean(axis=0)
+            np.testing.assert_array_equal(line(axes, label(controller))[1], mean)
+            dotted = [each for each in axes.lines if set(each.get_ydata()) == {mean[0]}]
+            assert [each.get_linestyle() for each in dotted] == [":"]
+
+
+def test_best_paths_are_those_of_the_best_runs(cases):
+    case = cases["case2"]
+    axes = draw_best_paths(case).axes[0]
+    for controller in CONTROLLERS:
+        best = min(case.runs[controller], key=lambda run: run.final_fitness)
+        text = f"{label(controller)}: {best.final_fitness:.2f} ({best.final_collision:.2f})"
+        np.testing.assert_array_equal(line(axes, text), best.best_path.T)
+    shortest = line(axes, "exact shortest path, length 1053.6").T
+    assert np.hypot(*np.diff(shortest, axis=0).T).sum() == pytest.approx(1053.551, abs=1e-3)
+
+
+def on_a_function(case, name):
+    """The case with its runs made those on a test function, whose fitness goes down to 1e-15."""
+    problem = function_problem(name)
+    moved = {}
+    for controller, runs in case.runs.items():
+        moved[controller] = []
+        for run in runs:
+            trace = run.trace.copy()
+            trace[:, 3] = np.geomspace(300.0, 1e-15, len(trace))
+            vector = np.full(problem.dimension, 0.1 * run.seed)
+            changes = {"best_path": problem.points(vector), "trace": trace, "final_fitness": trace[-1, 3]}
+            moved[controller].append(dataclasses.replace(run, **changes))
+    return dataclasses.replace(case, scenario=problem.scenario, optimum=0.0, runs=moved)
+
+
+@pytest.mark.parametrize("dimension", [1, 10])
+def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(cases, dimension):
+    case = on_a_function(cases["case2"], f"function:easom-{dimension}")
+    axes = draw_best_paths(case).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("component", "value")
+    assert axes.get_ylim() == (-10.0, 10.0)
+    numbers = np.arange(1, dimension + 1)
+    np.testing.assert_array_equal(line(axes, "optimum"), [numbers, [np.pi] * dimension])
+    best = line(axes, "SPSFA: 1e-15 (0.00)")
+    assert best.shape == (2, dimension)
+
+
+def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(cases):
+    case = on_a_function(cases["case2"], "function:booth-2")
+    for axes in (draw_convergence(case).axes[0], draw_box_plots(case).axes[0]):
+        assert axes.get_yscale() == "log"
+        assert axes.get_ylim()[0] == pytest.approx(5e-13)
+        assert not any("optimum" in text for text in labels(axes))
+
+
+def test_box_plots_show_every_run(cases):
+    case = cases["case2"]
+    fitness, evaluations = draw_box_plots(case).axes
+    for place, controller in enumerate(CONTROLLERS, start=1):
+        for axes, name in ((fitness, "final_fitness"), (evaluations, "evaluations")):
+            values = [getattr(run, name) for run in case.runs[controller]]
+            marker = styles(CONTROLLERS)[controller].marker
+            (points,) = [each for each in axes.lines if each.get_marker() == marker]
+            assert list(points.get_ydata()) == values
+            assert np.abs(points.get_xdata() - place).max() < 0.5
+            box = axes.patches[place - 1].get_bbox()
+            assert (box.y0, box.y1) == pytest.approx(tuple(np.quantile(values, [0.25, 0.75])))
+    assert [text.get_text() for text in fitness.get_xticklabels()] == [
+        label(controller) for controller in CONTROLLERS
+    ]
+
+
+def test_box_plots_of_many_runs_show_some_of_them_and_say_so(cases, monkeypatch):
+    monkeypatch.setattr("experiments.plots.courses.MOST_POINTS", 3)
+    case = cases["case2"]
+    figure = draw_box_plots(case)
+    values = [run.final_fitness for run in case.runs[CONTROLLERS[0]]]
+    assert list(figure.axes[0].lines[0].get_ydata()) == values[:3]
+    box = figure.axes[0].patches[0].get_bbox()
+    assert (box.y0, box.y1) == pytest.approx(tuple(np.quantile(values, [0.25, 0.75])))
+    assert f"3 of {NUM_SEEDS} runs" in figure.get_suptitle()
+
+
+def test_snapshots_show_every_member_and_tell_the_colliding_ones_apart(results):
+    snapshots = load_snapshots(SUITE, results)
+    ((key, kept),) = snapshots.items()
+    assert key == ("spsfa", "case2", 1)
+    assert [snapshot.iteration for snapshot in kept] == [0, ITERATIONS]
+    panels = [axes for axes in draw_snapshots(snapshots).axes if axes.axison]
+    for axes, snapshot in zip(panels, kept, strict=True):
+        feasible, colliding = axes.collections[-2:]
+        clear = snapshot.collisions == 0.0
+        np.testing.assert_array_equal(feasible.get_segments(), snapshot.paths[clear])
+        np.testing.assert_array_equal(colliding.get_segments(), snapshot.paths[~clear])
+        assert feasible.get_linestyle() != colliding.get_linestyle()
+        title = f"iteration {snapshot.iteration}: {MEMBERS} members, 2 feasible"
+        assert axes.get_title() == title
+
+
+def test_controllers_and_scenarios_without_runs_are_left_out(tmp_path):
+    results = Results(tmp_path / "few.sqlite")
+    assert plan(SUITE, results) == {}
+    for seed in range(2):
+        results.add(make_run("learned:tiny", "case1", seed))
+    assert list(plan(SUITE, results)) == [f"{kind}-case1" for kind in CASE_DRAWINGS]
+    results.add(make_run("spsfa", "case1", 0))
+    assert next(iter(plan(SUITE, results))) == "population-collision"
+    (case,) = load_cases(SUITE, results)
+    assert list(case.runs) == ["spsfa", "learned:tiny"]
+    assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "learned (tiny)"]
+    results.close()
+
+
+def test_other_scenarios_get_figures_without_number_and_without_an_optimum(tmp_path, monkeypatch):
+    walls = [(650, 50, 950, 80), (650, 320, 950, 350), (650, 70, 680, 330), (920, 70, 950, 330)]
+    besieged = Scenario(
+        "besieged",
+        (100.0, 200.0),
+        (800.0, 200.0),
+        tuple(Polygon.rectangle(*wall) for wall in walls),
+        (0.0, 0.0, 1000.0, 400.0),
+    )
+    monkeypatch.setitem(SCENARIOS, "besieged", lambda: besieged)
+    results = Results(tmp_path / "other.sqlite")
+    for seed in range(2):
+        results.add(make_run("spsfa-tip", "besieged", seed, make_problem(besieged)))
+    suite = dataclasses.replace(SUITE, scenarios=("besieged",))
+    written = write_figures(suite, results, tmp_path)
+    assert {path.stem for path in written} == {
+        "figure-04-population-collision",
+        *(f"figure-{kind}-besieged" for kind in CASE_DRAWINGS),
+    }
+    (case,) = load_cases(suite, results)
+    assert labels(draw_convergence(case).axes[0]) == ["SPSFA-TIP"]
+    assert len(labels(draw_best_paths(case).axes[0])) == 1
+    results.close()
+
+
+def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
+    many = styles([*PAPER.controllers, "learned:a", "learned:b", "learned:c"]).values()
+    assert len({(style.colour, style.marker) for style in many}) == len(many)
+    assert len({style.marker for style in styles(PAPER.controllers).values()}) == len(PAPER.controllers)
+    assert styles(["learned:a", "spsfa"])["spsfa"] == KNOWN_STYLES["spsfa"]
+    assert styles(["learned:a", "spsfa"])["learned:a"] == styles(["fixed:60", "learned:a"])["learned:a"]
+
+
+@pytest.mark.parametrize(
+    ("controller", "expected"),
+    [
+        ("fixed:60", "FA-60"),
+        ("spsfa", "SPSFA"),
+        ("spsfa-tip", "SPSFA-TIP"),
+        ("spsfa-tip:growth=500,decay=0.1", "SPSFA-TIP (growth=500, decay=0.1)"),
+        ("random", "random"),
+        ("learned:three-cases", "learned (three-cases)"),
+        ("learned:three-cases/3", "learned (three-cases/3)"),
+        ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
+        ("tuned:random-fields", "tuned schedule (random-fields)"),
+    ],
+)
+def test_controllers_are_called_as_in_the_paper(controller, expected):
+    assert label(controller) == expected

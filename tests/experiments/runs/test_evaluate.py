@@ -1,0 +1,388 @@
+"""Suites and the results database: nothing lost, nothing doubled, nothing mixed."""
+
+import dataclasses
+import sqlite3
+
+import numpy as np
+import pytest
+
+from agents.backends import BackendOptions
+from agents.backends.local import LocalBackend
+from experiments.catalogue import COLLECTIONS, SUITES, Suite, get_suite
+from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.publish_suite import publish_suite
+from experiments.runs import episode, runner
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.run import Run
+from experiments.runs.runner import configuration, run_missing, run_one
+from experiments.tables import make_tables
+from helpers.stored_runs import make_database
+from helpers.trainings import make_policy
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.tuned import save_tuned
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.scenarios import expand_name
+from swarm_gym.simulation import HISTORY
+
+SUITE = Suite(
+    name="tiny",
+    controllers=("fixed:3", "fixed:60", "spsfa-tip"),
+    scenarios=("case1", "case3"),
+    num_seeds=2,
+    baseline="spsfa-tip",
+    snapshots=(("fixed:3", "case1", 1, (0, 7, 100)),),
+)
+KEYS = {(c, s, k) for c in SUITE.controllers for s in SUITE.scenarios for k in range(2)}
+
+
+@pytest.fixture(scope="module")
+def database(tmp_path_factory):
+    return make_database(tmp_path_factory.mktemp("results") / "tiny.sqlite", SUITE)
+
+
+@pytest.fixture
+def results(database, tmp_path):
+    copy = tmp_path / "tiny.sqlite"
+    copy.write_bytes(database.read_bytes())
+    opened = Results(copy, configuration(SUITE))
+    yield opened
+    opened.close()
+
+
+def test_every_run_of_a_suite_is_stored_once(results):
+    assert results.finished() == KEYS
+    runs = results.runs("spsfa-tip", "case1", 2)
+    assert [run.seed for run in runs] == [0, 1]
+    for run in runs:
+        assert run.columns == (*HISTORY, "noise", "attractiveness", "absorption")
+        assert run.trace.shape == (101, len(run.columns))
+        assert set(run.course("noise")) == {2.0}
+        assert run.course("best_fitness")[-1] == run.final_fitness
+        assert run.course("evaluations")[-1] == run.evaluations
+        assert run.course("population_size")[0] == 80
+        assert (np.diff(run.course("best_fitness")) <= 0).all()
+        np.testing.assert_allclose(run.best_path[[0, -1]], [[20, 300], [980, 300]])
+        length = np.linalg.norm(np.diff(run.best_path, axis=0), axis=1).sum()
+        assert run.final_fitness == pytest.approx(0.3 * length + 0.7 * run.final_collision)
+        assert run.seconds > 0
+        assert run.provenance["numba"]
+
+
+def test_provenances_are_those_of_the_runs_asked_for(results):
+    with results._connection as connection:
+        connection.execute("UPDATE runs SET provenance = '{\"numba\": \"9\"}' WHERE controller = 'fixed:3'")
+    assert results.provenances(("fixed:3",), {"case1": range(2)}) == [{"numba": "9"}]
+    assert len(results.provenances(SUITE.controllers, SUITE.seeds)) == 2
+    assert results.provenances(SUITE.controllers, {"case1": range(7, 9)}) == []
+
+
+def test_snapshots_of_chosen_runs_are_stored(results):
+    kept = results.snapshots("fixed:3", "case1", 1)
+    assert [snapshot.iteration for snapshot in kept] == [0, 7, 100]
+    assert kept[0].paths.shape == (3, 33, 2)
+    assert results.snapshots("fixed:3", "case1", 0) == []
+
+
+def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
+    other = Results(tmp_path / "other.sqlite", configuration(SUITE))
+    run_missing(SUITE, other, LocalBackend(2))
+    for controller, scenario, _ in KEYS:
+        for one, two in zip(
+            results.runs(controller, scenario, 2), other.runs(controller, scenario, 2), strict=True
+        ):
+            np.testing.assert_array_equal(one.trace, two.trace)
+            np.testing.assert_array_equal(one.best_path, two.best_path)
+    other.close()
+
+
+def test_a_suite_goes_on_where_it_stopped_and_recomputes_nothing(results, monkeypatch):
+    with results._connection as connection:
+        connection.execute("DELETE FROM runs WHERE controller = 'fixed:3' AND seed = 1")
+    lacking = KEYS - results.finished()
+    assert len(lacking) == 2
+    ran = []
+
+    def recorded(key, *arguments):
+        ran.append(key)
+        return run_one(key, *arguments)
+
+    monkeypatch.setattr(runner, "run_one", recorded)
+    run_missing(SUITE, results, LocalBackend(1))
+    assert set(ran) == lacking
+    assert results.finished() == KEYS
+    run_missing(SUITE, results, LocalBackend(1))
+    assert len(ran) == 2
+
+
+def test_a_suite_that_dies_keeps_what_it_had_finished(results, monkeypatch):
+    with results._connection as connection:
+        connection.execute("DELETE FROM runs")
+    calls = []
+
+    def dying(key, *arguments):
+        calls.append(key)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return run_one(key, *arguments)
+
+    monkeypatch.setattr(runner, "run_one", dying)
+    with pytest.raises(KeyboardInterrupt):
+        run_missing(SUITE, results, LocalBackend(1))
+    assert results.finished() == set(calls[:4])
+
+
+def test_a_stored_run_is_never_overwritten(results):
+    run = results.runs("fixed:3", "case1", 1)[0]
+    results.add(dataclasses.replace(run, final_fitness=0.0))
+    assert results.runs("fixed:3", "case1", 1)[0].final_fitness == run.final_fitness
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("settings", {"iterations": 50}), ("scenario case1", "0123"), ("controller spsfa-tip", "x")],
+)
+def test_a_database_of_another_configuration_is_refused(database, tmp_path, key, value):
+    copy = tmp_path / "other.sqlite"
+    copy.write_bytes(database.read_bytes())
+    with pytest.raises(ResultsError, match=f"another configuration: {key} was"):
+        Results(copy, {**configuration(SUITE), key: value})
+    again = Results(copy, configuration(SUITE))  # nothing was changed by the refusal
+    assert again.finished() == KEYS
+    again.close()
+
+
+def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
+    def identity(name):
+        episode.controller_of.cache_clear()
+        return configuration(dataclasses.replace(SUITE, controllers=(name,)))[f"controller {name}"]
+
+    loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
+    save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
+    save_tuned(tuned, "spsfa:growth=500", {})
+    features = [
+        *(f.name for f in OBSERVATIONS["extended"].features),
+        "proposed population size",
+        "proposed repair degree",
+    ]
+    policy = make_policy(
+        tmp_path / "p.safetensors", np.random.default_rng(0), extra_features=2, features=features,
+        base=f"open-loop:{loop}",
+    )  # fmt: skip
+    names = (f"open-loop:{loop}", f"tuned:{tuned}", f"learned:{policy}")
+    before = [identity(name) for name in names]
+    assert before == [identity(name) for name in names]
+    save_open_loop(loop, 6, [0, 9], [6.0, 9.5], [0.1, 0.7], {}, {})
+    save_tuned(tuned, "spsfa:growth=501", {})
+    assert all(old != identity(name) for old, name in zip(before, names, strict=True))
+
+
+def test_controllers_may_be_added_to_a_database(results, tmp_path):
+    wider = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "fixed:4"))
+    again = Results(results.path, configuration(wider))
+    run_missing(wider, again, LocalBackend(1))
+    assert len(again.finished()) == len(KEYS) + 4
+    again.close()
+
+
+@pytest.mark.parametrize("content", [b"not a database at all, but long enough" * 50, None])
+def test_what_is_no_database_is_refused(tmp_path, database, content):
+    path = tmp_path / "broken.sqlite"
+    path.write_bytes(database.read_bytes()[:5000] if content is None else content)
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=r"broken\.sqlite"):
+        Results(path, configuration(SUITE)).runs("fixed:3", "case1", 2)
+    assert path.read_bytes() == before
+
+
+def test_options_that_cannot_be_leave_no_database(tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    with pytest.raises(ValueError, match="--jobs must be positive"):
+        evaluate(EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=-1)))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    config = EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)
+    page = evaluate(config)
+    folder = page.parent
+    assert "Table 3. Final fitness on case1" in page.read_text()
+    for stem in ("table-03-optimal-solutions-case1", "table-11-running-times-case3", "comparison"):
+        for suffix in ("md", "csv", "tex"):
+            assert (folder / f"{stem}.{suffix}").stat().st_size > 100
+    assert page.read_text().count("Runs made with: commit") == 1
+    assert (
+        (folder / "made-with.md")
+        .read_text()
+        .startswith("2 seeds per controller and scenario, scenarios: 2. Runs")
+    )
+    stored = {p.name: p.read_bytes() for p in folder.iterdir()}
+    evaluate(config)
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == stored
+
+
+def test_tables_of_an_incomplete_suite_are_refused(results):
+    more = dataclasses.replace(SUITE, num_seeds=3)
+    with pytest.raises(ResultsError, match="2 of 3 runs"):
+        make_tables(more, results)
+
+
+def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_path, monkeypatch):
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+    config = EvaluateConfig(
+        "tiny", output=tmp_path, database=results.path, where=BackendOptions(jobs=1), figures=False
+    )
+    page = evaluate(config)
+    expected = {p.name: p.read_bytes() for p in page.parent.iterdir()}
+
+    def never(*_):
+        raise AssertionError("a run was made")
+
+    monkeypatch.setattr(runner, "run_one", never)
+    monkeypatch.setattr(runner, "controller_of", never)  # nor are policies needed
+    offline = dataclasses.replace(config, simulate=False, output=tmp_path / "offline")
+    assert {p.name: p.read_bytes() for p in evaluate(offline).parent.iterdir()} == expected
+
+
+def test_without_simulating_what_is_missing_is_named(results, tmp_path, monkeypatch):
+    more = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "learned:a/0", "learned:a/1"))
+    monkeypatch.setitem(SUITES, "tiny", more)
+    config = EvaluateConfig("tiny", database=results.path, output=tmp_path, simulate=False, figures=False)
+    with pytest.raises(
+        ResultsError, match=r"lacks 8 runs.*4 of learned:a/\* on case1, 4 of learned:a/\* on case3"
+    ):
+        evaluate(config)
+    assert results.finished() == KEYS
+    nowhere = tmp_path / "nowhere.sqlite"
+    with pytest.raises(ResultsError, match="does not exist"):
+        evaluate(dataclasses.replace(config, database=nowhere))
+    assert not nowhere.exists()
+
+
+def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
+    shifted = dataclasses.replace(
+        SUITE, controllers=("fixed:3",), num_seeds=1, first_seed=10_000, seed_step=1, snapshots=()
+    )
+    results = Results(tmp_path / "shifted.sqlite")
+    run_missing(shifted, results, LocalBackend(1))
+    assert results.finished() == {("fixed:3", "case1", 10_000), ("fixed:3", "case3", 10_001)}
+    (run,) = results.runs("fixed:3", "case3", 1, 10_001)
+    assert results.runs("fixed:3", "case3", 1) == results.runs("fixed:3", "case3", 1, 10_002) == []
+    fitness = results.outcomes(shifted.controllers, shifted.seeds).fitness
+    assert fitness.shape == (1, 2, 1)
+    assert fitness[0, 1, 0] == run.final_fitness
+    results.close()
+
+
+def test_a_contestant_has_episodes_of_its_own_length(tmp_path):
+    names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
+    suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
+    results = Results(tmp_path / "contestants.sqlite", configuration(suite))
+    run_missing(suite, results, LocalBackend(1))
+    lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
+    assert lengths == [100, 7, 100]
+    results.close()
+
+
+@pytest.fixture
+def collection(monkeypatch):
+    """Two suites by one name."""
+    small = dataclasses.replace(
+        SUITE, name="small", controllers=("fixed:3", "spsfa-tip"), scenarios=("case1",), snapshots=()
+    )
+    other = dataclasses.replace(small, name="other", options={"iterations": 5}, tables=("comparison",))
+    for suite in (small, other):
+        monkeypatch.setitem(SUITES, suite.name, suite)
+    monkeypatch.setitem(COLLECTIONS, "both", ("small", "other"))
+    return "both"
+
+
+def test_a_collection_is_run_by_one_name_into_a_folder_for_each_suite(collection, tmp_path):
+    config = EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False)
+    page = evaluate(config)
+    assert page == tmp_path / "both/README.md"
+    assert "[other](other/README.md)" in page.read_text()
+    assert {p.name for p in (tmp_path / "both").glob("*.sqlite")} == {"small.sqlite", "other.sqlite"}
+    assert (tmp_path / "both/small/summary.md").exists()
+    assert not (tmp_path / "both/other/summary.md").exists()
+    assert evaluate(dataclasses.replace(config, simulate=False)) == page
+
+
+def test_a_collection_has_no_single_database(collection, tmp_path):
+    with pytest.raises(ResultsError, match="--database is for one suite; both has several"):
+        evaluate(EvaluateConfig(collection, output=tmp_path, database=tmp_path / "one.sqlite"))
+
+
+def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path):
+    evaluate(EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False))
+    (tmp_path / "both/other/figure-a.svg").write_text("<svg/>")
+    document = tmp_path / "docs/page.md"
+    document.parent.mkdir()
+    names = ("small/summary", "other/comparison", "other/made-with")
+    document.write_text("\n".join(f"<!-- {name} -->\n<!-- /{name} -->" for name in names))
+    publish_suite(tmp_path / "both", document)
+    text = document.read_text()
+    assert text.count("Runs made with: ") == 1
+    for name in names:
+        assert (tmp_path / f"both/{name}.md").read_text().strip() in text
+    assert (tmp_path / "docs/results/both/figure-a.svg").read_text() == "<svg/>"
+
+
+def test_a_run_says_what_its_trace_holds(tmp_path):
+    results = Results(tmp_path / "wide.sqlite")
+    columns = (*HISTORY, "noise")
+    trace = np.arange(3.0 * len(columns)).reshape(3, -1)
+    made = Run("spsfa", "case1", 0, 1.0, 0.0, 9, 0.1, np.zeros((4, 2)), trace, {}, columns=columns)
+    results.add(made)
+    (run,) = results.runs("spsfa", "case1", 1)
+    assert run.columns == columns
+    np.testing.assert_array_equal(run.course("noise"), trace[:, -1])
+    results.close()
+
+
+def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
+    with results._connection as connection:
+        connection.execute("ALTER TABLE runs DROP COLUMN columns")
+    with pytest.raises(ResultsError, match="earlier version"):
+        Results(results.path)
+
+
+def test_unknown_suite_names_the_valid_ones():
+    with pytest.raises(UnknownNameError, match=r"everything.*iafsa-paper.*moa-paper.*paper"):
+        get_suite("everything")
+
+
+def test_too_few_seeds_are_refused(tmp_path):
+    with pytest.raises(ResultsError, match="at least 2"):
+        evaluate(EvaluateConfig(seeds=1, output=tmp_path))
+    with pytest.raises(ResultsError, match="at least 1"):
+        evaluate(EvaluateConfig("generalisation", seeds=0, output=tmp_path))
+
+
+@pytest.mark.slow
+def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch):
+    fields = dataclasses.replace(
+        SUITES["generalisation"],
+        name="fields",
+        scenarios=(*expand_name("random-fields:test:0-2"), *expand_name("random-fields:larger:0-1")),
+    )
+    monkeypatch.setitem(SUITES, "fields", fields)
+    config = EvaluateConfig(
+        "fields", controllers=("fixed:3", "spsfa-tip"), output=tmp_path, where=BackendOptions(jobs=1)
+    )
+    page = evaluate(config)
+    text = page.read_text()
+    assert text.startswith("# Suite fields: 1 seed per controller and scenario")
+    assert "--suite fields --seeds 1 --controllers fixed:3 spsfa-tip`" in text
+    assert "| random-fields:larger | FA-3 | 2 | 1 |" in text
+    assert {path.name for path in page.parent.glob("*.svg")} == {"figure-profiles.svg", "figure-front.svg"}
+    before = {path.name: path.read_bytes() for path in page.parent.iterdir()}
+    evaluate(dataclasses.replace(config, simulate=False))
+    assert {path.name: path.read_bytes() for path in page.parent.iterdir()} == before
+
+
+def test_the_database_is_readable_by_anyone(database):
+    with sqlite3.connect(database) as connection:
+        (count,) = connection.execute("SELECT count(*) FROM runs WHERE final_fitness > 290").fetchone()
+    assert count == len(KEYS)

@@ -1,0 +1,314 @@
+"""Tables and figures of Brand and Yu's paper, and of maps that change, say what the runs say."""
+
+import dataclasses
+from math import acos, degrees, hypot, sqrt
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from experiments.catalogue import DYNAMIC as GATES
+from experiments.documents.figures import plan
+from experiments.runs.run import Run, Snapshot
+from experiments.studies.brand_yu.published import TABLE_1
+from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
+from experiments.studies.dynamic.tables import Recovery
+from experiments.tables import make_tables
+from helpers.stored_runs import cells_of
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.simulation import HISTORY
+
+TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))
+
+
+def made_run(key, way=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, snapshots=(), **courses):
+    """A run with these courses; the others are 0."""
+    trace = np.zeros((max(map(len, courses.values()), default=1), len(HISTORY)))
+    for name, course in courses.items():
+        trace[:, HISTORY.index(name)] = course
+    way, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (way, path))
+    spent = int(trace[-1, HISTORY.index("evaluations")])
+    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, way=way)
+
+
+def kinked(start, target, length):
+    """A way of that length with one turn, half way."""
+    (a, b), (x, y) = start, np.subtract(target, start)
+    aside = sqrt(length**2 - x**2 - y**2) / 2.0 / hypot(x, y)
+    return np.array([(a, b), (a + x / 2.0 + aside * y, b + y / 2.0 - aside * x), target])
+
+
+def claims_of(tables, name):
+    return {row["claim"]: (row["holds"], row["does not hold"]) for row in cells_of(tables, name)}
+
+
+def line(axes, text):
+    (found,) = [each for each in axes.lines if each.get_label() == text]
+    return np.array(found.get_data(), dtype=float)
+
+
+# Table 1.
+
+
+def test_the_papers_numbers_are_those_printed():
+    assert list(TABLE_1) == [10, 26, 65, 122, 626]
+    assert [row.length for row in TABLE_1.values()] == [449, 430, 435, 447, 443]
+    assert [row.seconds for row in TABLE_1.values()] == [14.2, 14.3, 18.0, 49.8, 1088.3]
+
+
+START, TARGET = (25.0, 5.0), (25.0, 45.0)
+LENGTHS = {TEN: (50.0, 52.0, 54.0), NONE: (), ONE: (48.0,), FEW: (43.0, 43.5, 44.0, 45.0)}
+LENGTHS[MANY] = (45.0, 46.0, 46.2, 46.4)
+CROWD = np.arange(24.0).reshape(3, 4, 1, 2)  # three populations of four
+
+
+def turn_of(length):
+    return degrees(2.0 * acos(40.0 / length))
+
+
+@pytest.fixture
+def static(database):
+    """Four runs each on 50 x 50 cells; those without a length stop far from the target."""
+    kept = tuple(Snapshot(k, at, np.zeros(4)) for k, at in zip((0, 50, 90), CROWD, strict=True))
+    for controller, lengths in LENGTHS.items():
+        for seed in range(4):
+            there = seed < len(lengths)
+            way = kinked(START, TARGET, lengths[seed]) if there else kinked(START, (0.0, 9.0), 900.0)
+            course = np.full(121, np.nan)  # of a run that may end before the last iteration
+            course[: 31 + 10 * seed if there else 121] = 1.0
+            # The best path says nothing of where the robot has come to.
+            of = {"collision": 99.0 if there else 0.0, "seconds": 0.1 * (seed + 1), "snapshots": kept}
+            database.add(made_run((controller, "block:50", seed), way, way, best_fitness=course, **of))
+    shown = ((TEN, "block:50", 0, (0, 90)),)
+    of = {"controllers": tuple(LENGTHS), "scenarios": ("block:50",), "num_seeds": 4, "first_seed": 0}
+    return dataclasses.replace(STATIC, **of, snapshots=shown)
+
+
+@pytest.mark.slow
+def test_counts_are_means_of_the_runs_that_arrived_beside_the_papers(database, static):
+    ten, none, one, few, many = cells_of(make_tables(static, database), "brand-yu-static-counts")
+    optimum = hypot(6.5, 16.5) + 6.0 + hypot(6.5, 17.5)  # around the right end of the block
+    of_runs = ("arrived", "mean length", "above the shortest", "iterations", "turning, degrees", "seconds")
+    turning = np.mean([turn_of(length) for length in LENGTHS[TEN]])
+    expected = ["3 of 4", "52.0", f"{100.0 * (52.0 / optimum - 1.0):.1f} %", "40", f"{turning:.0f}", "0.250"]
+    assert ten["fireflies"] == "10"
+    assert [ten[column].partition(" [")[0] for column in of_runs] == expected
+    assert few["above the shortest"] == f"{100.0 * (43.875 / optimum - 1.0):.1f} %"
+    assert [none[column] for column in of_runs] == ["0 of 4", "–", "–", "–", "–", "0.250"]
+    assert [one[column] for column in of_runs] == [
+        "1 of 4", "48.0", f"{100.0 * (48.0 / optimum - 1.0):.1f} %", "30", f"{turn_of(48.0):.0f}", "0.250",
+    ]  # fmt: skip
+    printed = [(row["length, paper"], row["seconds, paper"]) for row in (ten, none, one, few, many)]
+    assert printed == [("449", "14.2"), ("435", "18.0"), ("–", "–"), ("430", "14.3"), ("447", "49.8")]
+
+
+@pytest.mark.slow
+def test_claims_about_counts_say_where_they_do_not_hold(database, static):
+    missing = "10 fireflies, 65 fireflies, 11 fireflies"
+    assert claims_of(make_tables(static, database), "brand-yu-static-claims") == {
+        "all runs arrive": ("2 of 5", missing),
+        "mean length within 8 % of the shortest possible": ("1 of 5", f"{missing}, 122 fireflies"),
+        "ways turn less with 122 than with 10": ("1 of 1", "–"),
+    }
+    suite = dataclasses.replace(static, controllers=(TEN, FEW))
+    assert len(claims_of(make_tables(suite, database), "brand-yu-static-claims")) == 2
+
+
+def test_ways_are_drawn_as_the_robots_went(database, static):
+    drawings = plan(static, database)
+    first, second, *_ = drawings["ways-block:50"]().axes
+    assert first.get_title() == f"10 fireflies: length 50.0, turns {turn_of(50.0):.0f}°"
+    assert second.get_title().startswith("65 fireflies: length 900.0, turns ")
+    np.testing.assert_array_equal(line(first, "way of the robot").T, kinked(START, TARGET, 50.0))
+    around = [START, (31.5, 21.5), (31.5, 27.5), TARGET]
+    np.testing.assert_allclose(line(first, "shortest path, 42.4").T, around)
+    np.testing.assert_array_equal(line(first, "at first").T, CROWD[0, :, 0])
+    np.testing.assert_array_equal(line(first, "after iteration 90").T, CROWD[2, :, 0])
+    assert not any("iteration" in text for text in second.get_legend_handles_labels()[1])
+
+
+# By seed: where robots are when the block appears, and how much longer their way from there is than it must.
+PLACES = ((240.0, 200.0), (262.0, 235.0), (180.0, 100.0), (300.0, 60.0))
+FACTORS = {TEN: (1.01, 1.04, 1.12), MANY: (1.30, 1.02, 1.02, 1.20)}
+
+
+def least_around(x, y):
+    """From there to (250, 450), around either end of a block of columns 175 to 324 and rows 270 to 329."""
+    return 60.0 + min(hypot(x - end, 269.5 - y) + hypot(250.0 - end, 120.5) for end in (174.5, 324.5))
+
+
+def test_where_the_map_changes_the_least_is_what_was_gone_and_the_shortest_from_there(database):
+    """Robots go astray until the block appears after three iterations; of ten fireflies one never arrives."""
+    name, lengths = "dynamic:open:500-block@3", {TEN: [], MANY: []}
+    for controller, factors in FACTORS.items():
+        for seed, (place, factor) in enumerate(zip(PLACES, (*factors, 9.0), strict=False)):
+            gone, least = [(250.0, 50.0), (220.0, 80.0), (250.0, 110.0), place], least_around(*place)
+            there, before = seed < len(factors), 60.0 * sqrt(2.0) + hypot(place[0] - 250.0, place[1] - 110.0)
+            rest = kinked(place, (250.0, 450.0 if there else 449.0), factor * least)[1:]
+            database.add(made_run((controller, name, seed), [*gone, *rest], best_fitness=np.ones(9)))
+            if there:
+                lengths[controller].append((before + factor * least, before + least))
+    of = {"controllers": tuple(FACTORS), "scenarios": (name,), "num_seeds": 4, "first_seed": 0}
+    tables = make_tables(dataclasses.replace(DYNAMIC, **of), database)
+    for row, found in zip(cells_of(tables, "brand-yu-dynamic-counts"), lengths.values(), strict=True):
+        length, least = np.mean(found, axis=0)
+        assert row["arrived"] == f"{len(found)} of 4"
+        assert row["mean length"].startswith(f"{length:.1f} [")
+        assert row["above the shortest"] == f"{100.0 * (length / least - 1.0):.1f} %"
+        assert length > 1.08 * least_around(250.0, 50.0)
+    assert claims_of(tables, "brand-yu-dynamic-claims") == {
+        "all runs arrive": ("1 of 2", "10 fireflies"),
+        "mean length within 8 % of the shortest possible": ("1 of 2", "122 fireflies"),
+        "ways turn less with 122 than with 10": ("0 of 1", name),
+    }
+    assert f"whose shortest path is {least_around(250.0, 50.0):.1f}" in tables[1].caption
+
+
+# Growing grids: ants are exact powers of the side, fireflies are so but for the same factors on all of them.
+SIDES = np.array([50, 100, 200, 400])
+SPREAD = np.array([0.97, 0.98, 1.00, 1.05])
+MADE = {FEW: (1.07 * SIDES, 8e-4 * SIDES), ANTS: (0.678 * SIDES**1.1, 1e-4 * SIDES**1.5)}
+ASIDE = SIDES * 65 // 100 - SIDES // 2  # from the middle column to the first one right of the block
+OCTILE = 0.8 * SIDES + (sqrt(2.0) - 1.0) * 2 * ASIDE
+STRAIGHT = (
+    np.hypot(ASIDE - 0.5, 0.34 * SIDES - 0.5) + 0.12 * SIDES + np.hypot(ASIDE - 0.5, 0.34 * SIDES + 0.5)
+)
+
+
+@pytest.fixture
+def grids(database):
+    """Four runs each; one of the ants on 200 x 200 cells has found no path."""
+    for (controller, made), by_spread in zip(MADE.items(), (1.0, 0.0), strict=True):
+        for k, seed in np.ndindex(4, 4):
+            lost = (controller, k, seed) == (ANTS, 2, 3)
+            length, seconds = (values[k] * SPREAD[seed] ** by_spread for values in made)
+            start, target = (SIDES[k] / 2.0, SIDES[k] * 0.1), (SIDES[k] / 2.0, SIDES[k] * 0.9)
+            path = kinked(start, target, 900.0 if lost else length)
+            key, way = (controller, f"block:{SIDES[k]}", seed), path if controller == FEW else ()
+            collision = FEASIBILITY_TOLERANCE * (1.5 if lost or controller == FEW else 0.5)
+            database.add(made_run(key, way, path, collision, seconds))
+    of = {"scenarios": tuple(f"block:{side}" for side in SIDES), "num_seeds": 4, "first_seed": 0}
+    return dataclasses.replace(GRIDS, **of)
+
+
+def test_lengths_on_grids_are_beside_the_shortest(database, grids):
+    tables = make_tables(grids, database)
+    rows = cells_of(tables, "brand-yu-grids-lengths")
+    assert [row["grid"] for row in rows] == [f"{side} x {side}" for side in SIDES for _ in MADE]
+    for number, row in enumerate(rows):
+        k, (length, seconds) = number // 2, list(MADE.values())[number % 2]
+        assert row["method"] == ("glowworms", "ants")[number % 2]
+        assert row["arrived"] == ("3 of 4" if number == 5 else "4 of 4")
+        assert row["mean length"].startswith(f"{length[k]:.1f} [")
+        assert row["above shortest path"] == f"{100.0 * (length[k] / STRAIGHT[k] - 1.0):.1f} %"
+        assert row["against octile"] == f"{100.0 * (length[k] / OCTILE[k] - 1.0):+.1f} %"
+        assert row["seconds"] == f"{seconds[k]:.3f}"
+    assert list(claims_of(tables, "brand-yu-grids-claims").values()) == [
+        ("3 of 4", "200 x 200"),  # all ants arrive
+        ("1 of 3", "100 x 100, 200 x 200"),  # at most 10 % above octile: +9.5, +16.3 and +24.6 %
+        ("1 of 3", "50 x 50, 200 x 200"),  # lengths do not differ: all ants are shorter, between, longer
+        ("1 of 1", "–"),  # fireflies find shorter ways
+        ("1 of 3", "100 x 100, 200 x 200"),  # ants take less time
+        ("1 of 1", "–"),  # fireflies take less time
+    ]
+
+
+def test_exponents_are_those_of_the_powers(database, grids):
+    few, ants = (row[1:] for row in make_tables(grids, database)[2].rows)
+    assert ants == ("1.10", "[1.10, 1.10]", "1.50", "[1.50, 1.50]")
+    _, covariance = np.polyfit(
+        np.log(np.repeat(SIDES, 4)), np.log(np.outer(SIDES, SPREAD).ravel()), 1, cov=True
+    )
+    margin = stats.t.ppf(0.975, 14) * sqrt(covariance[0, 0])
+    assert few[:2] == few[2:] == ("1.00", f"[{1.0 - margin:.2f}, {1.0 + margin:.2f}]")
+
+
+def test_lengths_and_times_are_drawn_against_the_side(database, grids):
+    lengths, times = plan(grids, database)["grids"]().axes
+    for axes, number in ((lengths, 0), (times, 1)):
+        few = line(axes, "glowworms, 26 members")
+        ants = line(axes, "ants, 50 members, 100 iterations")
+        np.testing.assert_allclose(few, [SIDES, MADE[FEW][number]])
+        np.testing.assert_allclose(ants[:, [0, 1, 3]], [SIDES[[0, 1, 3]], MADE[ANTS][number][[0, 1, 3]]])
+        heights = axes.collections[0].get_paths()[0].vertices[:, 1]
+        assert (heights.min(), heights.max()) == pytest.approx(MADE[FEW][number][[0, 3]] * SPREAD[[0, 3]])
+    np.testing.assert_allclose(line(lengths, "shortest path"), [SIDES, STRAIGHT])
+
+
+# Recovery.
+
+
+def test_recovery_is_counted_from_the_row_of_the_event():
+    """The event follows iteration 3: the row of that shows the changed map already."""
+    collisions = [
+        [9, 9, 0, 9, 9, 0, 0],  # feasible before, two iterations after
+        [9, 9, 9, 0, 9, 9, 9],  # at once
+        [0, 0, 9, 9, 9, 9, 9],  # no longer before, never again
+        [0, 0, 0, 0.5, 0.5, 0.5, 9],  # grazes
+    ]
+    spent = 10.0 ** np.arange(7)
+    runs = [made_run(("spsfa", "", 0), best_collision=course, evaluations=spent) for course in collisions]
+    for tolerance, grazing in ((FEASIBILITY_TOLERANCE, (0.0, np.inf, np.inf)), (1.0, (1.0, 0.0, 0.0))):
+        found = Recovery.of(runs, 3, tolerance)
+        assert found.was_feasible.tolist() == [1.0, 0.0, 0.0, 1.0]
+        assert found.stayed_feasible.tolist() == [0.0, 1.0, 0.0, grazing[0]]
+        assert found.iterations.tolist() == [2.0, 0.0, np.inf, grazing[1]]
+        assert found.evaluations.tolist() == [99_000.0, 0.0, np.inf, grazing[2]]
+
+
+SEEDS = ("learned:three-cases/0@1", "learned:three-cases/1@1")
+AGAIN = {"fixed:80": (60, 55, None), SEEDS[0]: (50, 52, 58), SEEDS[1]: (None, None, None)}  # feasible from
+OPTIMA = {"dynamic:case1-gate@50": (299.00284, 299.00284), "dynamic:case3-gate@50": (300.27415, 306.51812)}
+
+
+@pytest.fixture
+def gates(database):
+    """Three runs each, whose courses are random but for feasibility."""
+    rng = np.random.default_rng(0)
+    courses = {}
+    for s, (name, (_, optimum)) in enumerate(OPTIMA.items()):
+        for c, (controller, places) in enumerate(AGAIN.items()):
+            for seed, place in enumerate(places):
+                collision = np.full(101, 9.0)
+                collision[49 if seed else 48] = 0.0
+                collision[101 if place is None else place :] = 0.5 if seed == 1 else 0.0
+                best = rng.uniform(310.0, 400.0, 101)
+                fitness = optimum * (1.1 + 0.1 * seed + 0.03 * c + 0.01 * s)
+                spent = 1000.0 * np.arange(1, 102)
+                of = {"best_fitness": best, "best_collision": collision, "evaluations": spent}
+                database.add(made_run((controller, name, seed), fitness=fitness, **of))
+                courses.setdefault((name, controller), []).append(best)
+    of = {"controllers": tuple(AGAIN), "scenarios": tuple(OPTIMA), "num_seeds": 3, "first_seed": 0}
+    return dataclasses.replace(GATES, **of, tables=("recovery",), figures=("recovery",)), courses
+
+
+def test_recovery_tables_have_quartiles_of_all_training_seeds(database, gates):
+    (table,) = make_tables(gates[0], database)
+    assert [row[:3] for row in table.rows] == [
+        (name, *who) for name in OPTIMA for who in (("FA-80", "3"), ("learned three-cases@1", "6"))
+    ]
+    # Strictly, the second run of each only grazes, and never recovers: medians and quartiles of what is left.
+    fixed = (
+        "67 %, 0 %, 33 %", "never [10, never]", "never [10,000, never]",
+        "67 %, 0 %, 67 %", "10 [5, never]", "10,000 [5,000, never]",
+    )  # fmt: skip
+    learned = (
+        "67 %, 17 %, 33 %", "never [8, never]", "never [8,000, never]",
+        "67 %, 17 %, 50 %", "8 [2, never]", "8,000 [2,000, never]",
+    )  # fmt: skip
+    assert [row[3:9] for row in table.rows] == [fixed, learned] * 2
+    assert [row[9].partition(" [")[0] for row in table.rows] == ["20.00 %", "24.50 %", "21.00 %", "25.50 %"]
+    assert {row[10] for row in table.rows} == {"101,000"}
+
+
+def test_recovery_is_drawn_as_medians_beside_the_optimum_of_the_map_in_force(database, gates):
+    suite, courses = gates
+    panels = plan(suite, database)["recovery"]().axes
+    for axes, (name, optima) in zip(panels, OPTIMA.items(), strict=True):
+        assert axes.get_title() == name
+        for text, controllers in (("FA-80", ("fixed:80",)), ("learned three-cases@1", SEEDS)):
+            made = [course for controller in controllers for course in courses[name, controller]]
+            np.testing.assert_allclose(line(axes, text), [np.arange(101), np.median(made, axis=0)])
+        np.testing.assert_allclose(line(axes, "optimum"), [(0, 50, 100), (*optima, optima[1])], rtol=1e-7)
+        assert [each.get_drawstyle() for each in axes.lines][-2] == "steps-post"
+        assert line(axes, "the obstacle appears")[0].tolist() == [50.0, 50.0]

@@ -1,0 +1,168 @@
+"""Same seed, same bits: alone, in a vector of any width, with any threads, elsewhere, after copying."""
+
+import copy
+import hashlib
+import os
+import pickle
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from helpers.builders import options_for
+from swarm_gym.env import SwarmEnv
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.vector_env import SwarmVectorEnv
+
+OPTIONS = {
+    "scenario": ["case1", "case2", "case3"],
+    "initial_population_size": 12,
+    "max_population_size": 30,
+    "iterations": 8,
+}
+TESTS = Path(__file__).parents[1]
+SEED = 40
+WIDEST = 64
+
+
+def actions(seed):
+    """Eight decisions for the swarm of a seed."""
+    generator = np.random.default_rng(seed)
+    return np.stack([generator.integers(2, 31, 8), generator.random(8).round(1)], axis=1)
+
+
+def alone(seed, optimizer="firefly"):
+    env = SwarmEnv(optimizer, **OPTIONS)
+    env.reset(seed=seed)
+    return [env.step(action) for action in actions(seed)]
+
+
+def assert_same(alone_steps, vector_steps, row):
+    for one, many in zip(alone_steps, vector_steps, strict=True):
+        np.testing.assert_array_equal(one[0], many[0][row])
+        assert one[1] == many[1][row]
+        assert one[2] == many[2][row]
+        np.testing.assert_array_equal(one[4]["best_path"], many[4]["best_path"][row])
+        assert one[4]["best_fitness"] == many[4]["best_fitness"][row]
+
+
+@pytest.fixture(scope="module")
+def singles():
+    return {seed: alone(seed) for seed in range(SEED, SEED + WIDEST)}
+
+
+@pytest.mark.parametrize("width", [1, 2, WIDEST])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_in_any_vector_width_with_any_number_of_threads(singles, width, threads, numba_threads):
+    if threads > numba_threads:
+        pytest.skip(f"this machine has {numba_threads} thread(s)")
+    env = SwarmVectorEnv(width, num_threads=threads, autoreset_mode=AutoresetMode.DISABLED, **OPTIONS)
+    env.reset(seed=SEED)
+    decisions = np.stack([actions(SEED + row) for row in range(width)], axis=1)
+    steps = [env.step(decision) for decision in decisions]
+    for row in range(width):
+        assert_same(singles[SEED + row], steps, row)
+
+
+@pytest.mark.parametrize("optimizer", OPTIMIZERS)
+def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
+    env = SwarmVectorEnv(5, optimizer=optimizer, autoreset_mode=AutoresetMode.DISABLED, **OPTIONS)
+    env.reset(seed=SEED)
+    decisions = np.stack([actions(SEED + row) for row in range(5)], axis=1)
+    steps = [env.step(decision) for decision in decisions]
+    for row in range(5):
+        assert_same(alone(SEED + row, optimizer), steps, row)
+
+
+@pytest.mark.parametrize(
+    "maps", [{}, {"scenario": ["rooms:0-1"], "encoding": "bezier"}], ids=["analytic", "grid"]
+)
+@pytest.mark.parametrize("optimizer", OPTIMIZERS)
+@pytest.mark.parametrize(
+    "duplicate",
+    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
+    ids=["deep", "pickle"],
+)
+def test_after_copying_in_mid_episode(duplicate, optimizer, maps):
+    env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
+    env.reset(seed=SEED)
+    decisions = actions(SEED)
+    for action in decisions[:4]:
+        env.step(action)
+    twin = duplicate(env)
+    rest = [env.step(action) for action in decisions[4:]]
+    for one, action in zip(rest, decisions[4:], strict=True):
+        other = twin.step(action)
+        np.testing.assert_array_equal(one[0], other[0])
+        assert one[1] == other[1]
+    # The next episode follows from the same seed too.
+    np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
+
+
+@pytest.mark.parametrize(
+    "duplicate",
+    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
+    ids=["deep", "pickle"],
+)
+def test_vectors_after_copying_in_mid_episode(duplicate):
+    env = SwarmVectorEnv(3, **OPTIONS)
+    env.reset(seed=SEED)
+    env.step(np.tile([9, 0.5], (3, 1)))
+    twin = duplicate(env)
+    for _ in range(12):  # past the end of the episode
+        one, other = env.step(np.tile([9, 0.5], (3, 1))), twin.step(np.tile([9, 0.5], (3, 1)))
+        np.testing.assert_array_equal(one[0], other[0])
+        np.testing.assert_array_equal(one[1], other[1])
+
+
+def fingerprint():
+    digest = hashlib.sha256()
+    for observation, reward, *_, info in alone(SEED):
+        digest.update(observation.tobytes())
+        digest.update(np.float64(reward).tobytes())
+        digest.update(info["best_path"].tobytes())
+    return digest.hexdigest()
+
+
+def fingerprint_elsewhere(**environment):
+    code = "from test_determinism import fingerprint; print(fingerprint())"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=Path(__file__).parent,
+        env={**os.environ, "PYTHONPATH": str(TESTS), **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def test_in_a_subprocess():
+    assert fingerprint_elsewhere() == fingerprint()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
+@pytest.mark.parametrize("processor", ["x86-64", "haswell"])
+def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
+    # Two and four lanes at a time instead of, perhaps, eight; whatever the processor here is called.
+    found = fingerprint_elsewhere(
+        NUMBA_CPU_NAME=processor, NUMBA_CPU_FEATURES="", SWARM_GYM_CACHE=str(tmp_path)
+    )
+    assert found == fingerprint()
+
+
+@pytest.mark.slow
+def test_compiled_anew_and_read_from_the_cache(tmp_path):
+    found = [fingerprint_elsewhere(SWARM_GYM_CACHE=str(tmp_path)) for _ in range(2)]
+    assert any(tmp_path.rglob("*.nbi"))
+    assert found == [fingerprint()] * 2
+
+
+def test_different_seeds_differ(singles):
+    first = {tuple(steps[0][0]) for steps in singles.values()}
+    assert len(first) == WIDEST

@@ -1,0 +1,521 @@
+"""Input of any kind: only documented errors, in bounded time and memory; what was refused changed nothing."""
+
+import json
+import math
+import pickle
+from contextlib import suppress
+from functools import partial
+
+import gymnasium
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from agents import make_controller
+from agents.training.presets import PRESETS, PresetError, load_preset
+from helpers.mutations import bounded_memory, fuzzed, mutated
+from helpers.parsers import decides
+from swarm_gym.controllers.distilled import DistilledFileError, shipped_rules
+from swarm_gym.controllers.learned.policy_file import PolicyFileError
+from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.packaged import MAX_TEXT_FILE
+from swarm_gym.controllers.tuned import TunedFileError, shipped_tuned
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import (
+    ActionError,
+    ScenarioError,
+    SettingError,
+    StepOrderError,
+    SwarmGymError,
+    UnknownNameError,
+)
+from swarm_gym.optimizers import firefly  # noqa: F401, which takes seconds that no example shall wait for
+from swarm_gym.scenarios import (
+    FAMILIES,
+    Appear,
+    Circle,
+    Disappear,
+    Drive,
+    DynamicScenario,
+    FunctionScenario,
+    Move,
+    Polygon,
+    Scenario,
+    expand_name,
+    make_scenario,
+    sample_names,
+)
+from swarm_gym.scenarios.family import MAX_RANGE
+from swarm_gym.scenarios.formats import moving_ai
+from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEM_FILE, read_scenarios
+from swarm_gym.vector_env import SwarmVectorEnv
+
+pytest.importorskip("PIL", reason="needs the extra `maps`")
+pytest.importorskip("yaml", reason="needs the extra `maps`")
+
+HUGE = 10**5000  # more digits than Python writes
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A data folder with a map, beside one with the same map."""
+    for name in ("data", "elsewhere"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "small.map").write_bytes(b"type octile\nheight 1\nwidth 3\nmap\n...\n")
+        (tmp_path / name / "small.map.scen").write_bytes(b"version 1\n0\tsmall.map\t3\t1\t0\t0\t2\t0\t2\n")
+        (tmp_path / name / "small.pgm").write_bytes(b"P5\n3 1\n255\n" + bytes([254] * 3))
+        (tmp_path / name / "small.yaml").write_text(
+            "image: small.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\n"
+            "occupied_thresh: 0.6\nfree_thresh: 0.2"
+        )
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path / "data"))
+    return tmp_path / "data"
+
+
+# Names.
+
+PIECES = st.sampled_from(
+    [*FAMILIES, *sample_names(), "train", "small", ":", "-", "0", "@", "#", "?start=", "&goal=", "0,0", "2,0",
+     "1e9", "9" * 9, "9" * 12, "..", "/", "\\", "\0", "~", "-drive@1,every=1,distance=1", "shifted:", "P1"]
+)  # fmt: skip
+names = st.text(max_size=30) | st.lists(PIECES | st.text(max_size=3), max_size=8).map("".join)
+
+
+@given(name=names)
+@example(name="dynamic:" * 300 + "case1" + "-drive@1,every=1,distance=1" * 300)
+@example(name="random-fields:train:0-999999")
+@example(name="dynamic:random-fields:train:0-999999-drive@1,every=1,distance=1")
+@example(name="function:easom-2-shifted:0-999999")
+@example(name="dynamic:" + "-a" * 10_000)
+@example(name="ros:" + "?start=" * 5_000)
+@example(name="moving-ai:" + "#" * 10_000)
+@fuzzed
+def test_any_text_names_scenarios_or_is_refused(folder, name):
+    with suppress(SwarmGymError):
+        assert 0 < len(expand_name(name)) <= MAX_RANGE
+
+
+@given(name=names)
+@example(name="moving-ai:" + "a" * 5000 + "#0")
+@example(name="ros:\ud800?start=0,0&goal=1,0")
+@fuzzed
+def test_any_text_makes_a_scenario_or_is_refused(folder, name):
+    if not name.startswith(("block", "open", "dynamic:open")):  # up to 4000 x 4000 cells, which are meant
+        with suppress(SwarmGymError):
+            assert make_scenario(name).name == name
+
+
+@pytest.mark.parametrize(
+    "family", ["random-fields:train:", "rooms:", "function:easom-2-shifted:", "moving-ai:a#"]
+)
+@pytest.mark.parametrize("numbers", ["0-99999999999", "0-999999999", f"0-{MAX_RANGE}", "5-1"])
+def test_a_range_that_is_too_long_is_refused(family, numbers):
+    with bounded_memory(), pytest.raises(ScenarioError):
+        expand_name(family + numbers)
+
+
+@pytest.mark.parametrize("name", [None, 3, [HUGE], b"case1", ["case1"], {}, float("nan"), ["a" * 10**6]])
+def test_what_is_no_text_is_refused_shortly(name):
+    with pytest.raises(SwarmGymError) as caught:
+        make_scenario(name)
+    assert len(str(caught.value)) < 2000
+
+
+# Paths.
+
+
+@pytest.mark.parametrize(
+    "stem", ["../elsewhere/small", "movingai/../../elsewhere/small", "..", "./../elsewhere/small", "~/small"]
+)
+def test_a_relative_name_does_not_leave_the_data_folder(folder, stem):
+    for name in (f"moving-ai:{stem}#0", f"ros:{stem}?start=0.5,0.5&goal=2.5,0.5"):
+        with pytest.raises(ScenarioError):
+            make_scenario(name)
+
+
+@pytest.mark.parametrize("linked", ["file", "folder"])
+def test_a_link_does_not_lead_out_of_the_data_folder(folder, linked):
+    elsewhere = folder.parent / "elsewhere"
+    if linked == "folder":
+        (folder / "ros").symlink_to(elsewhere)
+    for kind in ("map", "map.scen", "yaml", "pgm"):
+        (folder / f"small.{kind}").unlink()
+        if linked == "file":
+            (folder / f"small.{kind}").symlink_to(elsewhere / f"small.{kind}")
+    for name in ("moving-ai:small#0", "ros:small?start=0.5,0.5&goal=2.5,0.5"):
+        with pytest.raises(ScenarioError, match=f"leads out of the folder {folder}.*elsewhere"):
+            make_scenario(name)
+
+
+def test_a_link_within_the_data_folder_is_followed(folder):
+    (folder / "ros").mkdir()
+    (folder / "ros/other.map").symlink_to(folder / "small.map")
+    assert make_scenario("moving-ai:other?start=0,0&goal=2,0").target == (2.0, 0.0)
+
+
+def test_the_data_folder_itself_may_be_a_link(folder, monkeypatch):
+    (folder.parent / "link").symlink_to(folder)
+    monkeypatch.setenv("SWARM_GYM_DATA", str(folder.parent / "link"))
+    assert make_scenario("moving-ai:small#0").target == (2.0, 0.0)
+
+
+@pytest.mark.parametrize("image", ["/etc/hostname", "../elsewhere/small.pgm", "linked.pgm", "absolute"])
+def test_the_image_of_a_map_is_in_its_folder(folder, image):
+    other = folder.parent / "elsewhere/small.pgm"
+    (folder / "linked.pgm").symlink_to(other)
+    path = folder / "small.yaml"
+    path.write_text(path.read_text().replace("small.pgm", str(other) if image == "absolute" else image))
+    with pytest.raises(ScenarioError, match="folder"):
+        make_scenario("ros:small?start=0.5,0.5&goal=2.5,0.5")
+
+
+def test_the_map_that_a_problem_names_is_not_opened(folder):
+    path = folder / "small.map.scen"
+    path.write_bytes(path.read_bytes().replace(b"small.map", b"../../../etc/passwd"))
+    assert make_scenario("moving-ai:small#0").map == make_scenario("moving-ai:small?start=0,0&goal=2,0").map
+
+
+# Files that take more than they give.
+
+
+def test_a_yaml_file_that_is_small_because_it_repeats_itself_is_refused(folder):
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
+    path = folder / "small.yaml"
+    path.write_text("\n".join([*lines, path.read_text().replace("[0, 0, 0]", "*a11")]))
+    with bounded_memory(), pytest.raises(ScenarioError, match="origin must be"):
+        make_scenario("ros:small?start=0.5,0.5&goal=2.5,0.5")
+
+
+@pytest.mark.parametrize("line", [b"\n", b"a\n", b"ab\n", b"0\ta\t1\t1\t0\t0\t0\t0\t0\n", b"a"])
+def test_a_long_file_of_problems_is_not_kept_in_memory(folder, line, monkeypatch):
+    monkeypatch.setattr(moving_ai, "MAX_PROBLEMS", 1000)
+    path = folder / "small.map.scen"
+    path.write_bytes(b"version 1\n" + line * ((MAX_PROBLEM_FILE - 10) // len(line)))
+    with bounded_memory(2**21), pytest.raises(ScenarioError, match=r"line \d+"):
+        read_scenarios(path)
+
+
+# Scenarios that are made of parts.
+
+numbers = st.floats() | st.integers() | st.sampled_from([0.0, 1.0, 5e-324, 1e308, 1e9, 1e-9, HUGE, -HUGE])
+things = numbers | st.none() | st.booleans() | st.text(max_size=3) | st.sampled_from(["1", b"2", [], {}, 1j])
+points = st.tuples(things, things) | st.lists(things, max_size=3) | things
+circles = st.tuples(things, things, things)
+corners = st.lists(st.tuples(numbers, numbers), max_size=5) | things
+
+
+@given(circle=circles, vertices=corners, extremes=st.tuples(things, things, things, things))
+@example(circle=("1", "2", "3"), vertices=[(0, 0), (1e200, 0), (0, 1e200)], extremes=("a", 0, 1, 1))
+@example(circle=(0, 0, HUGE), vertices=[(HUGE, 0)], extremes=(0, 0, HUGE, 1))
+@fuzzed
+def test_obstacles_of_anything_are_well_formed_or_refused(circle, vertices, extremes):
+    for make in (lambda: Circle(*circle), lambda: Polygon(vertices), lambda: Polygon.rectangle(*extremes)):
+        with suppress(ScenarioError):
+            obstacle = make()
+            assert math.isfinite(obstacle.depth((0.5, 0.5)))
+            hash(obstacle)
+
+
+@given(
+    name=things, start=points, target=points, obstacles=st.lists(st.just(Circle(1, 1, 1)) | things) | things,
+    workspace=st.tuples(things, things, things, things) | things, initial_range=points,
+)  # fmt: skip
+@example(
+    name=HUGE, start=(0, 0), target=(1, 0), obstacles=[HUGE], workspace=(0, 0, 1, 1), initial_range=None
+)  # fmt: skip
+@fuzzed
+def test_a_scenario_of_anything_is_well_formed_or_refused(**parts):
+    with suppress(ScenarioError):
+        made = Scenario(**parts)
+        assert 0 < made.straight_line < np.inf
+
+
+@given(dimension=things, optimum=st.lists(things, max_size=3).map(tuple) | things)
+@fuzzed
+def test_a_test_function_of_anything_is_well_formed_or_refused(dimension, optimum):
+    with suppress(SwarmGymError):
+        assert len(FunctionScenario("any", "easom", dimension, optimum).optimum) == dimension
+
+
+events = st.sampled_from([Appear, Move, Disappear, Drive]).flatmap(
+    lambda kind: st.tuples(*[things | st.integers(0, 3) | st.just(Circle(500, 500, 1))]
+                           * (2 if kind in (Appear, Disappear) else 3)).map(lambda parts: (kind, parts))
+)  # fmt: skip
+
+
+@given(listed=st.lists(events, max_size=3))
+@example(listed=[(Appear, (HUGE, None))])
+@example(listed=[(Move, (1, 0, (1e9, 0))), (Move, (1, 0, (1e9, 0)))])
+@fuzzed
+def test_events_of_anything_happen_or_are_refused(listed):
+    with suppress(SwarmGymError):
+        made = [kind(*parts) for kind, parts in listed]
+        drives = [event for event in made if isinstance(event, Drive)]
+        happening = [event for event in made if not isinstance(event, Drive)]
+        DynamicScenario("any", make_scenario("case1"), happening, drives[0] if drives else None)
+
+
+# Presets and controllers.
+
+PRESET = (PRESETS / "three-cases.toml").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
+TOML = (
+    b"[",
+    b"{",
+    b"=",
+    b'"',
+    b"'''",
+    b"9" * 5000,
+    b"nan",
+    b"inf",
+    b"[[a]]",
+    b"1979-05-27",
+    b"like = 'mine'",
+)
+
+
+@given(content=mutated(PRESET, *TOML) | st.binary(max_size=60))
+@example(content=b"seed = " + b"9" * 5000)
+@example(content=b"hidden_layers = " + b"[" * 5000)
+@example(content=b"like = '" + b"a" * 5000 + b"'")
+@example(content=b"#" * (MAX_TEXT_FILE + 1))
+@example(content=b"a." * 2000 + b"a = 1")
+@fuzzed
+def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
+    (tmp_path / "mine.toml").write_bytes(content)
+    with suppress(PresetError):
+        load_preset(str(tmp_path / "mine.toml"))
+
+
+def shipped_file(kind):
+    from swarm_gym.controllers import distilled, open_loop, tuned
+
+    folders = {"open-loop": (open_loop.OPEN_LOOPS, shipped_open_loops()),
+               "tuned": (tuned.TUNED, shipped_tuned()),
+               "distilled": (distilled.DISTILLED, shipped_rules())}  # fmt: skip
+    folder, found = folders[kind]
+    name = next((name for name in found if name.startswith("three-cases")), found[0])
+    return json.loads((folder / f"{name}.json").read_text())
+
+
+KINDS = {"open-loop": OpenLoopFileError, "tuned": TunedFileError, "distilled": DistilledFileError}
+JSON = (b"null", b"-1", b"[", b"{", b'"', b"1e999", b"NaN", b"9" * 5000, b"9" * 18, b"0.5", b"[]", b"{}")
+
+
+def decides_or_is_refused(name, error):
+    # What a file of a tuned controller names may be unknown or out of range.
+    with suppress(error, *((ValueError,) if error is TunedFileError else ())):
+        decides(name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.fuzzed
+def test_of_any_bytes_a_controller_is_read_or_refused(tmp_path, kind):
+    whole = shipped_file(kind)
+    whole.pop("manifest", None)
+    path = tmp_path / "some.json"
+
+    @given(content=mutated(json.dumps(whole).encode(), *JSON) | st.binary(max_size=60))
+    @example(content=b"[" * 100_000)
+    @example(content=b"9" * 5000)
+    @example(content=b" " * (MAX_TEXT_FILE + 1))
+    @fuzzed
+    def check(content):
+        path.write_bytes(content)
+        decides_or_is_refused(f"{kind}:{path}", KINDS[kind])
+
+    check()
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.fuzzed
+def test_whatever_a_file_says_it_is_a_controller_or_refused(tmp_path, kind):
+    whole, path = shipped_file(kind), tmp_path / "some.json"
+
+    @given(changes=st.dictionaries(st.sampled_from(sorted(whole)), json_values, min_size=1, max_size=3))
+    @example(changes={"knots": [0, 10**18]} if kind == "open-loop" else {})
+    @example(changes={"knots": [0, 10**30]} if kind == "open-loop" else {})
+    @example(changes={"initial_population_size": 40.5})
+    @example(changes={"initial_population_size": float("nan")})
+    @fuzzed
+    def check(changes):
+        path.write_text(json.dumps({**whole, **changes}))
+        decides_or_is_refused(f"{kind}:{path}", KINDS[kind])
+
+    check()
+
+
+def test_knots_have_an_end(tmp_path):
+    path = tmp_path / "some.json"
+    whole = {"initial_population_size": 6, "sizes": [6, 9], "repair_degrees": [0, 1], "knobs": {}}
+    path.write_text(json.dumps({**shipped_file("open-loop"), **whole, "knots": [0, MAX_KNOT + 1]}))
+    with pytest.raises(OpenLoopFileError, match=f"knots go up to {MAX_KNOT}"):
+        make_controller(f"open-loop:{path}")
+
+
+@given(family=st.sampled_from(sorted({*KINDS, "learned", "fixed", "spsfa", "random"})), argument=names)
+@example(family="learned", argument="a" * 5000)
+@example(family="tuned", argument="a\0b")
+@example(family="fixed", argument="9" * 5000)
+@example(family="fixed", argument="\u00b2")
+@fuzzed
+def test_any_name_of_a_controller_is_one_or_refused(family, argument):
+    with suppress(ValueError, PolicyFileError):
+        make_controller(f"{family}:{argument}")
+
+
+# Environments.
+
+SMALL = {"initial_population_size": 4, "max_population_size": 6, "iterations": 3, "num_waypoints": 5}
+ALWAYS = np.array([4.0, 0.5])
+
+
+class Stubborn:
+    """What makes no array of itself."""
+
+    def __array__(self, dtype=None, copy=None):
+        raise RuntimeError("no")
+
+
+class Mute(Stubborn):
+    """What does not even say what it is."""
+
+    def __repr__(self):
+        raise RuntimeError("no")
+
+
+def nested(depth):
+    """A list in a list in a list."""
+    value = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+DTYPES = ["f2", "f4", "f8", "g", "i1", "i8", "u8", "?", "c16", "U3", "S3", "O", "M8[s]", "m8[s]", "V4"]
+shapes = st.lists(st.integers(0, 3), max_size=4).map(tuple)
+arrays = st.builds(lambda dtype, shape: np.zeros(shape, dtype), st.sampled_from(DTYPES), shapes)
+odd = st.sampled_from([Stubborn(), HUGE, [HUGE, 0], [[1, 2], [3]], {}, {1: 2}, object(), "4", b"4", range(2)])
+vectors = st.lists(st.floats() | st.integers(), min_size=2, max_size=2).map(np.array)
+anything = things | arrays | odd | vectors | st.lists(things, max_size=3)
+
+
+def state_of(env):
+    """All that the next steps depend on: populations, histories, and what is drawn from."""
+    inner = env.simulation
+    own = {name: value for name, value in vars(inner).items() if isinstance(value, np.ndarray)}
+    drawn = getattr(env, "_generators", None) or [env.np_random]
+    return pickle.dumps((tuple(inner.swarms), own, [generator.bit_generator.state for generator in drawn]))
+
+
+@pytest.fixture(scope="module")
+def single():
+    env = SwarmEnv(**SMALL)
+    env.reset(seed=0)
+    env.step(ALWAYS)  # compiled here: no example shall wait for it
+    return env
+
+
+@pytest.fixture(scope="module")
+def vector():
+    env = SwarmVectorEnv(2, **SMALL, num_threads=1)
+    env.reset(seed=0)
+    env.step(np.tile(ALWAYS, (2, 1)))
+    return env
+
+
+def went_well(env, call, *documented):
+    """Whether a call was carried out; if not, for a documented reason, nothing has changed."""
+    before = state_of(env)
+    try:
+        call()
+    except documented as error:
+        message = str(error)
+    else:
+        return True
+    assert len(message) < 5000
+    assert state_of(env) == before
+    return False
+
+
+def as_good_as_new(env):
+    """Hold an environment that was treated badly against a new one."""
+    new = type(env)(**SMALL) if isinstance(env, SwarmEnv) else type(env)(2, **SMALL, num_threads=1)
+    action = ALWAYS if isinstance(env, SwarmEnv) else np.tile(ALWAYS, (2, 1))
+    np.testing.assert_array_equal(env.reset(seed=1)[0], new.reset(seed=1)[0])
+    np.testing.assert_array_equal(env.step(action)[0], new.step(action)[0])
+
+
+@pytest.mark.parametrize("kind", ["single", "vector"])
+@pytest.mark.fuzzed
+def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(request, kind):
+    env = request.getfixturevalue(kind)
+    env.reset(seed=0)
+
+    @given(action=anything | st.tuples(anything, anything).map(list))
+    @example(action=np.array([np.longdouble("1e4000"), 0]))
+    @example(action=np.ma.masked_array([4.0, 0.5], [True, False]))
+    @fuzzed
+    def check(action):
+        if went_well(env, lambda: env.step(action), ActionError, StepOrderError):
+            env.reset(seed=0)  # so that no episode ends
+
+    check()
+    as_good_as_new(env)
+
+
+# What cannot be printed, so that Hypothesis cannot, either.
+@pytest.mark.parametrize("kind", ["single", "vector"])
+@pytest.mark.parametrize("make", [Mute, lambda: nested(5000), lambda: [HUGE]], ids=["mute", "deep", "huge"])
+def test_what_cannot_be_shown_is_refused(request, kind, make):
+    env = request.getfixturevalue(kind)
+    env.reset(seed=0)
+    assert not went_well(env, lambda: env.step(make()), ActionError)
+    for wrong in (make(), {"initial_population": make()}, {"scenario": make()}, {"more": make()}):
+        call = partial(env.reset, options=wrong)
+        assert not went_well(env, call, SettingError, UnknownNameError)
+    if kind == "vector":
+        assert not went_well(env, lambda: env.reset(seed=make()), SettingError, gymnasium.error.Error)
+
+
+KEYS = st.sampled_from(
+    ["scenario", "initial_population_size", "initial_population", "reset_mask", "more", 3, None]
+)
+options = st.dictionaries(KEYS, anything | st.sampled_from(["case1", "case2", 4, 5, 7]), max_size=3)
+
+
+@pytest.mark.parametrize("kind", ["single", "vector"])
+@pytest.mark.fuzzed
+def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(request, kind):
+    env = request.getfixturevalue(kind)
+    env.reset(seed=0)
+
+    @given(
+        seed=anything | st.integers(0, 3) | st.lists(st.integers() | st.none(), max_size=2),
+        given=options | anything,
+    )
+    @example(seed=None, given={"initial_population": np.full((4, 5), np.longdouble("1e4000"))})
+    @example(seed=None, given={"initial_population": [[HUGE] * 5] * 4})
+    @example(seed=None, given={"initial_population": Stubborn()})
+    @example(seed=None, given={"scenario": np.array(["case1", "case1"])})
+    @example(seed=None, given=np.zeros(3))
+    @example(seed=1.5, given=None)
+    @example(seed=-HUGE, given=None)
+    @example(seed=np.zeros(()), given=None)
+    @example(seed=5, given={"scenario": "case9"})
+    @example(seed=[3, -1], given=None)
+    @fuzzed
+    def check(seed, given):
+        documented = SettingError, UnknownNameError, gymnasium.error.Error
+        went_well(env, lambda: env.reset(seed=seed, options=given), *documented)
+
+    check()
+    as_good_as_new(env)

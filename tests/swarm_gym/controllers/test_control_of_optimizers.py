@@ -1,0 +1,81 @@
+"""Every optimizer is driven by schedules and by policies, on both kinds of map."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from agents import make_controller
+from agents.evaluation.rollout import run_episodes
+from agents.training.config import TrainConfig
+from agents.training.run import TrainingRun
+from helpers.builders import options_for
+from helpers.trainings import make_policy
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.vector_env import SwarmVectorEnv
+
+MAPS = {"analytic": {"scenario": "case3"}, "grid": {"scenario": "rooms:0", "encoding": "bezier"}}
+both = pytest.mark.parametrize("kind", MAPS)
+all_optimizers = pytest.mark.parametrize("optimizer", OPTIMIZERS)
+
+
+@both
+@all_optimizers
+def test_the_schedule_decides_by_the_collision_that_it_sees(optimizer, kind):
+    schedule = make_controller("spsfa-tip")
+    schedule.reset(2)
+    envs = SwarmVectorEnv(
+        2, optimizer, iterations=6, **schedule.env_options(), **options_for(optimizer, **MAPS[kind])
+    )
+    observations, _ = envs.reset(seed=3)
+    sizes = []
+    for _ in range(6):
+        actions = schedule.act(observations)
+        observations, _, _, _, info = envs.step(actions)
+        sizes.append(info["population_size"])
+        # MOA has fewer members than it was asked for where lists are short.
+        assert (info["population_size"] <= np.round(actions[:, 0])).all()
+        assert (observations[:, 0] >= 0.0).all()
+    assert len({tuple(size) for size in sizes}) > 1
+
+
+@both
+@all_optimizers
+def test_a_policy_drives_it_alike_in_every_run(optimizer, kind, tmp_path):
+    path = make_policy(tmp_path / "policy.safetensors", np.random.default_rng(0), optimizer=optimizer)
+    options = {"iterations": 6, **options_for(optimizer, **MAPS[kind])}
+    scenario = options.pop("scenario")
+    runs = [
+        run_episodes(make_controller(f"learned:{path}"), scenario, range(3), optimizer, **options)
+        for _ in range(2)
+    ]
+    assert runs[0].sizes.tolist() == runs[1].sizes.tolist()
+    assert runs[0].final_fitness.tolist() == runs[1].final_fitness.tolist()
+    assert (runs[0].evaluations > 80).all()
+
+
+@pytest.mark.slow
+def test_short_trainings_by_ppo_beat_a_fixed_size_at_fewer_evaluations(tmp_path):
+    """On average; one may end below it."""
+    config = TrainConfig(
+        runs=tmp_path,
+        algorithm="ppo",
+        optimizer="particle-swarm",
+        scenarios=("case1",),
+        warm_start="none",
+        initial_population_size=65,
+        price=(1.0,),
+        log_std=-1.0,
+        total_steps=96_000,
+        validation_seeds=32,
+    )
+    policies = [
+        TrainingRun(dataclasses.replace(config, name=f"ppo-{seed}", seed=seed)).run() for seed in range(3)
+    ]
+    *learned, fixed = (
+        run_episodes(make_controller(name), "case1", range(5000, 5100), "particle-swarm", price=1.0)
+        for name in (*(f"learned:{policy}" for policy in policies), "fixed:65")
+    )
+    assert all(episodes.evaluations.mean() < fixed.evaluations.mean() for episodes in learned)
+    returns = np.mean([episodes.returns for episodes in learned])
+    assert returns > fixed.returns.mean() + 0.05

@@ -1,0 +1,246 @@
+"""Every controller by name: contract, independence of the width, refusals, policy files."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from agents import CONTROLLERS, Controller, SizeLimits, make_controller
+from agents.evaluation.rollout import run_episodes
+from helpers.trainings import make_policy
+from swarm_gym.action import make_action
+from swarm_gym.controllers.distilled import shipped_rules
+from swarm_gym.controllers.learned import policy_file
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import (
+    PolicyFileError,
+    load_policy,
+    save_policy,
+    shipped_policies,
+)
+from swarm_gym.controllers.open_loop import OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.tuned import FORMAT, TunedFileError, shipped_tuned
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.settings import Settings
+
+ARGUMENTS = {
+    "fixed": ["60", "2", "200"],
+    "distilled": shipped_rules(),
+    "open-loop": shipped_open_loops(),
+    "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
+    "linear-reduction": ["", "start=120,smallest=20"],
+    "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
+    "learned": shipped_policies(),
+    "spsfa": ["", "growth=500,smallest=20"],
+    "tuned": shipped_tuned(),
+    "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
+}
+NAMES = [
+    f"{family}:{argument}" if argument else family
+    for family in CONTROLLERS
+    for argument in ARGUMENTS.get(family, [""])
+]
+
+
+def random_observations(layout, rng, count):
+    """Plausible observations of a layout; the first is of iteration 0."""
+    if "+" in layout:
+        parts = [random_observations(part, rng, count) for part in layout.split("+")]
+        return np.concatenate(parts, axis=1)
+    width = len(OBSERVATIONS[layout].features)
+    observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
+    observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
+    return observations.astype(OBSERVATIONS[layout].dtype)
+
+
+@pytest.fixture
+def policy(tmp_path):
+    return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_controller_keeps_the_protocol_and_the_limits(name):
+    controller = make_controller(name)
+    assert isinstance(controller, Controller)
+    assert 2 <= controller.initial_population_size <= 200
+    rng = np.random.default_rng(1)
+    controller.reset(7, seed=3)
+    for step in range(5):
+        observations = random_observations(controller.observation, rng, 7)
+        observations[:, 3] = 0 if step == 0 else observations[:, 3]
+        actions = controller.act(observations)
+        options = {"action": controller.action, "max_evaluations": controller.max_evaluations}
+        layout = make_action(Settings(**options), Firefly)
+        assert actions.shape == (7, *layout.space.shape)
+        assert ((actions >= layout.space.low) & (actions <= layout.space.high)).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(name):
+    rng = np.random.default_rng(2)
+    wide = make_controller(name)
+    observations = [random_observations(wide.observation, rng, 64) for _ in range(4)]
+    observations[0][:, 3] = 0
+    wide.reset(64, seed=10)
+    together = [wide.act(step) for step in observations]
+    for rows in ([0], [63], [5, 6], [17, 18, 19]):
+        narrow = make_controller(name)
+        narrow.reset(len(rows), seed=10 + rows[0])
+        for step, decided in zip(observations, together, strict=True):
+            np.testing.assert_array_equal(narrow.act(step[rows]), decided[rows])
+
+
+def test_random_covers_the_action_space_and_is_seeded():
+    controller = make_controller("random", SizeLimits(10, 20))
+    draws = []
+    for _ in range(2):
+        controller.reset(400, seed=5)
+        draws.append(controller.act(np.zeros((400, 4))))
+    np.testing.assert_array_equal(*draws)
+    assert draws[0][:, 0].min() < 10.5
+    assert draws[0][:, 0].max() > 19.5
+    assert 0 <= draws[0][:, 1].min() < 0.05
+    assert 0.95 < draws[0][:, 1].max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "message"),
+    [
+        (
+            "spfsa",
+            UnknownNameError,
+            "spfsa.*distilled.*fixed.*learned.*linear-reduction.*spsfa-tip.*tuned",
+        ),
+        ("", UnknownNameError, "''"),
+        ("fixed", ValueError, "population size, as fixed:60"),
+        ("fixed:sixty", ValueError, "fixed:sixty"),
+        ("fixed:0", ValueError, "0"),
+        ("fixed:10001", ValueError, "10001"),
+        ("fixed:-5", ValueError, "-5"),
+        ("spsfa:3", ValueError, "3"),
+        ("learned:nowhere", PolicyFileError, "nowhere"),
+        ("learned", PolicyFileError, "neither"),
+        ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a shipped one"),
+        ("tuned:nowhere", TunedFileError, "nowhere.*neither a shipped one"),
+    ],
+)
+def test_unknown_controllers_are_refused(name, error, message):
+    with pytest.raises(error, match=message):
+        make_controller(name)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "not a readable"),
+        ("[]", "not a readable"),
+        ({"format": "something"}, "expected format"),
+        ({"format": FORMAT}, "controller"),
+        ({"format": FORMAT, "controller": 3}, "got 3"),
+        ({"format": FORMAT, "controller": "tuned:itself"}, "tuned:itself"),
+    ],
+)
+def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, message):
+    path = tmp_path / "some.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content))
+    with pytest.raises(TunedFileError, match=message):
+        make_controller(f"tuned:{path}")
+
+
+def test_policy_equals_the_network_it_was_saved_from(policy):
+    torch = pytest.importorskip("torch")
+    weights, _ = load_policy(policy)
+    controller = load_learned(policy)
+    observations = random_observations("extended", np.random.default_rng(3), 50)
+    with torch.no_grad():
+        x = torch.as_tensor(observations)
+        x = torch.tanh(
+            torch.as_tensor(weights["0.weight"]) @ x.T + torch.as_tensor(weights["0.bias"])[:, None]
+        )
+        x = torch.as_tensor(weights["1.weight"]) @ x + torch.as_tensor(weights["1.bias"])[:, None]
+        means = np.clip(x.T.numpy(), -1.0, 1.0)
+    np.testing.assert_allclose(controller.act(observations), means, atol=1e-6)
+
+
+def test_a_missing_policy_names_the_shipped_ones():
+    with pytest.raises(PolicyFileError, match="shipped policy"):
+        make_controller("learned:no-such-policy")
+
+
+def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(policy_file, "POLICIES", tmp_path)
+    rng = np.random.default_rng(0)
+    for name in ("alone", "recipe/0", "recipe/1"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        make_policy(tmp_path / f"{name}.safetensors", rng)
+    assert shipped_policies() == ["alone", "recipe/0", "recipe/1"]
+    digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in shipped_policies()}
+    assert len(digests) == 3
+    for name in ("recipe", "recipe/2"):
+        with pytest.raises(PolicyFileError, match=r"shipped policy \(alone, recipe/<seed>\)"):
+            make_controller(f"learned:{name}")
+
+
+@pytest.mark.parametrize("kept", [0, 4, 100, -1])
+def test_a_truncated_policy_is_refused(policy, kept):
+    policy.write_bytes(policy.read_bytes()[:kept])
+    with pytest.raises(PolicyFileError, match=str(policy)):
+        load_learned(policy)
+
+
+def test_a_tampered_policy_is_refused(policy):
+    data = bytearray(policy.read_bytes())
+    data[-3] ^= 1
+    policy.write_bytes(bytes(data))
+    with pytest.raises(PolicyFileError, match="digest"):
+        load_learned(policy)
+
+
+def test_a_policy_that_is_something_else_is_refused(policy):
+    policy.write_bytes(b"PK\x03\x04 a zip file, say, that would be unpickled elsewhere")
+    with pytest.raises(PolicyFileError, match="readable"):
+        load_learned(policy)
+    header = json.dumps({"__metadata__": {"manifest": "[1]"}}).encode()
+    policy.write_bytes(struct.pack("<Q", len(header)) + header)
+    with pytest.raises(PolicyFileError, match="format"):
+        load_learned(policy)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"observation": "everything"}, "everything"),
+        ({"action": "raw"}, "raw"),
+        ({"features": ["temperature"]}, "temperature"),
+        ({"hidden_layers": [9]}, "tensor '0.weight'"),
+        ({"hidden_layers": [8, 8]}, "tensor '1.weight'"),
+        ({"max_population_size": 50}, "50"),
+    ],
+)
+def test_a_policy_for_something_else_is_refused(tmp_path, changes, message):
+    path = tmp_path / "other.safetensors"
+    make_policy(path, np.random.default_rng(0))
+    weights, manifest = load_policy(path)
+    save_policy(path, weights, {**manifest, **changes})
+    with pytest.raises(PolicyFileError, match=message):
+        load_learned(path)
+
+
+def test_a_manifest_without_a_required_entry_is_refused(policy):
+    weights, manifest = load_policy(policy)
+    del manifest["initial_population_size"]
+    save_policy(policy, weights, manifest)
+    with pytest.raises(PolicyFileError, match="initial_population_size"):
+        load_learned(policy)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_controller_runs_episodes(name):
+    limits = {"iterations": 3}
+    episodes = run_episodes(make_controller(name), "case3", range(50, 53), **limits)
+    assert episodes.sizes.shape == episodes.repair_degrees.shape == (3, 3)
+    assert (episodes.final_fitness > 300).all()
+    assert (episodes.evaluations > 0).all()

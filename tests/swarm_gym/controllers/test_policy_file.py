@@ -1,0 +1,351 @@
+"""Policy files that are damaged, mismatched or hostile: an error that says so, or one that can decide."""
+
+import json
+import struct
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from agents import make_controller
+from helpers.mutations import fuzzed, mutated
+from helpers.trainings import add_memory, change_policy, make_policy
+from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.learned.policy_file import (
+    MAX_FILE,
+    MAX_HEADER,
+    MAX_WEIGHT,
+    PolicyFileError,
+    encode_policy,
+    load_policy,
+    resolve,
+    save_policy,
+    shipped_policies,
+)
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.tuned import TunedFileError, save_tuned
+from swarm_gym.optimizers import firefly  # noqa: F401, which takes seconds that no example shall wait for
+
+FEATURES, SIZE = 9, 3
+OBSERVATION = np.linspace(-1, 1, 4 * FEATURES, dtype=np.float32).reshape(4, FEATURES)
+
+
+@pytest.fixture
+def policy(tmp_path):
+    return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+
+
+def with_memory(path):
+    return add_memory(path, np.random.default_rng(1), SIZE)
+
+
+def refused(path, *expected):
+    with pytest.raises(PolicyFileError) as caught:
+        load_learned(path)
+    for text in (str(path), *expected):
+        assert text in str(caught.value)
+
+
+def decides_or_is_refused(path):
+    with suppress(PolicyFileError):
+        controller = load_learned(path)
+        controller.reset(len(OBSERVATION))
+        assert (np.abs(controller.act(OBSERVATION)) <= 1).all()
+        return True
+    return False
+
+
+def file_of(header, tensors=b""):
+    return struct.pack("<Q", len(header)) + header + tensors
+
+
+@pytest.mark.parametrize("name", shipped_policies())
+def test_every_shipped_policy_loads_and_is_far_below_the_limits(name):
+    load_policy(resolve(name))
+    data = resolve(name).read_bytes()
+    assert len(data) < MAX_FILE / 100
+    assert struct.unpack("<Q", data[:8])[0] < MAX_HEADER / 100
+
+
+# The file.
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "announces 0"),
+        (struct.pack("<Q", 2**63), str(2**63)),
+        (struct.pack("<Q", 100) + b"{}", "announces 100"),
+        (struct.pack("<Q", MAX_HEADER + 1) + bytes(MAX_HEADER + 1), f"up to {MAX_HEADER}"),
+        (file_of(b"[]"), "got []"),
+        (file_of(b"{}"), "expected format"),
+        (file_of(b"[" * 100_000), "recursion"),
+        (file_of(b'{"a": ' + b"9" * 5000 + b"}"), "4300"),
+        (file_of(b'{"__metadata__": 3}'), "not a readable"),
+        (file_of(b'{"__metadata__": {"manifest": 3}}'), "not a readable"),
+        (file_of(b'{"__metadata__": {"manifest": "{"}}'), "not a readable"),
+        (file_of(b'{"__metadata__": {"manifest": "' + b"[" * 100_000 + b'"}}'), "recursion"),
+        (file_of(b"\xff\xfe"), "not a readable"),
+        (bytes(MAX_FILE + 1), f"at most {MAX_FILE} bytes"),
+    ],
+)
+def test_a_file_that_is_no_policy_is_refused(tmp_path, content, message):
+    path = tmp_path / "some.safetensors"
+    path.write_bytes(content)
+    refused(path, message)
+
+
+def test_what_is_no_regular_file_is_refused(tmp_path):
+    with pytest.raises(PolicyFileError, match="regular"):
+        load_policy(tmp_path)
+    for name in ("a" * 5000, "a\0b", str(tmp_path)):
+        with pytest.raises(PolicyFileError, match="neither"):
+            make_controller(f"learned:{name}")
+
+
+INSERTIONS = (b"null", b"-1", b"9" * 30, b"[", b"{", b'"', b"1e999", b"NaN", b"\\u0000", b"\0" * 8)
+
+
+@pytest.mark.parametrize("network", ["feedforward", "lstm"])
+@pytest.mark.fuzzed
+def test_any_bytes_are_a_policy_or_refused(policy, network):
+    data = (policy if network == "feedforward" else with_memory(policy)).read_bytes()
+    length = struct.unpack("<Q", data[:8])[0]
+
+    @given(
+        content=mutated(data, *INSERTIONS)
+        | mutated(data[8 : 8 + length], *INSERTIONS).map(lambda h: file_of(h, data[8 + length :]))
+        | st.integers(0, 2**64 - 1).map(lambda announced: struct.pack("<Q", announced) + data[8:])
+        | st.binary(max_size=60)
+    )
+    @fuzzed
+    def check(content):
+        policy.write_bytes(content)
+        decides_or_is_refused(policy)
+
+    check()
+
+
+# Tensors.
+
+
+@pytest.mark.parametrize(
+    ("name", "tensor"),
+    [
+        ("0.weight", np.zeros((8, FEATURES), np.float64)),
+        ("0.weight", np.zeros((8, FEATURES), np.int8)),
+        ("0.weight", np.zeros((FEATURES, 8), np.float32)),
+        ("0.weight", np.zeros((8, FEATURES + 1), np.float32)),
+        ("0.weight", np.zeros(8 * FEATURES, np.float32)),
+        ("0.bias", np.zeros(0, np.float32)),
+        ("1.bias", np.zeros((2, 1), np.float32)),
+        ("2.bias", np.zeros(2, np.float32)),
+        ("another", np.zeros(2, np.float32)),
+        ("0.bias", np.array([*[0] * 7, np.nan], np.float32)),
+        ("0.bias", np.array([*[0] * 7, np.inf], np.float32)),
+        ("0.bias", np.array([*[0] * 7, -2 * MAX_WEIGHT], np.float32)),
+    ],
+)
+def test_another_tensor_than_the_manifest_implies_is_refused(policy, name, tensor):
+    change_policy(policy, weights={name: tensor})
+    refused(policy, "tensor", name)
+
+
+def test_a_missing_tensor_is_refused(policy):
+    weights, manifest = load_policy(policy)
+    del weights["1.bias"]
+    save_policy(policy, weights, manifest)
+    refused(policy, "tensor '1.bias'", "got 'none'")
+
+
+def test_tensors_that_share_bytes_are_refused(policy):
+    data = policy.read_bytes()
+    length = struct.unpack("<Q", data[:8])[0]
+    header = json.loads(data[8 : 8 + length])
+    header["0.bias"]["data_offsets"] = header["1.bias"]["data_offsets"]
+    policy.write_bytes(file_of(json.dumps(header).encode(), data[8 + length :]))
+    refused(policy, "not a readable")
+
+
+def test_the_largest_weights_that_are_allowed_decide_without_overflow(policy):
+    weights, _ = load_policy(policy)
+    change_policy(policy, {name: np.full_like(array, MAX_WEIGHT) for name, array in weights.items()})
+    assert decides_or_is_refused(policy)
+    change_policy(
+        with_memory(policy), {"lstm.weight": np.full((4 * SIZE, FEATURES + SIZE), -MAX_WEIGHT, np.float32)}
+    )
+    assert decides_or_is_refused(policy)
+
+
+# The manifest.
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("action", None),
+        ("action", "natural"),
+        ("action", "extended"),
+        ("action", ["normalised"]),
+        ("base", 3),
+        ("base", ""),
+        ("base", "learned:three-cases/0"),
+        ("base", "learned"),
+        ("base", "nothing"),
+        ("base", "open-loop:nowhere"),
+        ("base", "fixed:" + "1" * 10_000),
+        ("config", []),
+        ("corrected_from", -1),
+        ("corrected_from", 1.0),
+        ("features", "abc"),
+        ("features", []),
+        ("features", [3] * FEATURES),
+        ("features", ["a"] * FEATURES),
+        ("features", ["a"] * 10**4),
+        ("hidden_layers", 8),
+        ("hidden_layers", ["8"]),
+        ("hidden_layers", [True]),
+        ("hidden_layers", [8.0]),
+        ("hidden_layers", [-8]),
+        ("hidden_layers", [10**30]),
+        ("hidden_layers", [8] * 1000),
+        ("initial_population_size", "80"),
+        ("initial_population_size", None),
+        ("initial_population_size", 1),
+        ("initial_population_size", 201),
+        ("initial_population_size", float("nan")),
+        ("manifest_sha256", 3),
+        ("max_evaluations", 79),
+        ("max_evaluations", "many"),
+        ("max_population_size", 1),
+        ("max_population_size", 10**12),
+        ("min_population_size", 0),
+        ("min_population_size", {}),
+        ("network", None),
+        ("num_decisions", 0),
+        ("num_decisions", True),
+        ("num_decisions", 10**9),
+        ("observation", "paper+"),
+        ("observation", "+".join(["extended"] * 10**4)),
+        ("observation", None),
+        ("optimizer", "bees"),
+        ("optimizer", []),
+        ("price", 0.5),
+        ("price", [2, 1]),
+        ("price", [float("nan")]),
+        ("price", ["1"]),
+        ("price", []),
+        ("weights_sha256", "0" * 63),
+    ],
+)
+def test_a_value_that_nothing_can_be_done_with_is_refused(policy, key, value):
+    data = policy.read_bytes()
+    length = struct.unpack("<Q", data[:8])[0]
+    header = json.loads(data[8 : 8 + length])
+    manifest = json.loads(header["__metadata__"]["manifest"])
+    del manifest["manifest_sha256"]  # as in the files of before, so that nothing else is wrong
+    header["__metadata__"]["manifest"] = json.dumps({**manifest, key: value})
+    policy.write_bytes(file_of(json.dumps(header).encode(), data[8 + length :]))
+    refused(policy, key)
+    with pytest.raises(PolicyFileError) as caught:
+        load_learned(policy)
+    assert len(str(caught.value)) < 2000 + len(str(policy))
+
+
+def test_an_action_layout_of_more_decisions_is_refused(policy):
+    change_policy(policy, action="extended-normalised")
+    refused(policy, "num_decisions must be 4", "attractiveness")
+    change_policy(policy, action="paced", max_evaluations=None)
+    refused(policy, "max_evaluations")
+
+
+def test_a_policy_that_sees_a_price_says_which(tmp_path):
+    path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(0), observation="priced")
+    refused(path, "price must be", "None")
+    make_policy(path, np.random.default_rng(0), observation="priced", price=[0.0, 1.0])
+    refused(path, "price must be", "[0.0, 1.0]")
+    make_policy(path, np.random.default_rng(0), observation="priced", price=[0.5, 1.0])
+    load_learned(path)
+
+
+def test_a_memory_without_a_size_is_refused(policy):
+    weights, manifest = load_policy(with_memory(policy))
+    del manifest["lstm_size"]
+    save_policy(policy, weights, manifest)
+    refused(policy, "lstm_size", "None")
+
+
+def test_more_may_be_said_than_is_needed(policy):
+    change_policy(policy, notes={"made by": ["somebody", None, 1.5, {"unicode": "\u00e9\ud800"}]})
+    assert decides_or_is_refused(policy)
+
+
+def test_a_manifest_that_was_changed_is_refused(policy):
+    data, size = policy.read_bytes(), b'\\"initial_population_size\\": 8'
+    assert data.count(size) == 1
+    policy.write_bytes(data.replace(size + b"0", size + b"1"))
+    refused(policy, "manifest does not match its own digest")
+
+
+def test_a_file_without_a_digest_of_its_manifest_loads(policy):
+    data = policy.read_bytes()
+    begin = data.index(b'\\"manifest_sha256\\"')
+    end = data.index(b", ", begin) + 2
+    length = struct.unpack("<Q", data[:8])[0] - (end - begin)
+    policy.write_bytes(struct.pack("<Q", length) + data[8:begin] + data[end:])
+    assert "manifest_sha256" not in load_policy(policy)[1]
+    assert decides_or_is_refused(policy)
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20)
+    | st.sampled_from(["none", "lstm", "natural", "paced", "spsfa", "tuned:x", "extended+paper", "priced"]),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=8,
+)  # fmt: skip
+KEYS = (
+    "action", "base", "config", "corrected_from", "features", "format", "hidden_layers",
+    "initial_population_size", "lstm_size", "manifest_sha256", "max_evaluations", "max_population_size",
+    "min_population_size", "network", "num_decisions", "observation", "optimizer", "price", "weights_sha256",
+)  # fmt: skip
+
+
+@given(changes=st.dictionaries(st.sampled_from(KEYS), json_values, min_size=1, max_size=3))
+@example(changes={"price": [1e309]})
+@example(changes={"observation": "priced", "price": [0]})
+@fuzzed
+def test_whatever_a_manifest_says_it_is_a_policy_or_refused(policy, changes):
+    weights = {"0.weight": np.ones((2, FEATURES), np.float32), "0.bias": np.ones(2, np.float32)}
+    features = load_policy(make_policy(policy, np.random.default_rng(0)))[1]
+    policy.write_bytes(encode_policy(weights, {**features, "hidden_layers": [], **changes}))
+    decides_or_is_refused(policy)
+
+
+# Files that name files.
+
+
+def test_files_that_name_each_other_are_refused(policy, tmp_path):
+    tuned = tmp_path / "some.json"
+    save_tuned(tuned, f"learned:{policy}", {})
+    weights, manifest = load_policy(policy)
+    proposed = ["proposed population size", "proposed repair degree"]
+    weights["0.weight"] = np.zeros((8, FEATURES + 2), np.float32)
+    manifest["features"] += proposed
+    save_policy(policy, weights, {**manifest, "base": f"tuned:{tuned}"})
+    refused(policy, "base", "tuned")
+    with pytest.raises(TunedFileError, match="learned"):
+        make_controller(f"tuned:{tuned}")
+    save_policy(policy, weights, {**manifest, "base": f"learned:{policy}"})
+    refused(policy, "base must be", "no policy itself")
+
+
+def test_features_are_those_of_layout_and_base(policy, tmp_path):
+    loop = tmp_path / "loop.json"
+    save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
+    weights, manifest = load_policy(policy)
+    weights["0.weight"] = np.zeros((8, FEATURES + 2), np.float32)
+    manifest["features"] += ["proposed population size", "proposed everything"]
+    save_policy(policy, weights, {**manifest, "base": f"open-loop:{loop}"})
+    refused(policy, "trained with observation features")

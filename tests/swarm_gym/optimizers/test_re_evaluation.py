@@ -1,0 +1,176 @@
+"""What optimizers remember is evaluated anew when the map changes: as in plain Python, to the last one."""
+
+import numpy as np
+import pytest
+from test_optimizers import spent_to_begin, tries
+
+from helpers.builders import (
+    MEAN_WEIGHT,
+    UNLIMITED,
+    advance,
+    assert_same_as_oracle,
+    assert_same_swarm,
+    begin,
+    is_walker,
+    make_twins,
+    oracle_twin,
+    random_grid_scenario,
+    random_population,
+    slow_if_alike,
+)
+from oracles import naive_optimizers, naive_swarm
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.problem import AnalyticProblem, GridProblem, WalkProblem
+from swarm_gym.problem.tables import stack
+from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario, worlds_of
+
+with_an_oracle = pytest.mark.parametrize(
+    "optimizer", [slow_if_alike(name) for name in naive_optimizers.NAIVE]
+)
+with_an_oracle_on_both_maps = pytest.mark.parametrize(
+    ("optimizer", "kind"),
+    [slow_if_alike(name, kind) for name in naive_optimizers.NAIVE for kind in ("analytic", "grid")],
+)
+
+# (size, repair degree) of steps, after each of which the map changes.
+PLAN = [(7, 0.0), (9, 0.5), (9, 0.0), (4, 1.0)]
+
+
+def problems(optimizer, kind):
+    """Before, and after something has come and something gone; walkers have grids of both kinds of axes."""
+    if is_walker(optimizer):
+        geometry = {} if kind == "grid" else {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
+        base = random_grid_scenario(4, **geometry)
+        x, y = base.map.to_map((13.0, 8.0))
+        event = Appear(1, Circle(x, y, 2.5 * base.map.resolution))
+        return [WalkProblem(world.scenario) for world in worlds_of(DynamicScenario("", base, [event]))]
+    if kind == "analytic":
+        block = Polygon.rectangle(500, 150, 600, 330)
+        events = [Appear(1, block), Disappear(1, 10)]
+        base = make_scenario("case1")
+        return [AnalyticProblem(world.scenario, 9) for world in worlds_of(DynamicScenario("", base, events))]
+    events = [Appear(1, Circle(13.0, 8.0, 2.5))]
+    base = random_grid_scenario(4)
+    return [
+        GridProblem(world.scenario, "bezier", 3) for world in worlds_of(DynamicScenario("", base, events))
+    ]
+
+
+def change(optimizer, swarms, tables, number):
+    swarms.problem[:] = number
+    get_optimizer(optimizer).re_evaluate(swarms, tables, np.full(len(swarms.size), True), MEAN_WEIGHT)
+
+
+def assert_same_memory(optimizer, swarms, twin):
+    assert_same_as_oracle(swarms, twin)
+    if optimizer == "particle-swarm":
+        width, n = swarms.positions.shape[2], twin.problem.dimension
+        for memory, member in zip(swarms.memory[0], twin.members, strict=False):
+            np.testing.assert_allclose(memory[:n], member.velocity, rtol=1e-10, atol=1e-9)
+            np.testing.assert_allclose(memory[width : width + n], member.own_best, rtol=1e-10, atol=1e-9)
+            assert memory[2 * width] == pytest.approx(member.own_fitness, rel=1e-10)
+
+
+def run(optimizer, kind, plan, knobs=None, budget=UNLIMITED, size=7):
+    """An episode on maps that alternate, held against the oracle after every step and every change."""
+    both = problems(optimizer, kind)
+    options = {"budget": budget, "iterations": len(plan)}
+    swarms, _ = begin(optimizer, both[:1], size, **options)
+    tables = stack([problem.table for problem in both])
+    twin = oracle_twin(optimizer, both[0], size, **options)
+    for step, (new_size, repair_degree) in enumerate(plan, 1):
+        if swarms.evaluations[0] >= budget:
+            break
+        values = advance(optimizer, swarms, tables, new_size, repair_degree, knobs)
+        twin.step(new_size, repair_degree, values.tolist())
+        assert_same_memory(optimizer, swarms, twin)
+        if swarms.evaluations[0] >= budget:
+            break
+        change(optimizer, swarms, tables, step % 2)
+        twin.re_evaluate(naive_swarm.oracle_of(both[step % 2]))
+        assert_same_memory(optimizer, swarms, twin)
+    return swarms
+
+
+@with_an_oracle_on_both_maps
+def test_episodes_on_a_map_that_changes_are_the_naive_ones(optimizer, kind):
+    # On grids plain Python takes long.
+    plan, size = (PLAN, 7) if kind == "analytic" else ([(6, 0.0), (4, 0.5)], 5)
+    run(optimizer, kind, plan, tries(optimizer, 1), size=size)
+
+
+@with_an_oracle
+def test_episodes_of_all_budgets_on_a_map_that_changes_are_the_naive_ones(optimizer):
+    """Wherever they end: among the members, in what else is remembered, or at the best so far."""
+    first = spent_to_begin(optimizer, problems(optimizer, "analytic")[0], 5)
+    for budget in range(first, first + 40):
+        run(optimizer, "analytic", [(5, 0.0), (7, 0.5)], tries(optimizer, 1), budget, size=5)
+
+
+@pytest.mark.parametrize("budget", [UNLIMITED, *range(8, 60, 3)])
+def test_fireflies_on_a_map_that_changes_are_the_naive_ones(budget):
+    both = problems("firefly", "analytic")
+    population = random_population(np.random.default_rng(1), both[0], 6)
+    swarms, _, twin = make_twins(both[0], population, seed=1, budget=budget)
+    tables = stack([problem.table for problem in both])
+    for step in (1, 2, 3):
+        if swarms.evaluations[0] >= budget:
+            break
+        values = advance("firefly", swarms, tables, 5 + step, 0.5)
+        twin.resize(5 + step)
+        twin.iterate(0.5, values.tolist())
+        if swarms.evaluations[0] >= budget:
+            break
+        change("firefly", swarms, tables, step % 2)
+        twin.re_evaluate(both[step % 2].scenario)
+        assert_same_swarm(swarms, twin)
+
+
+def test_a_best_so_far_that_got_worse_gives_way_to_the_best_member():
+    free, blocked = problems("firefly", "analytic")
+    rng = np.random.default_rng(0)
+    inside = rng.uniform(*free.initial_bounds, (400, 9))
+    worse = max(inside, key=lambda vector: blocked.evaluate(vector)[0] - free.evaluate(vector)[0])
+    others = [vector for vector in inside if free.evaluate(vector)[0] > free.evaluate(worse)[0]]
+    others = sorted(others, key=lambda vector: blocked.evaluate(vector)[0])[:3]
+    swarms, _ = begin("firefly", [free], 4, populations=[np.array([worse, *others])])
+    assert swarms.best_fitness[0] == free.evaluate(worse)[0]
+    change("firefly", swarms, stack([free.table, blocked.table]), 1)
+    assert (swarms.best_position[0, :9] == others[0]).all()
+    assert (swarms.best_fitness[0], swarms.best_collision[0]) == blocked.evaluate(others[0])
+
+
+def test_a_best_so_far_that_no_member_is_at_stays_where_it_is_still_the_best():
+    free, blocked = problems("firefly", "analytic")
+    rng = np.random.default_rng(0)
+    best = 0.1 * min(random_population(rng, free, 300), key=lambda vector: blocked.evaluate(vector)[0])
+    population = [*random_population(rng, free, 5), best]
+    swarms, tables = begin("firefly", [free], 6, populations=[population])
+    assert (swarms.best_position[0, :9] == best).all()
+    advance("firefly", swarms, tables, 6, 0.0)
+    swarms.positions[0, 5] = swarms.positions[0, 0]
+    change("firefly", swarms, stack([free.table, blocked.table]), 1)
+    assert (swarms.best_position[0, :9] == best).all()
+    assert (swarms.best_fitness[0], swarms.best_collision[0]) == blocked.evaluate(best)
+
+
+def test_regions_stay_sorted_when_the_map_changes():
+    """Heads by fitness, none worse than its list, which is sorted, too, and no longer than there is room."""
+    both = problems("multivariate", "analytic")
+    swarms, _ = begin("multivariate", both[:1], 20)
+    tables = stack([problem.table for problem in both])
+    for step in range(1, 9):
+        advance("multivariate", swarms, tables, 20, 0.0)
+        change("multivariate", swarms, tables, step % 2)
+        registers, fitness = swarms.registers[0], swarms.fitness[0]
+        count = registers[0]
+        heads = fitness[:count]
+        assert count == 5
+        assert (np.diff(heads) >= 0).all()
+        row = count
+        for i in range(count):
+            listed = fitness[row : row + registers[1 + i]]
+            assert len(listed) <= count - i
+            assert (np.diff([heads[i], *listed]) >= 0).all()
+            row += len(listed)
+        assert row == swarms.size[0]

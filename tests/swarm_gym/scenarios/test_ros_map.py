@@ -1,0 +1,308 @@
+import sys
+import tracemalloc
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from helpers.mutations import fuzzed, mutated
+from swarm_gym.errors import MissingExtraError, ScenarioError
+from swarm_gym.scenarios import expand_name, make_scenario
+from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
+from swarm_gym.scenarios.formats.ros_map import read_ros_map, read_yaml
+
+Image = pytest.importorskip("PIL.Image", reason="needs the extra `maps`")
+pytest.importorskip("yaml", reason="needs the extra `maps`")
+
+YAML = """image: small.pgm
+resolution: 0.5
+origin: [-1.0, 2.0, 0.0]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+"""
+
+# Free, free, unknown, occupied; the lower row is free.
+PIXELS = [[254, 250, 205, 0], [254, 254, 254, 254]]
+PGM = b"P5\n# made\n4 2\n255\n" + bytes([*PIXELS[0], *PIXELS[1]])
+
+INSERTIONS = (b"\n", b"- ", b"9" * 30, b"[", b"{", b"&a ", b"!!int ", b": ")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path))
+    (tmp_path / "small.pgm").write_bytes(PGM)
+    (tmp_path / "small.yaml").write_text(YAML)
+    return tmp_path
+
+
+def described(folder, *changes):
+    """The YAML file with some texts replaced, each (old, new)."""
+    text = YAML
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "small.yaml"
+    path.write_text(text)
+    return path
+
+
+def image(folder, pixels, name="small.png", mode="L"):
+    Image.fromarray(np.array(pixels, np.uint8)).convert(mode).save(folder / name)
+    return described(folder, ("small.pgm", name))
+
+
+def refused(make, *expected):
+    with pytest.raises(ScenarioError) as caught:
+        make()
+    for text in expected:
+        assert text in str(caught.value)
+
+
+# Maps.
+
+
+def test_what_is_occupied_or_unknown_is_blocked(folder):
+    assert read_ros_map(folder / "small.yaml").blocked.tolist() == [[False, False, True, True], [False] * 4]
+
+
+def test_the_origin_is_the_outer_corner_of_the_lower_left_pixel(folder):
+    made = read_ros_map(folder / "small.yaml")
+    assert made.extent == (-1.0, 2.0, 1.0, 3.0)
+    assert made.cell_of((-0.9, 2.1)) == (0, 1)
+    assert made.cell_of((0.9, 2.9)) == (3, 0)
+
+
+def test_a_negated_map_is_free_where_it_is_dark(folder):
+    path = described(folder, ("negate: 0", "negate: 1"))
+    assert read_ros_map(path).blocked.tolist() == [[True, True, True, False], [True] * 4]
+
+
+@pytest.mark.parametrize(("grey", "blocked"), [(204, True), (205, True), (206, False), (127, True)])
+def test_a_pixel_is_free_below_the_threshold(folder, grey, blocked):
+    # (255 - 205) / 255 = 0.19608 is the grey of what map_server saves as unknown.
+    path = image(folder, [[grey, 254]])
+    assert read_ros_map(path).blocked.tolist() == [[blocked, False]]
+
+
+@pytest.mark.parametrize("mode", ["L", "1"])
+def test_a_png_is_read_like_a_pgm(folder, mode):
+    path = image(folder, [[255, 0, 255], [255, 255, 0]], mode=mode)
+    assert read_ros_map(path).blocked.tolist() == [[False, True, False], [False, False, True]]
+
+
+def test_a_pgm_may_be_in_ascii(folder):
+    (folder / "small.pgm").write_bytes(b"P2\n2 1\n255\n254 0\n")
+    assert read_ros_map(folder / "small.yaml").blocked.tolist() == [[False, True]]
+
+
+def test_numbers_and_mode_may_be_written_as_map_server_takes_them(folder):
+    path = described(
+        folder,
+        ("0.5", "5e-1"),
+        ("negate: 0", "negate: false\nmode: trinary"),
+        ("[-1.0, 2.0, 0.0]", "[-1, 2, 0]"),
+    )
+    assert read_ros_map(path) == read_ros_map(described(folder))
+
+
+def test_the_image_may_be_in_a_sub_folder_or_absolute(folder):
+    expected = read_ros_map(folder / "small.yaml")
+    (folder / "images").mkdir()
+    (folder / "small.pgm").rename(folder / "images/other.pgm")
+    for name in ("images/other.pgm", folder / "images/other.pgm"):
+        assert read_ros_map(described(folder, ("small.pgm", str(name)))) == expected
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("image: small.pgm\n", "", ["image", "missing"]),
+        ("small.pgm", "../small.pgm", ["image", "folder", "'../small.pgm'"]),
+        ("small.pgm", "[a, b]", ["image", "['a', 'b']"]),
+        ("small.pgm", '""', ["image", "''"]),
+        ("small.pgm", '"a\\0b"', ["image"]),
+        ("resolution: 0.5\n", "", ["resolution", "missing"]),
+        ("0.5", "0", ["resolution", "'0'"]),
+        ("0.5", "-0.05", ["resolution", "'-0.05'"]),
+        ("0.5", "nan", ["resolution", "'nan'"]),
+        ("0.5", "1e999", ["resolution", "'1e999'"]),
+        ("0.5", "1.2.3", ["resolution", "'1.2.3'"]),
+        ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0, 0.1]", ["origin", "yaw", "'0.1'"]),
+        ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", ["origin", "['-1.0', '2.0']"]),
+        ("[-1.0, 2.0, 0.0]", "[-1.0, .inf, 0]", ["origin", "'.inf'"]),
+        ("[-1.0, 2.0, 0.0]", "[-1.0, [2.0], 0]", ["origin", "[2.0]"[1:4]]),
+        ("origin: [-1.0, 2.0, 0.0]\n", "", ["origin", "missing"]),
+        ("negate: 0", "negate: maybe", ["negate", "'maybe'"]),
+        ("negate: 0", "negate: 0\nmode: scale", ["mode", "'trinary'", "'scale'"]),
+        ("0.65", "65", ["occupied_thresh", "'65'"]),
+        ("0.65", "0.1", ["free_thresh", "occupied_thresh", "0.1"]),
+        ("0.196", "-0.1", ["free_thresh", "'-0.1'"]),
+    ],
+)
+def test_a_malformed_entry_is_refused_with_file_key_and_value(folder, old, new, expected):
+    path = described(folder, (old, new))
+    refused(lambda: read_ros_map(path), str(path), *expected)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"- 1\n- 2\n",
+        b"{",
+        b"image: \xff\xfe",
+        b"\0",
+        b"[" * 5000,
+        b"a: &a [*a]",
+        b"#" * 70_000,
+        b"? [1]\n: 2",
+    ],
+)
+def test_a_file_that_is_no_description_of_a_map_is_refused(folder, content):
+    path = folder / "small.yaml"
+    path.write_bytes(content)
+    refused(lambda: read_yaml(path), str(path))
+
+
+def test_a_missing_file_is_refused(folder):
+    refused(lambda: read_yaml(folder / "none.yaml"), "none.yaml", "no such file")
+    refused(lambda: read_ros_map(described(folder, ("small.pgm", "none.pgm"))), "none.pgm")
+    refused(lambda: read_ros_map(described(folder, ("small.pgm", "n" * 5000))), "nnn")
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (PGM[:-1], "truncated"),
+        (PGM[:9], "PGM or PNG"),
+        (b"", "PGM or PNG"),
+        (b"GIF89a" + bytes(30), "PGM or PNG"),
+        (b"P5\n5000 2\n255\n" + bytes(10_000), "5000 x 2"),
+        (b"P5\n0 2\n255\n", "small.pgm"),
+        (b"P6\n1 1\n255\n" + bytes(3), "'RGB'"),
+        (b"P5\n1 1\n65535\n" + bytes(2), "'I'"),
+    ],
+)
+def test_a_malformed_image_is_refused_with_its_file(folder, content, expected):
+    (folder / "small.pgm").write_bytes(content)
+    refused(lambda: read_ros_map(folder / "small.yaml"), "small.pgm", expected)
+
+
+@pytest.mark.parametrize("size", ["9000 9000", "12000 12000", "90000 90000"])
+def test_pixels_of_a_map_that_is_too_large_are_not_decoded(folder, size):
+    (folder / "small.pgm").write_bytes(f"P5\n{size}\n255\n".encode() + bytes(100))
+    tracemalloc.start()
+    refused(lambda: read_ros_map(folder / "small.yaml"), "small.pgm")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 2**22
+
+
+def test_an_image_with_transparency_is_refused(folder):
+    refused(lambda: read_ros_map(image(folder, PIXELS, mode="LA")), "small.png", "'LA'")
+
+
+@given(content=mutated(YAML.encode(), *INSERTIONS) | st.binary(max_size=60))
+@fuzzed
+def test_of_any_bytes_a_description_is_read_or_refused(folder, content):
+    path = folder / "small.yaml"
+    path.write_bytes(content)
+    made = None
+    with suppress(ScenarioError):
+        made = read_ros_map(path)
+    assert made is None or made.blocked.shape == (2, 4)
+
+
+@pytest.mark.parametrize("kind", ["pgm", "png"])
+@pytest.mark.fuzzed
+def test_of_any_bytes_an_image_is_read_or_refused(folder, kind):
+    path = image(folder, PIXELS, name=f"small.{kind}")
+    whole = (folder / f"small.{kind}").read_bytes()
+
+    @given(content=mutated(whole, *INSERTIONS))
+    @fuzzed
+    def check(content):
+        (folder / f"small.{kind}").write_bytes(content)
+        made = None
+        with suppress(ScenarioError):
+            made = read_ros_map(path)
+        assert made is None or made.blocked.size <= 4096**2
+
+    check()
+
+
+# Names.
+
+
+def test_start_and_goal_are_in_metres(folder):
+    name = "ros:small?start=-0.75,2.75&goal=0.9,2.1"
+    made = make_scenario(name)
+    assert (made.name, made.start, made.target) == (name, (-0.75, 2.75), (0.9, 2.1))
+    assert made.workspace == (-1.0, 2.0, 1.0, 3.0)
+    assert expand_name(name) == (name,)
+    assert make_scenario(f"ros:{folder}/small.yaml?start=-0.75,2.75&goal=0.9,2.1").map == made.map
+
+
+def test_a_map_can_be_inflated_by_a_radius_in_metres(folder):
+    made = make_scenario("ros:small?start=-0.75,2.75&goal=-0.75,2.25&inflate=0.3")
+    assert made.map == read_ros_map(folder / "small.yaml").inflated(0.3)
+    assert made.map.blocked.sum() > read_ros_map(folder / "small.yaml").blocked.sum()
+
+
+def test_an_image_that_changed_is_read_again(folder):
+    before = read_ros_map(folder / "small.yaml")
+    (folder / "small.pgm").write_bytes(PGM.replace(bytes([205, 0]), bytes([254, 254])) + b"\n")
+    assert read_ros_map(folder / "small.yaml") != before
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "ros:small",
+        "ros:small?start=0,0",
+        "ros:small?start=0,0&goal=1",
+        "ros:small?start=0,0&goal=1,nan",
+        "ros:small?start=0,0&goal=1,1e3",
+        "ros:small?start=0,0&goal=1,1&inflate=-1",
+        "ros:small?start=0,0&goal=1,1&radius=1",
+        "ros:?start=0,0&goal=1,1",
+        "ros:/small?start=0,0&goal=1,1",
+    ],
+)
+def test_a_name_of_another_form_is_refused(folder, name):
+    refused(lambda: expand_name(name), repr(name), "expected" if "/" not in name else ".yaml")
+
+
+def test_a_start_in_a_wall_is_refused_with_its_cell(folder):
+    refused(
+        lambda: make_scenario("ros:small?start=0.9,2.9&goal=0.9,2.1"), "(0.9, 2.9)", "cell (3, 0)", "'small'"
+    )
+
+
+def test_a_missing_map_is_reported_with_its_file(folder):
+    refused(lambda: make_scenario("ros:other?start=0,0&goal=1,1"), "other.yaml", str(folder))
+
+
+@pytest.mark.parametrize(("module", "library"), [("yaml", "PyYAML"), ("PIL", "Pillow")])
+def test_a_missing_library_is_reported_with_the_extra(folder, monkeypatch, module, library):
+    monkeypatch.setitem(sys.modules, module, None)
+    (folder / "small.pgm").write_bytes(PGM + b"\n" * len(module))  # not one that was read before
+    with pytest.raises(MissingExtraError, match=rf"{library}.*swarm_gym\[maps\]"):
+        read_ros_map(folder / "small.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "free"), [("turtlebot3_world", (384, 384), 7939), ("playground", (194, 231), 43488)]
+)
+def test_a_published_map_is_read(name, shape, free):
+    try:
+        path = find_data_file(f"{name}.yaml")
+    except ScenarioError:
+        pytest.skip(f"{name}.yaml is not in {data_folder()}")
+    made = read_ros_map(path)
+    assert made.blocked.shape == shape
+    assert (~made.blocked).sum() == free

@@ -1,0 +1,87 @@
+"""Results do not change from version to version unless the CHANGELOG says so.
+
+`tests/golden` has a file per optimizer with the courses of short runs. Where a change is meant, write a line
+about it into CHANGELOG.md and run these tests with UPDATE_GOLDEN set to (a part of) that line, which the
+files then quote; with `-m ''`, so that none is left out, and in one process.
+"""
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from helpers.builders import is_walker
+from swarm_gym.env import SwarmEnv
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.simulation import HISTORY
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+CHANGELOG = Path(__file__).parents[2] / "CHANGELOG.md"
+SCENARIOS = ("case1", "rooms:0", "function:rastrigin-10")
+ITERATIONS = 8
+# Of machines whose exp, pow and the like differ in the last bit, which grows from iteration to iteration.
+TOLERANCE = 1e-9
+
+
+def plan():
+    """Optimizers and scenarios. Walkers have no test functions; for these, kernels are compiled first."""
+    return [
+        pytest.param(
+            optimizer,
+            scenario,
+            marks=[pytest.mark.slow] if "function" in scenario and optimizer != "firefly" else [],
+        )
+        for optimizer in OPTIMIZERS
+        for scenario in SCENARIOS
+        if not (is_walker(optimizer) and "function" in scenario)
+    ]
+
+
+def course(optimizer, scenario):
+    """(iterations + 1, columns) of a run whose population grows, shrinks and is repaired."""
+    env = SwarmEnv(optimizer, scenario=scenario, iterations=ITERATIONS, initial_population_size=20)
+    env.reset(seed=7)
+    for iteration in range(ITERATIONS):
+        env.step(np.array([20.0 + 8.0 * (-1) ** iteration, 0.25 * (iteration % 3)]))
+    return env.simulation.history[0, :, : len(HISTORY)]
+
+
+def golden(optimizer):
+    return json.loads((GOLDEN / f"{optimizer}.json").read_text())
+
+
+def update(optimizer, scenario, found, reason):
+    """Replace what is stored; not for several processes at once."""
+    path = GOLDEN / f"{optimizer}.json"
+    courses = golden(optimizer)["courses"] if path.exists() else {}
+    content = {"because": reason, "columns": HISTORY, "courses": {**courses, scenario: found.tolist()}}
+    path.write_text(json.dumps(content, indent=1) + "\n")
+
+
+@pytest.mark.parametrize(("optimizer", "scenario"), plan())
+def test_results_are_those_of_the_version_before(optimizer, scenario):
+    found = course(optimizer, scenario)
+    reason = os.environ.get("UPDATE_GOLDEN")
+    if reason:
+        update(optimizer, scenario, found, reason)
+    stored = golden(optimizer)
+    assert tuple(stored["columns"]) == HISTORY
+    np.testing.assert_allclose(
+        found,
+        stored["courses"][scenario],
+        rtol=TOLERANCE,
+        atol=TOLERANCE,
+        err_msg=f"{optimizer} on {scenario} has other results than before; if that is meant, say so in "
+        "CHANGELOG.md and run this test with UPDATE_GOLDEN set to that line",
+    )
+
+
+@pytest.mark.parametrize("optimizer", OPTIMIZERS)
+def test_the_changelog_says_why_results_are_what_they_are(optimizer):
+    assert golden(optimizer)["because"] in CHANGELOG.read_text()
+
+
+def test_there_is_a_file_for_every_optimizer_and_no_other():
+    assert {path.stem for path in GOLDEN.glob("*.json")} == set(OPTIMIZERS)

@@ -1,0 +1,577 @@
+"""Robots that drive along what was found for them, with every optimizer but glowworms."""
+
+import copy
+import itertools
+import pickle
+
+import numpy as np
+import pytest
+import shapely
+from gymnasium.vector import AutoresetMode
+from test_dynamic_environments import OPEN, SEED, actions, assert_same_steps, episode, walk_cost
+
+from helpers.builders import (
+    random_circle,
+    random_grid_scenario,
+    random_path,
+    random_polygon,
+    random_scenario,
+    slow_if_alike,
+    small_grid_problem,
+)
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.problem import AnalyticProblem, GridProblem
+from swarm_gym.problem.geometry.clear_line import is_clear
+from swarm_gym.problem.geometry.resampling import resampled
+from swarm_gym.problem.tables import put, stack
+from swarm_gym.rendering import Scene
+from swarm_gym.robots import piece_of
+from swarm_gym.scenarios import (
+    Appear,
+    Circle,
+    Disappear,
+    Drive,
+    DynamicScenario,
+    Polygon,
+    Scenario,
+    expand_name,
+    make_scenario,
+)
+from swarm_gym.vector_env import SwarmVectorEnv
+
+ITERATIONS = 8
+SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": ITERATIONS}
+FREE = Scenario("free", (20.0, 300.0), (980.0, 300.0), (Circle(500, 560, 30),), initial_range=(-90.0, 90.0))
+ON_THE_WAY = DynamicScenario(
+    "on-the-way",
+    FREE,
+    [Appear(2, Polygon.rectangle(700, 200, 720, 330)), Appear(5, Circle(800, 250, 30)), Disappear(6, 1)],
+    Drive(2, 2, 150.0),
+)
+ON_CELLS = DynamicScenario(
+    "on-cells", OPEN, [Appear(3, Polygon.rectangle(19, 5, 21, 12)), Disappear(6, 0)], Drive(1, 2, 4.5)
+)
+
+all_optimizers = pytest.mark.parametrize("optimizer", [slow_if_alike(name) for name in OPTIMIZERS])
+
+
+def small(optimizer="firefly", **options):
+    return SwarmEnv(optimizer, **{**SMALL, "scenario": ON_THE_WAY, **options})
+
+
+def on_maps(optimizer):
+    """Options of environments in which robots drive; without any, the optimizer's own robot goes its way."""
+    found = []
+    for options in (
+        {"scenario": ON_THE_WAY},
+        {"scenario": ON_CELLS, "encoding": "bezier"},
+        {"scenario": ON_CELLS, "encoding": "waypoints", "num_waypoints": 7},
+        {"scenario": ON_CELLS, "encoding": "walk"},
+    ):
+        try:
+            small(optimizer, **options)
+        except ValueError as refused:
+            assert "goes its own way" in str(refused) or "encoding" in str(refused)  # noqa: PT017
+            continue
+        found.append(options)
+    if not found:
+        pytest.skip(f"the robot of {optimizer} goes its own way")
+    return found
+
+
+def random_problem(seed, encoding):
+    if encoding == "analytic":
+        return AnalyticProblem(random_scenario(np.random.default_rng(seed)), 7)
+    return GridProblem(random_grid_scenario(seed, shape=(30, 40)), encoding, 5)
+
+
+def somewhere(rng, problem):
+    """A place of the map that is free, and not the target."""
+    x_min, y_min, x_max, y_max = problem.scenario.workspace
+    while True:
+        place = tuple(rng.uniform((x_min, y_min), (x_max, y_max)).tolist())
+        try:
+            return problem.begun_at(place)
+        except ScenarioError:
+            continue
+
+
+# Pieces.
+
+
+def test_a_piece_is_the_first_part_of_a_path_that_is_so_long():
+    path = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 10.0], [13.0, 10.0]])
+    for distance, expected in (
+        (2.5, [[0, 0], [1.5, 2]]),
+        (5.0, [[0, 0], [3, 4]]),
+        (8.0, [[0, 0], [3, 4], [3, 7]]),
+        (20.0, [[0, 0], [3, 4], [3, 10], [12, 10]]),
+    ):
+        piece, arrives = piece_of(path, distance)
+        np.testing.assert_allclose(piece, expected)
+        assert not arrives
+    for distance in (21.0, 21.0 - 1e-12, 100.0):
+        piece, arrives = piece_of(path, distance)
+        assert piece is path
+        assert arrives
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_pieces_that_enter_an_obstacle_are_not_clear_as_in_shapely(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(30):
+        obstacle = (random_circle if rng.random() < 0.5 else random_polygon)(rng, (0.0, 0.0), 10.0)
+        points = rng.uniform(-15, 15, (rng.integers(2, 5), 2))
+        line = shapely.LineString(points)
+        if isinstance(obstacle, Circle):
+            gap = line.distance(shapely.Point(obstacle.x, obstacle.y)) - obstacle.radius
+            assert is_clear(points, [obstacle]) == (gap >= 0.0)
+        else:
+            shape = shapely.Polygon(obstacle.vertices)
+            assert is_clear(points, [obstacle]) == (line.intersection(shape).length == 0.0)
+
+
+def test_what_touches_is_clear_and_what_enters_is_not():
+    square, disc = Polygon.rectangle(0, 0, 10, 10), Circle(0, 0, 5)
+    for points, obstacle, expected in (
+        ([(-5, 10), (15, 10)], square, True),
+        ([(-5, 10 - 1e-6), (15, 10 - 1e-6)], square, False),
+        ([(-5, 15), (5, 10), (15, 15)], square, True),
+        ([(2, 3), (4, 5)], square, False),
+        ([(0, 0), (10, 10)], square, False),
+        ([(-9, 5), (9, 5)], disc, True),
+        ([(-9, 5 - 1e-6), (9, 5 - 1e-6)], disc, False),
+        ([(5, 0), (9, 0)], disc, True),
+        ([(1, 1), (1, 1)], disc, False),
+    ):
+        assert is_clear(np.array(points, dtype=np.float64), [obstacle]) == expected, (points, obstacle)
+    assert not is_clear(np.array([(-9.0, 5.0), (9.0, 5.0)]), [disc, square])
+
+
+# The same paths from elsewhere.
+
+
+def last_offset(path, start, target, x):
+    """y' of the point at which a path passes x' for the last time, in plain Python."""
+    length = np.hypot(target[0] - start[0], target[1] - start[1])
+    cosine, sine = (target[0] - start[0]) / length, (target[1] - start[1]) / length
+    found = None
+    points = [
+        ((px - start[0]) * cosine + (py - start[1]) * sine, (py - start[1]) * cosine - (px - start[0]) * sine)
+        for px, py in [start, *path]
+    ]
+    for (x0, y0), (x1, y1) in itertools.pairwise(points):
+        if (x0 <= x) != (x1 <= x):
+            found = y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_paths_pass_the_new_waypoints_where_they_pass_last(seed):
+    rng = np.random.default_rng(seed)
+    before = random_problem(seed, "analytic")
+    after = somewhere(rng, before)
+    paths = np.array([before.points(random_path(rng, before)) for _ in range(8)])
+    found = resampled(paths, after.scenario, 7)
+    length = after.scenario.straight_line
+    for path, offsets in zip(paths, found, strict=True):
+        for j, offset in enumerate(offsets, 1):
+            ends = after.scenario.start, after.scenario.target
+            assert offset == pytest.approx(last_offset(path.tolist(), *ends, length * j / 8), abs=1e-8)
+
+
+@pytest.mark.parametrize("encoding", ["analytic", "waypoints"])
+def test_a_robot_on_a_path_keeps_the_rest_of_it(encoding):
+    """As far as waypoints between those of before can; the new ones lie on it, or at the edge of the map."""
+    rng = np.random.default_rng(1)
+    for seed in range(10):
+        before = random_problem(seed, encoding)
+        vector = 0.1 * random_path(rng, before)
+        path = before.points(vector)
+        piece, _ = piece_of(path, rng.uniform(0.1, 0.6) * before.scenario.straight_line)
+        try:
+            after = before.begun_at(tuple(piece[-1].tolist()))
+        except ScenarioError:
+            continue
+        (carried,) = after.carried_over(vector[None], before)
+        lower, upper = after.bounds
+        assert ((lower <= carried) & (carried <= upper)).all()
+        inside = (lower < carried) & (carried < upper)
+        rest = shapely.LineString(path)
+        for point, is_inside in zip(after.points(carried)[1:-1], inside, strict=True):
+            assert not is_inside or rest.distance(shapely.Point(point)) < 1e-7
+        assert inside.any()
+
+
+def test_control_points_stay_where_they_are():
+    before = small_grid_problem("bezier", 3)
+    after = somewhere(np.random.default_rng(0), before)
+    vectors = np.random.default_rng(0).uniform(*before.bounds, (5, 6))
+    np.testing.assert_array_equal(after.carried_over(vectors, before), vectors)
+    assert after.points(vectors)[:, 0].tolist() == [list(after.scenario.start)] * 5
+
+
+@pytest.mark.parametrize("encoding", ["analytic", "waypoints", "bezier"])
+def test_the_same_problem_from_another_start_is_bounded_as_from_anywhere(encoding):
+    rng = np.random.default_rng(2)
+    for seed in range(5):
+        before = random_problem(seed, encoding)
+        after = somewhere(rng, before)
+        assert after.scenario.target == before.scenario.target
+        assert after.dimension == before.dimension
+        anywhere = before.collision_bound_anywhere
+        assert anywhere >= max(before.collision_bound, after.collision_bound)
+        for _ in range(20):
+            assert after.evaluate(rng.uniform(*after.bounds))[1] <= anywhere
+
+
+@pytest.mark.parametrize("encoding", ["analytic", "waypoints"])
+def test_a_table_put_into_a_row_is_as_if_stacked(encoding):
+    """Whether it takes more room than the others or less."""
+    rng = np.random.default_rng(3)
+    first = random_problem(0, encoding)
+    for _ in range(6):
+        problems = [somewhere(rng, first) for _ in range(3)]
+        tables = stack([first.table] * 3)
+        for row, problem in enumerate(problems):
+            tables = put(tables, row, problem.table)
+        for field, found, expected in zip(
+            tables._fields, tables, stack([p.table for p in problems]), strict=True
+        ):
+            assert found.dtype == expected.dtype
+            common = tuple(map(slice, np.minimum(found.shape, expected.shape)))
+            np.testing.assert_array_equal(found[common], expected[common], err_msg=field)
+            found[common] = 0
+            assert not found.any()
+
+
+# Episodes.
+
+
+# For the others, kernels are compiled first.
+QUICK = ("firefly", "ant-colony")
+
+
+@pytest.mark.parametrize(
+    "optimizer",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in OPTIMIZERS],
+)
+def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
+    for options in on_maps(optimizer):
+        env = small(optimizer, **options)
+        drive = options["scenario"].drive
+        _, info = env.reset(seed=SEED)
+        assert tuple(info["robot"]) == options["scenario"].base.start
+        swarms, n = env.simulation.swarms, env.simulation.dimension
+        moves = 0
+        for iteration, action in enumerate(actions(SEED, ITERATIONS), 1):
+            place, driven, way = info["robot"], info["driven"], env.simulation.way(0)
+            observation, reward, terminated, _, info = env.step(action)
+            assert observation in env.observation_space
+            assert np.isfinite(reward)
+            problem = env.simulation.problem_of(0)
+            is_time = iteration >= drive.first and (iteration - drive.first) % drive.every == 0
+            if (info["robot"] == place).all():
+                assert info["driven"] == driven
+            else:
+                moves += 1
+                assert is_time
+                new = env.simulation.way(0)[len(way) - 1 :]
+                assert problem.is_clear(new)
+                assert shapely.LineString(new).length == pytest.approx(info["driven"] - driven)
+                if not terminated:
+                    assert info["driven"] - driven == pytest.approx(drive.distance)
+            if not terminated:
+                assert problem.scenario.start == tuple(info["robot"])
+            assert info["best_path"][0].tolist() == list(problem.scenario.start)
+            if optimizer == "ant-colony":
+                best = walk_cost(problem, info["best_path"])
+                assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
+                assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
+                if terminated:
+                    break
+                continue
+            for i in range(swarms.size[0]):
+                found = problem.evaluate(swarms.positions[0, i, :n])
+                assert (swarms.fitness[0, i], swarms.collision[0, i]) == found
+                if optimizer == "particle-swarm":
+                    width = swarms.positions.shape[2]
+                    own_best = swarms.memory[0, i, width : width + n]
+                    assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
+            best = problem.evaluate(swarms.best_position[0, :n])
+            assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
+            if terminated:
+                break
+        assert moves > 1
+
+
+@pytest.mark.slow  # kernels are compiled for it
+@all_optimizers
+def test_a_robot_that_never_drives_changes_nothing(optimizer):
+    for options in on_maps(optimizer):
+        scenario = options["scenario"]
+        late = DynamicScenario("late", scenario.base, scenario.events, Drive(ITERATIONS, 1, 5.0))
+        still = DynamicScenario("still", scenario.base, scenario.events)
+        decisions = actions(SEED, ITERATIONS)
+        steps = [
+            episode(small(optimizer, **{**options, "scenario": one}), decisions=decisions)
+            for one in (late, still)
+        ]
+        assert_same_steps(*steps)
+
+
+def test_driving_costs_as_many_evaluations_as_there_is_remembered():
+    for optimizer, remembered in (("firefly", 1), ("particle-swarm", 2)):
+        driving = DynamicScenario("driving", FREE, (), Drive(1, 5, 100.0))
+        spent = [
+            episode(small(optimizer, scenario=scenario), decisions=[[9, 0.0]])[-1][2]["evaluations"]
+            for scenario in (driving, FREE)
+        ]
+        assert spent[0] - spent[1] == remembered * 9 + 1
+
+
+def test_the_episode_ends_when_the_robot_arrives():
+    env = small("particle-swarm", scenario=DynamicScenario("short", FREE, (), Drive(1, 1, 300.0)))
+    env.reset(seed=SEED, options={"initial_population": np.zeros((8, 31))})
+    driven = []
+    terminated = False
+    while not terminated:
+        _, _, terminated, _, info = env.step(np.array([8, 0.0]))
+        driven.append(info["driven"])
+    assert driven[:3] == [300.0, 600.0, 900.0]
+    assert driven[3] == pytest.approx(960.0, abs=5.0)
+    assert len(driven) == 4 < ITERATIONS
+    assert tuple(info["robot"]) == FREE.target
+    assert "optimality_gap" not in info
+    with pytest.raises(StepOrderError, match="ended"):
+        env.step(np.array([8, 0.0]))
+    assert env.reset(seed=1)[1]["robot"].tolist() == list(FREE.start)
+
+
+def straight_ahead(scenario, **options):
+    """An episode of fireflies that are all on the straight line, where they stay."""
+    env = small(scenario=scenario, **options)
+    env.reset(seed=0, options={"initial_population": np.zeros((2, 31))})
+    return env
+
+
+def test_a_robot_waits_before_what_is_in_its_way():
+    """Where repair does not lead around it, either."""
+    wall = (Polygon.rectangle(400, 0, 420, 310), Polygon.rectangle(400, 305, 420, 600))
+    closed = Scenario("closed", FREE.start, FREE.target, wall)
+    env = straight_ahead(DynamicScenario("waiting", closed, (), Drive(1, 1, 120.0)))
+    places, spent = [], []
+    for _ in range(5):
+        _, _, _, _, info = env.step(np.array([2, 0.0]))
+        places.append(info["robot"].tolist())
+        spent.append(info["evaluations"])
+    assert places == [[140.0, 300.0], [260.0, 300.0]] + [[380.0, 300.0]] * 3
+    assert spent[2:] == [spent[2]] * 3
+
+
+def test_a_robot_drives_the_repaired_path_where_that_is_free():
+    """What the best path only grazes does not stop it."""
+    grazed = Scenario("grazed", FREE.start, FREE.target, (Circle(500, 250, 50.3),))
+    env = straight_ahead(DynamicScenario("grazing", grazed, (), Drive(1, 1, 600.0)))
+    problem = env.simulation.problem_of(0)
+    assert not problem.is_clear(problem.points(np.zeros(31)))
+    _, _, _, _, info = env.step(np.array([2, 0.0]))
+    assert info["robot"][0] == pytest.approx(620.0, abs=1.0)
+    assert problem.is_clear(env.simulation.way(0))
+    assert env.simulation.way(0)[:, 1].max() > 300.2
+
+
+def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
+    events = [Appear(3, Circle(320, 300, 40)), Appear(4, Circle(700, 150, 40))]
+    env = straight_ahead(DynamicScenario("waiting", FREE, events, Drive(1, 4, 300.0)))
+    numbers = []
+    for _ in range(6):
+        env.step(np.array([2, 0.0]))
+        numbers.append(len(env.simulation.problem_of(0).scenario.obstacles))
+    # The robot is at (320, 300) until iteration 5 is done; then one comes after the other.
+    assert numbers == [1, 1, 1, 1, 1, 2]
+    env.step(np.array([2, 0.0]))
+    assert len(env.simulation.problem_of(0).scenario.obstacles) == 3
+
+
+@all_optimizers
+def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
+    (options, *_) = on_maps(optimizer)
+    driving = DynamicScenario("driving", options["scenario"].base, (), Drive(1, 5, 1.0))
+    still = small(optimizer, **{**options, "scenario": driving.base})
+    before = episode(still, decisions=[[8, 0.0]])[-1][2]["evaluations"]
+    for left in range(20):
+        env = small(optimizer, **{**options, "scenario": driving}, max_evaluations=before + left)
+        _, _, info = episode(env, decisions=[[8, 0.0]] * 4)[-1]
+        assert info["evaluations"] == before + left
+        assert (info["driven"] > 0) == (left > 0)  # else the episode is over before
+        swarms, n, problem = env.simulation.swarms, env.simulation.dimension, env.simulation.problem_of(0)
+        assert swarms.size[0] >= 1
+        if optimizer == "ant-colony":
+            best = walk_cost(problem, info["best_path"])
+            assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
+            continue
+        for i in range(swarms.size[0]):
+            assert swarms.fitness[0, i] == problem.evaluate(swarms.positions[0, i, :n])[0]
+        assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]
+
+
+# Same seed, same bits.
+
+
+def scenarios_of(options):
+    return [options["scenario"], options["scenario"].base]
+
+
+@all_optimizers
+def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
+    for options in on_maps(optimizer)[:2]:
+        mixed = {**options, "scenario": scenarios_of(options)}
+        decisions = [actions(SEED + row, ITERATIONS) for row in range(4)]
+        alone = [
+            episode(small(optimizer, **mixed), SEED + row, decision) for row, decision in enumerate(decisions)
+        ]
+        envs = SwarmVectorEnv(
+            4,
+            optimizer,
+            num_threads=min(numba_threads, 2),
+            autoreset_mode=AutoresetMode.DISABLED,
+            **{**SMALL, **mixed},
+        )
+        envs.reset(seed=SEED)
+        for k, decision in enumerate(np.stack(decisions, axis=1), 1):
+            observations, rewards, ended = envs.step_running(decision)
+            robots = envs.simulation.robots
+            for row, steps in enumerate(alone):
+                if k < len(steps):
+                    np.testing.assert_array_equal(observations[row], steps[k][0])
+                    assert rewards[row] == steps[k][1]
+                    np.testing.assert_array_equal(robots.places[row], steps[k][2]["robot"])
+                    assert robots.driven[row] == steps[k][2]["driven"]
+                    assert ended[row] == (k == len(steps) - 1)
+        names = [steps[0][2]["scenario"] for steps in alone]
+        assert len(set(names)) == 2
+        for row, name in enumerate(names):
+            assert (robots.driven[row] > 0) == (name == options["scenario"].name)
+
+
+@pytest.mark.parametrize(
+    "duplicate",
+    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
+    ids=["deep", "pickle"],
+)
+@pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
+def test_after_copying_on_the_way(duplicate, optimizer):
+    env = small(optimizer)
+    env.reset(seed=SEED)
+    decisions = actions(SEED, ITERATIONS)
+    for action in decisions[:3]:
+        _, _, _, _, info = env.step(action)
+    assert info["driven"] > 0
+    twin = duplicate(env)
+    for action in decisions[3:]:
+        one, other = env.step(action), twin.step(action)
+        np.testing.assert_array_equal(one[0], other[0])
+        np.testing.assert_array_equal(one[4]["robot"], other[4]["robot"])
+        assert one[1] == other[1]
+        if one[2]:
+            break
+    np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
+
+
+def test_copied_swarms_go_on_from_where_the_robot_of_the_original_is():
+    envs = SwarmVectorEnv(4, scenario=[ON_THE_WAY, "case2"], autoreset_mode=AutoresetMode.DISABLED, **SMALL)
+    envs.reset(seed=[0, 1, 2, 3])
+    for _ in range(3):
+        envs.step(np.tile([8, 0.5], (4, 1)))
+    simulation = envs.simulation
+    driven = simulation.robots.driven
+    drivers, others = np.flatnonzero(driven > 0), np.flatnonzero(driven == 0)
+    assert len(drivers) > 0 < len(others)
+    source, other = int(drivers[-1]), int(others[0])
+    rows = np.array([source, other, source, source])
+    expected = simulation.robots.places[rows].copy(), [simulation.way(row) for row in rows]
+    observations = envs.copy_swarms(rows)
+    np.testing.assert_array_equal(observations, observations[[0, 1, 0, 0]])
+    np.testing.assert_array_equal(simulation.robots.places, expected[0])
+    for row, way in enumerate(expected[1]):
+        np.testing.assert_array_equal(simulation.way(row), way)
+        assert simulation.problem_of(row).scenario.start == tuple(way[-1].tolist())
+    for _ in range(3):
+        observations, rewards, *_ = envs.step(np.tile([8, 0.5], (4, 1)))
+        np.testing.assert_array_equal(observations, observations[[0, 1, 0, 0]])
+        assert (rewards == rewards[[0, 1, 0, 0]]).all()
+    # Each has a problem of its own, so that one can go on differently.
+    assert len(set(simulation.swarms.problem[[0, 2, 3]])) == 3
+
+
+# What is refused, and shown.
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [(0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.0), (1, 1, -3.0), (1.5, 1, 1.0), (1, 1, np.inf), (1, 1, "far")],
+)
+def test_other_than_valid_numbers_are_refused(numbers):
+    with pytest.raises(SettingError, match=r"Drive\(.*(first|every|distance)"):
+        Drive(*numbers)
+
+
+def test_only_a_drive_tells_how_a_robot_drives():
+    with pytest.raises(ScenarioError, match="drive must be"):
+        DynamicScenario("made", FREE, (), (1, 2, 3.0))
+
+
+def test_a_reward_that_needs_the_optimum_is_refused():
+    with pytest.raises(SettingError, match="optima"):
+        small(reward="optimality")
+
+
+def test_the_name_says_how_the_robot_drives():
+    made = make_scenario("dynamic:case1-block@70-drive@40,every=5,distance=60.5")
+    assert made.drive == Drive(40, 5, 60.5)
+    assert made.events == make_scenario("dynamic:case1-block@70").events
+    alone = make_scenario("dynamic:case2-drive@1,every=10,distance=7")
+    assert (alone.base, alone.events, alone.drive) == (make_scenario("case2"), (), Drive(1, 10, 7.0))
+    assert expand_name("dynamic:random-fields:test:3-4-drive@1,every=2,distance=30") == (
+        "dynamic:random-fields:test:3-drive@1,every=2,distance=30",
+        "dynamic:random-fields:test:4-drive@1,every=2,distance=30",
+    )
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "dynamic:case1-drive@0,every=5,distance=60",
+        "dynamic:case1-drive@5,every=0,distance=60",
+        "dynamic:case1-drive@5,every=5,distance=60.0",
+        "dynamic:case1-drive@5,every=5,distance=-1",
+        "dynamic:case1-drive@5,every=5",
+        "dynamic:case1-drive@40",
+        "dynamic:case1-drive@5,every=5,distance=60-block@70",
+        "dynamic:case1-drive@5,every=5,distance=0",
+        "dynamic:function:easom-2-drive@5,every=5,distance=1",
+    ],
+)
+def test_other_names_are_refused(name):
+    with pytest.raises(ValueError, match=r"case1|easom|distance"):
+        make_scenario(name)
+
+
+def test_pictures_show_where_the_robot_is_and_has_driven():
+    env = small(render_mode="rgb_array")
+    env.reset(seed=SEED)
+    assert Scene.of(env.simulation).way.tolist() == [list(FREE.start)]
+    for action in actions(SEED, 3):
+        env.step(action)
+    scene = Scene.of(env.simulation)
+    assert len(scene.way) > 1
+    assert scene.scenario.start == tuple(scene.way[-1].tolist())
+    before = env.render()
+    env.step(np.array([8, 0.0]))
+    assert (env.render() != before).any()
+    still = SwarmEnv(scenario="case1", **SMALL)
+    still.reset(seed=SEED)
+    assert Scene.of(still.simulation).way.shape == (0, 2)
