@@ -70,7 +70,7 @@ def user_cache() -> Path:
 
 
 def digest_of_sources(place: Path) -> str:
-    """Return a digest of a Python file, or of all Python files in a folder and below; 16 hexadecimal digits."""
+    """Return a digest of a Python file, or of all in a folder and below, as 16 hexadecimal digits."""
     digest = hashlib.sha256()
     for source in [place] if place.is_file() else sorted(place.rglob("*.py")):
         digest.update(str(source.relative_to(place.parent)).encode())

@@ -2,8 +2,8 @@
 
 Numba's cache looks at the file of the cached function only: an edit in a *called* function of another
 file goes unnoticed, and code compiled without bounds checks is reused when they are asked for. Here the
-cache folder is named by a digest of all sources that hold kernels and of the bounds-check flag, so neither can
-happen.
+cache folder is named by a digest of all sources that hold kernels and of the bounds-check flag, so neither
+can happen.
 """
 
 import hashlib

@@ -1,7 +1,7 @@
 """Fuzz the parsers of files, guided by what lines they reach: `make fuzz SECONDS=3600`.
 
 What makes a parser raise an undocumented error, run for more than 5 s or take more than 200 MiB at once is
-kept in tests/reliability/fuzz_finds/<parser>, where tests/reliability/test_fuzz_finds.py tries it from then on.
+kept in fuzz_finds/<parser> beside this file, where test_fuzz_finds.py tries it from then on.
 
 Source: Atheris, https://github.com/google/atheris, which tells libFuzzer what lines of Python are reached.
 """
