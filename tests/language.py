@@ -2,8 +2,8 @@
 
 A docstring must be understood alone, so it must not begin with a word that makes it a fragment of something
 else, such as "Of", "What" or "Likewise". The same holds for the text behind each name of the sections Args,
-Attributes, Raises and Returns, and for the help text below a field of a dataclass. `make check` runs this; the
-rules are in CONTRIBUTING.md.
+Attributes, Raises and Returns, and for the help text below a field of a dataclass. `make check` runs this;
+the rules are in CONTRIBUTING.md.
 """
 
 import ast
