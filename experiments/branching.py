@@ -23,7 +23,8 @@ from experiments.analysis.episodes import analysis_seeds, outcome
 from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.statistics import paired
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import percent, percent_interval
+from experiments.tables.table import Table
 from swarm_gym.action import make_action
 from swarm_gym.command import command
 from swarm_gym.controllers.controller import Controller, Floats

@@ -12,7 +12,8 @@ from experiments.plots.style import BLUE, FORMATS, ORANGE, new_figure, render, s
 from experiments.runs.labels import label
 from experiments.sensitivity import Sensitivity
 from experiments.statistics import paired
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import percent, percent_interval
+from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import LINEAR
 from swarm_gym.files import write_atomically
 

@@ -43,7 +43,7 @@ class Suite:
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: seeds per scenario, none of which training or validation ever uses.
         baseline: the controller, or key of the group, that the others are compared with.
-        duels: further pairs that are compared, controllers or keys of groups: a challenger and its rival.
+        pairs: further pairs that are compared, controllers or keys of groups: a challenger and its rival.
         snapshots: (controller, scenario, seed, iterations) of runs whose populations are kept.
         optimizer: name of the optimizer, of controllers whose names do not begin with one.
         options: of all environments.
@@ -51,8 +51,8 @@ class Suite:
         seed_step: how far the seeds of a scenario start after those of the one before it; 0: the same.
         families: controllers whose fronts are measured.
         reference: evaluations and gap that hypervolumes are measured from; what is worse counts for nothing.
-        tables: names in `experiments.tables.TABLES`.
-        figures: names in `experiments.documents.figures.FIGURES`.
+        tables: names of tables in `experiments.catalogue`.
+        figures: names of figures in `experiments.catalogue`.
         replayed: controllers whose first runs a report replays; empty for the baseline and the best one.
     """
 
@@ -66,7 +66,7 @@ class Suite:
     options: Mapping[str, Any] = field(default_factory=dict)
     first_seed: int = 0
     seed_step: int = 0
-    duels: tuple[tuple[str, str], ...] = ()
+    pairs: tuple[tuple[str, str], ...] = ()
     families: tuple[Family, ...] = ()
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = PAPER_TABLES

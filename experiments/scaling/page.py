@@ -14,7 +14,7 @@ from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.study import evaluations, trainings
 from experiments.speed.page import describe, number
 from experiments.tables import Table
-from experiments.tables.table import percent
+from experiments.tables.cell import percent
 from swarm_gym.files import write_atomically
 
 CORES = (10, 100, 1000)

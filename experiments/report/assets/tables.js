@@ -1,7 +1,7 @@
-// Tables that sort by a click on, or Enter in, the head of a column: numbers by what they begin with, others as text.
+// Tables that sort by a click on, or Enter in, the head of a column: cells with numbers by these, others as text.
 "use strict";
 
-const numberOf = (cell) => parseFloat(cell.textContent.trim().replace(/,/g, ""));
+const numberOf = (cell) => Number(cell.dataset.value); // NaN where there is none
 
 function compareCells(one, other) {
   const [a, b] = [numberOf(one), numberOf(other)];

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from experiments.catalogue import SUITES
+from experiments.documents.page import make_tables
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
 from experiments.report.map_picture import describe_map, extent_of
@@ -20,7 +21,7 @@ from experiments.report.recording import Recording, record
 from experiments.report.replay import LADDER, MOST_BYTES, NEW, REMOVED, pack
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.runner import run_one
-from experiments.tables import make_tables
+from experiments.tables.cell import plain_text
 from helpers.reports import SUITE
 from helpers.stored_runs import make_database
 from swarm_gym.errors import UnknownNameError
@@ -97,7 +98,7 @@ def test_every_number_of_the_tables_is_that_of_the_database(database):
     for table in make_tables(SUITE, results):
         shown = page.tables[table.name]
         assert shown[0] == list(table.columns)
-        assert shown[1:] == [[cell.replace("**", "") for cell in row] for row in table.rows]
+        assert shown[1:] == [list(map(plain_text, row)) for row in table.rows]
     results.close()
     with sqlite3.connect(database) as connection:
         runs = connection.execute(
