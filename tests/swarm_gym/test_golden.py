@@ -1,8 +1,8 @@
 """Results do not change from version to version unless a golden file says why.
 
-`tests/golden` has a file per optimizer with the courses of short runs. Where a change of results is meant, run
-these tests with UPDATE_GOLDEN set to the reason, one sentence, which the files then state; use `-m ''`, so that
-no test is left out, and one process. Name the change in CHANGELOG.md, too.
+`tests/golden` has a file per optimizer with the courses of short runs. Where a change of results is meant,
+run these tests with UPDATE_GOLDEN set to the reason, one sentence, which the files then state; use `-m ''`,
+so that no test is left out, and one process. Name the change in CHANGELOG.md, too.
 """
 
 import json
@@ -72,8 +72,8 @@ def test_results_are_those_of_the_version_before(optimizer, scenario):
         stored["courses"][scenario],
         rtol=TOLERANCE,
         atol=TOLERANCE,
-        err_msg=f"{optimizer} on {scenario} has other results than before; if that is meant, run this test with "
-        "UPDATE_GOLDEN set to the reason, and name the change in CHANGELOG.md",
+        err_msg=f"{optimizer} on {scenario} has other results than before; if that is meant, run this test "
+        "with UPDATE_GOLDEN set to the reason, and name the change in CHANGELOG.md",
     )
 
 
