@@ -1,4 +1,4 @@
-"""What analyses of controllers share: seeds that no model was selected by, and how episodes ended."""
+"""Seeds and outcomes of the episodes that analyses of controllers run."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,13 @@ Floats = NDArray[np.float64]
 
 
 class Outcome(NamedTuple):
-    """How episodes ended, (scenarios, seeds) each."""
+    """Results of episodes, (scenarios, seeds) each.
+
+    Attributes:
+        gap: final optimality gap, (fitness - optimum) / optimum.
+        evaluations: calls of the cost function.
+        returns: sum of the rewards.
+    """
 
     gap: Floats
     evaluations: Floats
@@ -21,10 +27,10 @@ class Outcome(NamedTuple):
 
 
 def outcome(found: list[Watched]) -> Outcome:
-    """How the episodes of every scenario ended.
+    """Return the results of the episodes of every scenario.
 
     Raises:
-        ResultsError: where an optimum is not known.
+        ResultsError: if the optimum of a scenario is unknown.
     """
     gap = np.array([w.gap for w in found])
     if np.isnan(gap).any():
@@ -33,10 +39,10 @@ def outcome(found: list[Watched]) -> Outcome:
 
 
 def analysis_seeds(number: int) -> range:
-    """The first of the seeds for analyses, this many.
+    """Return the first `number` seeds of those reserved for analyses, by which no model was selected.
 
     Raises:
-        ResultsError: for fewer than two, which have no spread.
+        ResultsError: if there are fewer than two, which have no spread.
     """
     if number < 2:
         raise ResultsError(f"--seeds must be at least 2, got {number}")

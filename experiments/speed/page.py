@@ -1,4 +1,4 @@
-"""Tables and the figure of a benchmark, from its stored measurements."""
+"""The page of a benchmark: its tables and figure, made from stored measurements."""
 
 from pathlib import Path
 from typing import Any
@@ -33,16 +33,16 @@ CAPTIONS = {
     "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
     "fish-peers": "Artificial fish swarms beside others, per evaluation",
 }
-# The groups of peers.json, which may not have been measured.
+# The groups of peers.json, which need not have been measured.
 OF_PEERS = ("peers", "bezier-peers", "fish-peers")
 
 
 def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
-    """Machine and groups of a benchmark, with those of the peers where they were measured.
+    """Return machine and groups of a benchmark; groups of the peers too, if they were measured.
 
     Raises:
-        OSError: if there is no benchmark in the folder.
-        ValueError: if a file there is not a benchmark's, or of another machine or version than the other.
+        OSError: if the folder has no benchmark.
+        ValueError: if a file is not a benchmark's, or if both files are of different machines or versions.
     """
     machine, groups = read_measurements(folder / "benchmark.json")
     peers = folder / "peers.json"
@@ -55,7 +55,7 @@ def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measuremen
 
 
 def write_page(folder: Path) -> Path:
-    """Write README.md with all tables, and growth.svg and .png, from what is stored in the folder."""
+    """Write README.md with all tables, growth.svg and growth.png, from the measurements in the folder."""
     machine, groups = read_folder(folder)
     parts = [f"# Benchmark\n\n{describe(machine)}\n"]
     if set(CAPTIONS) - set(OF_PEERS) <= set(groups):
@@ -71,7 +71,7 @@ def write_page(folder: Path) -> Path:
 
 
 def describe(machine: dict[str, Any]) -> str:
-    """The machine in a sentence."""
+    """Return a sentence about the machine and the versions."""
     return (
         f"{machine['processor']} ({machine['machine']}), {machine['threads']} threads; "
         f"Python {machine['python']}, Numba {machine['numba']}, NumPy {machine['numpy']}, "
@@ -80,7 +80,7 @@ def describe(machine: dict[str, Any]) -> str:
 
 
 def table(group: str, measurements: list[Measurement]) -> Table:
-    """All quantities of a group."""
+    """Return the table of all quantities of a group."""
     return Table(group, CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements])
 
 
@@ -90,12 +90,12 @@ def _row(m: Measurement) -> tuple[str, ...]:
 
 
 def number(value: float) -> str:
-    """Three digits, or all before the point."""
+    """Return a number with three digits, or with all its digits before the point."""
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:
-    """The few quantities that tell most, each with the group that it is of."""
+    """Return the table of the few most important quantities of all groups."""
     moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
     peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
     others = [
@@ -128,7 +128,7 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
 
 
 def growth_figure(measurements: list[Measurement]) -> dict[str, bytes]:
-    """Time (above) and memory (below) on every axis, with fitted powers; by file format."""
+    """Draw time (above) and memory (below) on every axis with fitted powers; return files by their format."""
     found = medians(measurements)
     with settings():
         figure = new_figure(11.0, 5.0)

@@ -13,9 +13,8 @@ import numpy as np
 from experiments.runs.entrants import contestant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, length_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import length_of
 from experiments.statistics import holm, mean_interval, rank_sum
 from experiments.studies.iafsa.function_tables import AFSA, IAFSA
 from experiments.studies.iafsa.published import WAYS

@@ -11,8 +11,7 @@ from experiments.catalogue import Suite
 from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.runs.labels import label
-from experiments.runs.run import Run
-from experiments.runs.trajectory import length_of
+from experiments.runs.run import Run, length_of
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
 from experiments.studies.iafsa.figures import by_evaluations, by_iterations
