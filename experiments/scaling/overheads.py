@@ -138,7 +138,7 @@ def time_backends(units: int, seconds: float, processors: int) -> Iterator[Timed
 
 
 def time_nodes(nodes: int, processors: int, work: str, per_worker: int, seconds: float) -> Timed:
-    """Measure units on logical nodes; for the work "wait", they may have more processors than there are cores."""
+    """Measure units on logical nodes; those that "wait" may have more processors than there are cores."""
     task = Task({"compute": compute, "wait": wait}[work], (seconds,))
     with logical_cluster(nodes, processors) as (backend, _):
         name = f"{nodes} node{'s' if nodes > 1 else ''} of {processors}"
