@@ -123,7 +123,7 @@ def _frame(scene: Scene, new: Flags, removed: Flags) -> Frame:
         removed=removed,
         best_path=_shown(scene, scene.best_path[None])[0] if not scene.are_points else scene.best_path,
         best_feasible=scene.best_feasible,
-        robot=scene.way[-1] if len(scene.way) else None,
+        robot=scene.trajectory[-1] if len(scene.trajectory) else None,
         scenario=scene.scenario,
     )
 

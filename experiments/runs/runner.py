@@ -149,7 +149,7 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
         made_with,
         tuple(snapshots),
         simulation.columns,
-        simulation.way(0),
+        simulation.trajectory(0),
     )
 
 

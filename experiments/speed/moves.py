@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.speed.measurement import CASES, Measurement, Quantity, derived, medians, seconds_of
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers.firefly import move_towards, squared_distance
@@ -99,7 +99,7 @@ def run_episode(env: gymnasium.Env, action: np.ndarray) -> dict[str, Any]:
 # leave out any of it; changes between calls are too small to matter.
 
 
-@kernel
+@entry
 def _random_numbers(table: WaypointTable, work: Workspace, calls: int) -> float:
     stream = np.ones(STREAM_SHAPE, dtype=np.uint64)
     for _ in range(calls):
@@ -107,7 +107,7 @@ def _random_numbers(table: WaypointTable, work: Workspace, calls: int) -> float:
     return work.noise[0] + table.spacing
 
 
-@kernel
+@entry
 def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
     other, total = np.ones_like(work.noise), table.spacing
     for _ in range(calls):
@@ -116,7 +116,7 @@ def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
     return total
 
 
-@kernel
+@entry
 def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
     other = np.ones_like(work.noise)
     for _ in range(calls):
@@ -124,7 +124,7 @@ def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
     return work.path[1]
 
 
-@kernel
+@entry
 def _evaluation(table: WaypointTable, work: Workspace, calls: int) -> float:
     total = 0.0
     for _ in range(calls):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.speed.measurement import IN_NUMPY
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.problem import GridProblem, Problem
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, evaluate
@@ -76,7 +76,7 @@ def compiled_cost(problem: Problem) -> Cost:
     return Cost("our compiled cost", of_one, of_many)
 
 
-@kernel
+@entry
 def _evaluate_all(table: Table, vectors: Floats, path: Floats, fitness: Floats) -> None:
     """Write the fitness, (m,), of decision vectors, (m, dimension); `path` is workspace for one of them."""
     for i in range(vectors.shape[0]):

@@ -25,7 +25,7 @@ from experiments.speed.measurement import (
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.analytic.cost import evaluate
+from swarm_gym.problem.tables import evaluate_entry
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
@@ -50,7 +50,7 @@ def compiled_cost(problem: AnalyticProblem) -> Callable[[Any], float]:
 
     def cost(x: Any) -> float:
         offsets[:] = x
-        return evaluate(table, path)[0]
+        return evaluate_entry(table, path)[0]
 
     return cost
 

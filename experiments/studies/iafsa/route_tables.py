@@ -24,7 +24,7 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES, read_site_map
 
 A_STAR, SMOOTHED = "A*", "A*, smoothed"
 COLUMNS = (

@@ -24,7 +24,7 @@ from experiments.tables.claims import Claim, claims_table
 from helpers.stored_runs import cells_of
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES
+from swarm_gym.scenarios.papers.iafsa import SITES
 from swarm_gym.simulation import HISTORY
 
 DOCS = Path(__file__).parents[3] / "docs"
