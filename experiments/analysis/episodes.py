@@ -3,13 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.evaluation.observers import Watched
 from agents.runs.seeds import ANALYSIS
 from experiments.runs.database import ResultsError
-
-Floats = NDArray[np.float64]
+from experiments.runs.run import Floats
 
 
 class Outcome(NamedTuple):
@@ -34,7 +32,10 @@ def outcome(found: list[Watched]) -> Outcome:
     """
     gap = np.array([w.gap for w in found])
     if np.isnan(gap).any():
-        raise ResultsError("gaps need the optima of all scenarios; see swarm_gym.reference.ensure_optima")
+        raise ResultsError(
+            "gaps need the optima of all scenarios, and one is unknown; swarm_gym.reference.ensure_optima "
+            "computes it"
+        )
     return Outcome(gap, np.array([w.evaluations for w in found]), np.array([w.returns for w in found]))
 
 

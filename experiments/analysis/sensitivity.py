@@ -10,10 +10,9 @@ from agents.evaluation.masking import Blinded, clock_columns, input_names, mean_
 from agents.evaluation.observers import Watched, decision_names, watch
 from agents.training.config import TrainConfig
 from experiments.analysis.episodes import Outcome, outcome
+from experiments.runs.run import Floats
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import LINEAR
-
-Floats = NDArray[np.float64]
 
 ALL_BUT_ITERATION = "all inputs but the iteration"
 ITERATION = "the iteration (mean of all iterations)"

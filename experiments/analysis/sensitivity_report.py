@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from experiments.analysis.episodes import Outcome
 from experiments.analysis.sensitivity import Sensitivity
-from experiments.plots.style import BLUE, FORMATS, ORANGE, new_figure, render, settings
+from experiments.plots.style import BLUE, ORANGE, new_figure, settings, write_figure
 from experiments.runs.labels import label
+from experiments.runs.run import Floats
 from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.controllers.distilled import LINEAR
 from swarm_gym.files import write_atomically
-
-Floats = NDArray[np.float64]
 
 SIGNED = "+.2f"  # format of differences, in per cent
 SEEING = "nothing"  # taken away from the controller with all inputs
@@ -93,9 +92,7 @@ def write_report(found: Sensitivity, folder: Path) -> Path:
     for table in tables:
         table.write(folder)
     with settings():
-        figure = draw_sensitivity(found)
-        for form in FORMATS:
-            write_atomically(folder / f"figure-sensitivity.{form}", render(figure, form))
+        write_figure(draw_sensitivity(found), folder, "figure-sensitivity")
     parts = [
         f"# What {label(found.policy)} makes of its inputs\n",
         f"Made by `python -m experiments.sensitivity --policy {found.policy} "
@@ -123,8 +120,10 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
 
 
 def _thousands(outcome: Outcome) -> str:
+    """Return the mean evaluations as text."""
     return f"{outcome.evaluations.mean():,.0f}"
 
 
 def _unit(decision: str) -> str:
+    """Return a decision with the scale on which its changes are measured."""
     return decision if decision == LINEAR else f"{decision}, log2"

@@ -134,6 +134,7 @@ def logarithmic_ticks(low: float, high: float) -> list[float]:
 
 
 def _family_lines(number: int) -> list:
+    """Return a line style for each family."""
     return [FAMILY_LINES[k % len(FAMILY_LINES)] for k in range(number)]
 
 

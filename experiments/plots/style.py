@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import matplotlib.style
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from experiments.runs.labels import label
+from swarm_gym.files import write_atomically
 
 # Colours of Okabe and Ito, which colour-blind readers can tell apart, too.
 BLACK, GREY = "#222222", "#8c8c8c"
@@ -149,6 +151,11 @@ def render(figure: Figure, form: str) -> bytes:
     metadata = {"Date": None} if form == "svg" else {"Software": None}
     figure.savefig(file, format=form, metadata=metadata)
     return file.getvalue()
+
+
+def write_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
+    """Write a figure in every format, inside `settings`; return the files, e.g. folder/stem.svg."""
+    return [write_atomically(folder / f"{stem}.{form}", render(figure, form)) for form in FORMATS]
 
 
 def legend_below(figure: Figure) -> None:

@@ -170,7 +170,10 @@ class Results:
         for (c, controller), (s, scenario) in product(enumerate(controllers), enumerate(seeds)):
             there = num_seeds - np.isnan(values[0, c, s]).sum()
             if there < num_seeds:
-                raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
+                raise ResultsError(
+                    f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs; run the suite "
+                    "again to make the others"
+                )
 
         def load(controller: str, scenario: str) -> list[Run]:
             return self.runs(controller, scenario, num_seeds, seeds[scenario][0])

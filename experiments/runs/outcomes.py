@@ -6,16 +6,14 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
+from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import make_problem
-
-Floats = NDArray[np.float64]
 
 
 class RunNumbers(NamedTuple):

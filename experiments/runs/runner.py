@@ -70,7 +70,7 @@ def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
     """
     missing = missing_runs(suite, results)
     if not missing:
-        print(f"{results.path}: all runs are there", flush=True)
+        print(f"{results.path}: all runs are stored already", flush=True)
         return
     if backend.on_this_machine:  # here once, or each worker would print that it compiles
         for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:

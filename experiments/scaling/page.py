@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from experiments.plots.style import BLUE, FORMATS, GREY, RED, new_figure, render, settings
+from experiments.plots.style import BLUE, GREY, RED, new_figure, settings, write_figure
 from experiments.runs.runner import MOST_SEEDS
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
@@ -70,8 +71,8 @@ def write_page(findings: Findings, folder: Path) -> Path:
     ]
     for table in tables:
         table.write(folder)
-    for form, content in figure(findings).items():
-        write_atomically(folder / f"scaling.{form}", content)
+    with settings():
+        write_figure(draw_scaling(findings), folder, "scaling")
     parts = ["# Scaling\n", *(table.markdown() for table in tables), "![scaling](scaling.svg)\n"]
     return write_atomically(folder / "README.md", "\n".join(parts))
 
@@ -190,23 +191,22 @@ def prediction_table(findings: Findings) -> Table:
     )
 
 
-def figure(findings: Findings) -> dict[str, bytes]:
-    """Draw the predicted wall time by cores, and work / cores; return files by their format."""
-    with settings():
-        drawn = new_figure(6.4, 3.6)
-        axes = drawn.subplots()
-        cores = np.unique(np.geomspace(1, 10_000, 81).round().astype(int))
-        for (name, work_on), colour in zip(_works(findings).items(), (BLUE, RED), strict=True):
-            work = [work_on(int(n)) for n in cores]
-            walls = [predict(w, findings.overheads, int(n)).seconds for w, n in zip(work, cores, strict=True)]
-            axes.loglog(cores, walls, color=colour, label=name)
-            ideal = [w.units * w.seconds / n for w, n in zip(work, cores, strict=True)]
-            axes.loglog(cores, ideal, "--", color=GREY, linewidth=0.8)
-            axes.loglog(CORES, np.interp(CORES, cores, walls), "o", color=colour)
-        axes.set_xlabel("cores")
-        axes.set_ylabel("seconds (dashed: work / cores)")
-        axes.legend()
-        return {form: render(drawn, form) for form in FORMATS}
+def draw_scaling(findings: Findings) -> Figure:
+    """Draw the predicted wall time by cores, and work / cores."""
+    figure = new_figure(6.4, 3.6)
+    axes = figure.subplots()
+    cores = np.unique(np.geomspace(1, 10_000, 81).round().astype(int))
+    for (name, work_on), colour in zip(_works(findings).items(), (BLUE, RED), strict=True):
+        work = [work_on(int(n)) for n in cores]
+        walls = [predict(w, findings.overheads, int(n)).seconds for w, n in zip(work, cores, strict=True)]
+        axes.loglog(cores, walls, color=colour, label=name)
+        ideal = [w.units * w.seconds / n for w, n in zip(work, cores, strict=True)]
+        axes.loglog(cores, ideal, "--", color=GREY, linewidth=0.8)
+        axes.loglog(CORES, np.interp(CORES, cores, walls), "o", color=colour)
+    axes.set_xlabel("cores")
+    axes.set_ylabel("seconds (dashed: work / cores)")
+    axes.legend()
+    return figure
 
 
 def _works(findings: Findings) -> dict[str, Any]:

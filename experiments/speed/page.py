@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from experiments.plots.style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
+from matplotlib.figure import Figure
+
+from experiments.plots.style import BLACK, BLUE, RED, new_figure, settings, write_figure
 from experiments.speed import growth
 from experiments.speed.environments import name as vector_name
 from experiments.speed.measurement import (
@@ -63,8 +65,8 @@ def write_page(folder: Path) -> Path:
     parts += [table(name, measurements).markdown() for name, measurements in groups.items()]
     if "growth" in groups:
         parts.append("![growth](growth.svg)\n")
-        for form, content in growth_figure(groups["growth"]).items():
-            write_atomically(folder / f"growth.{form}", content)
+        with settings():
+            write_figure(draw_growth(groups["growth"]), folder, "growth")
     page = folder / "README.md"
     write_atomically(page, "\n".join(parts))
     return page
@@ -127,25 +129,24 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
     return Table("headline", f"Speed on {describe(machine)}", COLUMNS, rows)
 
 
-def growth_figure(measurements: list[Measurement]) -> dict[str, bytes]:
-    """Draw time (above) and memory (below) on every axis with fitted powers; return files by their format."""
+def draw_growth(measurements: list[Measurement]) -> Figure:
+    """Draw time (above) and memory (below) on every axis, with fitted powers."""
     found = medians(measurements)
-    with settings():
-        figure = new_figure(11.0, 5.0)
-        panels = figure.subplots(2, len(growth.AXES))
-        for axis, column in zip(growth.AXES, panels.T, strict=True):
-            for panel, kind, name, label, colour in (
-                (column[0], "time", axis.name_of_time, f"microseconds per {axis.measured}", BLUE),
-                (column[1], "memory", axis.name_of_memory, "MB", RED),
-            ):
-                results = [found[name(value)] for value in axis.values]
-                panel.loglog(axis.values, results, "o", color=colour)
-                fitted = growth.fitted_line(axis.values, results)
-                panel.loglog(axis.values, fitted, color=BLACK, linewidth=0.8)
-                slope = found[f"exponent of {kind} in {axis.name}"]
-                panel.set_title(f"{kind}: exponent {slope:.2f}")
-                panel.set_xticks(axis.values, [str(value) for value in axis.values])
-                panel.minorticks_off()
-                panel.set_xlabel(axis.name)
-                panel.set_ylabel(label)
-        return {form: render(figure, form) for form in FORMATS}
+    figure = new_figure(11.0, 5.0)
+    panels = figure.subplots(2, len(growth.AXES))
+    for axis, column in zip(growth.AXES, panels.T, strict=True):
+        for panel, kind, name, label, colour in (
+            (column[0], "time", axis.name_of_time, f"microseconds per {axis.measured}", BLUE),
+            (column[1], "memory", axis.name_of_memory, "MB", RED),
+        ):
+            results = [found[name(value)] for value in axis.values]
+            panel.loglog(axis.values, results, "o", color=colour)
+            fitted = growth.fitted_line(axis.values, results)
+            panel.loglog(axis.values, fitted, color=BLACK, linewidth=0.8)
+            slope = found[f"exponent of {kind} in {axis.name}"]
+            panel.set_title(f"{kind}: exponent {slope:.2f}")
+            panel.set_xticks(axis.values, [str(value) for value in axis.values])
+            panel.minorticks_off()
+            panel.set_xlabel(axis.name)
+            panel.set_ylabel(label)
+    return figure

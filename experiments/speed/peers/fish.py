@@ -7,19 +7,16 @@ the same meaning have the same values. Numbers of evaluations per fish and itera
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from experiments.speed.measurement import IN_NUMPY, Quantity
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
-from experiments.speed.peers.cost import Cost, compiled_cost
+from experiments.speed.peers.cost import Cost, Floats, compiled_cost
 from experiments.speed.peers.runs import Peer, of_member, ours_per_evaluation, per_evaluation
 from swarm_gym.env import SwarmEnv
 
 FUNCTION, CASE = "function:rastrigin-10", "case1"
 SIZE, ITERATIONS = 100, 10
 OURS = "fish-swarm"
-
-Floats = NDArray[np.float64]
 
 
 def rastrigin(x: Floats) -> float:
