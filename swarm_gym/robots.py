@@ -32,7 +32,7 @@ class Robots:
     Attributes:
         places: (B, 2) where they are, in map coordinates.
         driven: (B,) how far they have driven in this episode, in map units.
-        ways: of each the points, (x, y), that it has passed, from the start to where it is.
+        trajectories: of each the points, (x, y), that it has passed, from the start to where it is.
     """
 
     def __init__(self, worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms):
@@ -46,7 +46,7 @@ class Robots:
         self._first, self._every, self._distance = np.array(numbers)[scenario_of].T
         self.places = np.zeros((num_swarms, 2))
         self.driven = np.zeros(num_swarms)
-        self.ways: list[list[Point]] = [[] for _ in range(num_swarms)]
+        self.trajectories: list[list[Point]] = [[] for _ in range(num_swarms)]
 
     def begin(self, rows: Integers) -> None:
         """Put the robots of swarms that begin episodes at the starts."""
@@ -54,7 +54,7 @@ class Robots:
         self.driven[rows] = 0.0
         for row in rows.tolist():
             start = self._problem(row).scenario.start
-            self.places[row], self.ways[row] = start, [start]
+            self.places[row], self.trajectories[row] = start, [start]
 
     def enter_next_worlds(self, due: Flags) -> Flags:
         """Let these swarms go on in the next worlds; (B,) those that do.
@@ -68,7 +68,7 @@ class Robots:
                 self._swarms.problem[row] = world
             else:
                 try:
-                    problem = self._problem(row, world).begun_at(self.ways[row][-1])
+                    problem = self._problem(row, world).begun_at(self.trajectories[row][-1])
                 except ScenarioError:
                     entered[row] = False
                     continue
@@ -103,7 +103,7 @@ class Robots:
                 moved[row] = True
             self.places[row] = piece[-1]
             self.driven[row] += _length(piece)
-            self.ways[row] += [(x, y) for x, y in piece[1:].tolist()]
+            self.trajectories[row] += [(x, y) for x, y in piece[1:].tolist()]
         return moved
 
     def copy_rows(self, rows: Integers) -> None:
@@ -111,7 +111,7 @@ class Robots:
         problems = list(self._worlds.problems)
         for array in (self._world, self.places, self.driven):
             array[...] = array[rows]
-        self.ways = [list(self.ways[row]) for row in rows]
+        self.trajectories = [list(self.trajectories[row]) for row in rows]
         for row, number in enumerate(self._swarms.problem.tolist()):
             if number >= self._worlds.num_worlds:
                 self._give(row, problems[number], int(self._world[row]))

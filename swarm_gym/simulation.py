@@ -266,10 +266,10 @@ class Simulation:
         """Best position so far of a swarm, (dimension,), a view."""
         return self.swarms.best_position[row, : self.dimension]
 
-    def way(self, row: int) -> Floats:
+    def trajectory(self, row: int) -> Floats:
         """(k, 2) where the robot of a swarm has gone, in map coordinates; empty where it only plans."""
         if self.robots is not None:
-            return np.array(self.robots.ways[row]).reshape(-1, 2)
+            return np.array(self.robots.trajectories[row]).reshape(-1, 2)
         return self.swarms.walk[row, : self.swarms.walked[row]].copy()
 
     def problem_of(self, row: int) -> Problem:

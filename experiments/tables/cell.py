@@ -106,11 +106,6 @@ def percent(value: float, form: str = ".1f") -> str:
     return str(share(value, form))
 
 
-def percent_interval(ends: Interval, form: str = ".1f") -> str:
-    """Return two shares in per cent, in brackets."""
-    return f"[{100 * ends[0]:{form}}, {100 * ends[1]:{form}}]"
-
-
 def plain_text(entry: Entry) -> str:
     """Return the printed text of an entry without marks of bold type."""
     return str(entry).replace("**", "")

@@ -42,13 +42,13 @@ class MapView(View):
         draw_feasible, draw_colliding = _drawn_by(pen, scene)
         draw_colliding(COLLIDING, paths[~scene.feasible], 1)
         draw_feasible(FEASIBLE, paths[scene.feasible], 1)
-        is_away = len(scene.way) > 1
+        is_away = len(scene.trajectory) > 1
         if is_away:
-            pen.lines(START, self.pixels(scene.way[None]), 2.8)
+            pen.lines(START, self.pixels(scene.trajectory[None]), 2.8)
         if np.isfinite(scene.best_fitness):
             pen.lines(BEST, self.pixels(scene.best_path[None]), 2.8)
         pen.surface.set_clip(None)
-        robot = scene.way[-1] if is_away else self.scenario.start
+        robot = scene.trajectory[-1] if is_away else self.scenario.start
         self._draw_end(pen, "robot" if is_away else "start", robot, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
 

@@ -28,7 +28,7 @@ class Scene:
     are_points: bool  # whether members are points
     feasible: NDArray[np.bool_]  # (members,) which paths do not collide
     best_path: Floats  # (k, 2) best so far
-    way: Floats  # (j, 2) where the robot has driven; empty where it does not drive
+    trajectory: Floats  # (j, 2) where the robot has driven; empty where it does not drive
     best_fitness: float  # infinite before the first evaluation
     best_feasible: bool
     iteration: int
@@ -48,7 +48,7 @@ class Scene:
             are_points=isinstance(problem, WalkProblem),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
             best_path=_shown(problem, simulation.best_path(row)),
-            way=simulation.way(row),
+            trajectory=simulation.trajectory(row),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
             iteration=iteration,

@@ -12,7 +12,7 @@ TITLE = "swarm_gym"
 KEYS = "space: pause, →: step, + -: faster, slower, q: close"
 SLOWEST, FASTEST = 1.0, 1000.0  # pictures per second
 # How often a window that waits looks what its user does, in seconds.
-PATIENCE = 1 / 30
+POLL_INTERVAL = 1 / 30
 
 
 class Window:
@@ -119,8 +119,8 @@ class Window:
             if self._may_step:
                 self._may_step = False
                 break
-            left = PATIENCE if self.is_paused else self._shown_at + 1 / self.fps - time.perf_counter()
+            left = POLL_INTERVAL if self.is_paused else self._shown_at + 1 / self.fps - time.perf_counter()
             if left <= 0:
                 break
-            time.sleep(min(left, PATIENCE))
+            time.sleep(min(left, POLL_INTERVAL))
         self._shown_at = time.perf_counter()

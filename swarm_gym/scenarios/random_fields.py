@@ -12,8 +12,8 @@ import numpy as np
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.drawn_fields import Scatter, Walls
 from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.field_generators import Scatter, Walls
 from swarm_gym.scenarios.scenario import Scenario
 
 NAME = "random-fields"

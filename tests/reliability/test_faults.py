@@ -31,7 +31,7 @@ if not sys.platform.startswith("linux"):
 
 pytestmark = pytest.mark.slow
 
-PATIENCE = 400  # seconds, for a command
+COMMAND_TIMEOUT = 400  # seconds, for a command
 CAN_MOUNT = subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode == 0
 needs_mounts = pytest.mark.skipif(not CAN_MOUNT, reason="needs `unshare -rm`, to mount file systems")
 
@@ -81,7 +81,7 @@ class Running:
 
     def wait_until(self, happened):
         """Until that is so, which has to be before the command ends."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + COMMAND_TIMEOUT
         while not happened():
             assert self.process.poll() is None, self.log.read_text()
             assert time.monotonic() < end
@@ -95,7 +95,7 @@ class Running:
 
     def end(self):
         """Wait for its end; the exit status and what it said, which is no traceback."""
-        status = self.process.wait(PATIENCE)
+        status = self.process.wait(COMMAND_TIMEOUT)
         said = self.log.read_text()
         assert "Traceback" not in said, said
         return status, said

@@ -267,7 +267,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         swarms, n = env.simulation.swarms, env.simulation.dimension
         moves = 0
         for iteration, action in enumerate(actions(SEED, ITERATIONS), 1):
-            place, driven, way = info["robot"], info["driven"], env.simulation.way(0)
+            place, driven, way = info["robot"], info["driven"], env.simulation.trajectory(0)
             observation, reward, terminated, _, info = env.step(action)
             assert observation in env.observation_space
             assert np.isfinite(reward)
@@ -278,7 +278,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
             else:
                 moves += 1
                 assert is_time
-                new = env.simulation.way(0)[len(way) - 1 :]
+                new = env.simulation.trajectory(0)[len(way) - 1 :]
                 assert problem.is_clear(new)
                 assert shapely.LineString(new).length == pytest.approx(info["driven"] - driven)
                 if not terminated:
@@ -379,8 +379,8 @@ def test_a_robot_drives_the_repaired_path_where_that_is_free():
     assert not problem.is_clear(problem.points(np.zeros(31)))
     _, _, _, _, info = env.step(np.array([2, 0.0]))
     assert info["robot"][0] == pytest.approx(620.0, abs=1.0)
-    assert problem.is_clear(env.simulation.way(0))
-    assert env.simulation.way(0)[:, 1].max() > 300.2
+    assert problem.is_clear(env.simulation.trajectory(0))
+    assert env.simulation.trajectory(0)[:, 1].max() > 300.2
 
 
 def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
@@ -492,12 +492,12 @@ def test_copied_swarms_go_on_from_where_the_robot_of_the_original_is():
     assert len(drivers) > 0 < len(others)
     source, other = int(drivers[-1]), int(others[0])
     rows = np.array([source, other, source, source])
-    expected = simulation.robots.places[rows].copy(), [simulation.way(row) for row in rows]
+    expected = simulation.robots.places[rows].copy(), [simulation.trajectory(row) for row in rows]
     observations = envs.copy_swarms(rows)
     np.testing.assert_array_equal(observations, observations[[0, 1, 0, 0]])
     np.testing.assert_array_equal(simulation.robots.places, expected[0])
     for row, way in enumerate(expected[1]):
-        np.testing.assert_array_equal(simulation.way(row), way)
+        np.testing.assert_array_equal(simulation.trajectory(row), way)
         assert simulation.problem_of(row).scenario.start == tuple(way[-1].tolist())
     for _ in range(3):
         observations, rewards, *_ = envs.step(np.tile([8, 0.5], (4, 1)))
@@ -563,15 +563,15 @@ def test_other_names_are_refused(name):
 def test_pictures_show_where_the_robot_is_and_has_driven():
     env = small(render_mode="rgb_array")
     env.reset(seed=SEED)
-    assert Scene.of(env.simulation).way.tolist() == [list(FREE.start)]
+    assert Scene.of(env.simulation).trajectory.tolist() == [list(FREE.start)]
     for action in actions(SEED, 3):
         env.step(action)
     scene = Scene.of(env.simulation)
-    assert len(scene.way) > 1
-    assert scene.scenario.start == tuple(scene.way[-1].tolist())
+    assert len(scene.trajectory) > 1
+    assert scene.scenario.start == tuple(scene.trajectory[-1].tolist())
     before = env.render()
     env.step(np.array([8, 0.0]))
     assert (env.render() != before).any()
     still = SwarmEnv(scenario="case1", **SMALL)
     still.reset(seed=SEED)
-    assert Scene.of(still.simulation).way.shape == (0, 2)
+    assert Scene.of(still.simulation).trajectory.shape == (0, 2)

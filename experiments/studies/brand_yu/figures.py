@@ -11,8 +11,7 @@ from experiments.plots import map_plot
 from experiments.plots.courses import Case
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
-from experiments.runs.run import Run, RunKey, Snapshot
-from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
+from experiments.runs.run import Run, RunKey, Snapshot, arrives, length_of, trajectory_of, turning_of
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3
@@ -29,7 +28,7 @@ def draw_trajectories(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) ->
         map_plot.draw_shortest_path(axes, points, f"shortest path, {optimum:.1f}")
         for snapshot in snapshots.get((run.controller, run.scenario, run.seed), []):
             _draw_fireflies(axes, snapshot)
-        trajectory = way_of(run)
+        trajectory = trajectory_of(run)
         axes.plot(*trajectory.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
         count = controller.rpartition(":")[2]
         length, turning = length_of(trajectory), turning_of(trajectory)
@@ -81,7 +80,7 @@ def _arrived(case: Case, controller: str) -> list[Run]:
 
 
 def _length(run: Run) -> float:
-    return length_of(way_of(run))
+    return length_of(trajectory_of(run))
 
 
 def _seconds(run: Run) -> float:

@@ -3,7 +3,7 @@
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
 Probl. Eng. 2016, tables 2 to 5: 100 fish; means of 50 runs of 50, 100 and 200 iterations, convergence over
 100 runs, mean lengths of 50 runs on a map in metres. The maps of that paper are in figures only;
-`scenarios.iafsa_routes` has ours.
+`scenarios.papers.iafsa` has ours.
 """
 
 from typing import NamedTuple

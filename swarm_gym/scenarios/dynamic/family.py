@@ -66,7 +66,7 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such base, there are no events for it, or none of that name.
         ScenarioError: if the name has another form.
     """
-    from swarm_gym.scenarios import expand_name
+    from swarm_gym.scenarios.registry import expand_name
 
     parts = _parse(name)
     # Names could be as deep as they are long.
@@ -90,7 +90,7 @@ def make(name: str) -> DynamicScenario:
     Raises:
         ScenarioError: if the base has no map, or one that changes itself.
     """
-    from swarm_gym.scenarios import make_scenario
+    from swarm_gym.scenarios.registry import make_scenario
 
     base, event, begin, drive = _parse(name)
     events = () if event is None else EVENTS[base][event]

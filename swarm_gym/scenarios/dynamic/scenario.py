@@ -11,7 +11,7 @@ from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, 
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 from swarm_gym.scenarios.scenario import Scenario
 
 MapScenario = Scenario | GridScenario

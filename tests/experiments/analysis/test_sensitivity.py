@@ -9,8 +9,8 @@ from agents.evaluation.observers import decision_names, watch
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
 from agents.training.config import TrainConfig
+from experiments.analysis.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.analysis.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
-from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
@@ -195,7 +195,7 @@ def test_the_report_has_a_row_per_input_in_every_form(found, tmp_path):
     assert [row[0] for row in changes.rows] == list(found.changes)
     assert [row[0] for row in performance.rows] == ["nothing", *found.changes]
     unused = next(row for row in performance.rows if row[0] == DIVERSITY)
-    assert unused[2] == "+0.00 % [+0.00, +0.00]"
+    assert str(unused[2]) == "+0.00 % [+0.00, +0.00]"
     for table in (changes, performance):
         assert table.markdown() in page
         assert (tmp_path / f"{table.name}.csv").exists()

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from experiments.benchmark import GROUPS
 from experiments.documents.blocks import replace_block
 from experiments.publish import DOCUMENTS, main, publish
+from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page
 

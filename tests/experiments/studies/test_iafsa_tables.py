@@ -11,9 +11,8 @@ from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
 from experiments.runs.labels import label
-from experiments.runs.run import Run
+from experiments.runs.run import Run, length_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import length_of
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
 from experiments.studies.iafsa.figures import by_evaluations, by_iterations
@@ -32,7 +31,7 @@ from experiments.tables.claims import Claim, claims_table
 from helpers.stored_runs import cells_of, printed_rows
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES
+from swarm_gym.scenarios.papers.iafsa import SITES
 from swarm_gym.simulation import HISTORY
 
 DOCS = Path(__file__).parents[3] / "docs"

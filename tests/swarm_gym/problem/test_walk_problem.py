@@ -6,6 +6,7 @@ import shapely
 from test_clearance import areas
 
 from helpers.builders import random_grid_scenario
+from helpers.compiled import compiled
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import select, stack
@@ -58,7 +59,7 @@ def test_problems_of_maps_of_different_sizes_are_stacked_and_selected_again():
     problems = [walk_problem(3), walk_problem(4, shape=(30, 11))]
     tables = stack([problem.table for problem in problems])
     for index, problem in enumerate(problems):
-        chosen = select(tables, index)
+        chosen = compiled(select)(tables, index)
         for name, value in problem.table._asdict().items():
             found = getattr(chosen, name)
             found = found[: problem.table.num_free] if name == "free" else found

@@ -255,8 +255,8 @@ def test_of_a_walking_robot_its_trajectory_and_place_are_shown():
     simulation = env.unwrapped.simulation
     scene = Scene.of(simulation)
     assert scene.are_points
-    assert len(scene.way) > 100
-    np.testing.assert_array_equal(scene.way[-1], simulation.positions(0)[0])
+    assert len(scene.trajectory) > 100
+    np.testing.assert_array_equal(scene.trajectory[-1], simulation.positions(0)[0])
     np.testing.assert_array_equal(scene.best_path[-1], scene.scenario.target)
     length = np.linalg.norm(np.diff(scene.best_path, axis=0), axis=1).sum()
     assert length == pytest.approx(scene.best_fitness, rel=0.01)  # some points are left out

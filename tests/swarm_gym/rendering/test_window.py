@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from swarm_gym.rendering.window import FASTEST, KEYS, PATIENCE, SLOWEST, Window
+from swarm_gym.rendering.window import FASTEST, KEYS, POLL_INTERVAL, SLOWEST, Window
 
 pygame = pytest.importorskip("pygame")
 pytestmark = pytest.mark.usefixtures("window")
@@ -45,7 +45,7 @@ def naps_until_shown(monkeypatch):
     slept, left = [], []
 
     def sleep(seconds):
-        assert 0 < seconds <= PATIENCE
+        assert 0 < seconds <= POLL_INTERVAL
         slept.append(seconds)
         press(left.pop(0))
 
@@ -163,7 +163,7 @@ def test_a_slow_window_looks_what_its_user_does_between_two_pictures(monkeypatch
 
     monkeypatch.setattr("swarm_gym.rendering.window.time.sleep", sleep)
     window.show(picture())
-    assert max(slept) <= PATIENCE
+    assert max(slept) <= POLL_INTERVAL
     assert len(slept) == 3
     assert window.is_dismissed
 

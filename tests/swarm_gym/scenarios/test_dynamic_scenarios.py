@@ -30,7 +30,7 @@ from swarm_gym.scenarios import (
     worlds_of,
 )
 from swarm_gym.scenarios.dynamic.family import EVENTS
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 
 FIRST, SECOND, NEW = Circle(30, 0, 10), Polygon.rectangle(50, -5, 60, 5), Circle(80, 0, 5)
 BASE = Scenario("base", (0, 0), (100, 0), (FIRST, SECOND), (-10, -50, 110, 50))

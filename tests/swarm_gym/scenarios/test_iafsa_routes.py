@@ -12,7 +12,7 @@ from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
-from swarm_gym.scenarios.iafsa_routes import SITES, inflation, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES, inflation, read_site_map
 
 # Tables 4 and 5 of the paper.
 NAMES = {

@@ -14,7 +14,7 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
 from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEMS, read_map, read_scenarios
-from swarm_gym.scenarios.moa_tasks import TASKS
+from swarm_gym.scenarios.papers.moa import TASKS
 
 # Passable: column 0, and the right of the row in the middle.
 MAP = b"type octile\nheight 3\nwidth 4\nmap\n.@OT\nGS..\n.W@.\n"

@@ -10,7 +10,7 @@ from helpers.builders import random_circle, random_polygon, random_scenario
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, Polygon, Scenario, make_scenario, rasterised
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 
 
 def empty_map(resolution=1.0, origin=(0.0, 0.0), y_up=False, shape=(14, 17)):

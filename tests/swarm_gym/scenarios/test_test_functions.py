@@ -9,15 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helpers.builders import as_path, function_problem
+from helpers.compiled import compiled
 from oracles.naive_functions import FUNCTIONS as NAIVE
 from oracles.naive_swarm import oracle_of
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load, store
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem, FunctionProblem
 from swarm_gym.problem.function.table import NUMBERS, squared_sine, values_in_plane
-from swarm_gym.problem.tables import evaluate, select, stack
+from swarm_gym.problem.tables import evaluate_entry, select, stack
 from swarm_gym.reference import ensure_optima, gap_to_optimum, known_optimum, shortest_path
 from swarm_gym.scenarios import FunctionScenario, expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.function_scenario import FUNCTIONS
@@ -91,7 +92,7 @@ def test_no_value_is_below_0(function, data):
     assert problem.evaluate(optimum + scale * rng.uniform(-1.0, 1.0, len(optimum)))[0] >= 0.0
 
 
-@kernel
+@entry
 def squared_sines(angles):
     """Of lanes, and of one number after the other."""
     out = np.empty((2, len(angles)))
@@ -164,7 +165,7 @@ def test_out_of_a_stack_every_problem_keeps_its_values():
     problems = [function_problem(f"function:{function}-4-shifted:3") for function in FUNCTIONS]
     tables, vector = stack([problem.table for problem in problems]), [-3.0, -1.5, 0.25, 2.0]
     for number, problem in enumerate(problems):
-        assert evaluate(select(tables, number), as_path(vector)) == problem.evaluate(vector)
+        assert evaluate_entry(compiled(select)(tables, number), as_path(vector)) == problem.evaluate(vector)
 
 
 def test_repair_changes_nothing():

@@ -7,7 +7,7 @@ import shapely
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import FAMILIES, GridScenario, expand_name, make_scenario, make_scenarios
-from swarm_gym.scenarios.made_maps import NUM_SEEDS
+from swarm_gym.scenarios.rooms_and_caves import NUM_SEEDS
 
 MADE = ("rooms", "caves")
 MAPS_PER_FAMILY = 40
