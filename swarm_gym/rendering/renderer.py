@@ -1,4 +1,4 @@
-"""Pictures of a running swarm with pygame, as arrays or in a window."""
+"""The renderer: draws a view, the headline and the charts into one picture, as an array or in a window."""
 
 from typing import TYPE_CHECKING
 
@@ -31,12 +31,17 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Of a scenario, in letters, large and smaller ones; there is no room for more.
+# Maximum length of a scenario's name, in large and in smaller letters; there is no room for more.
 LONGEST_LARGE_NAME, LONGEST_NAME = 20, 32
 
 
 class Renderer:
-    """Draws scenes, as arrays or into a window, where it shows at most `fps` pictures per second.
+    """A renderer of scenes, as arrays or in a window with at most `fps` pictures per second.
+
+    Args:
+        width: width of a picture in pixels.
+        height: height of a picture in pixels.
+        fps: maximum number of pictures per second in the window.
 
     Raises:
         DependencyNotInstalled: by the first picture, if pygame is missing.
@@ -49,21 +54,25 @@ class Renderer:
         self._pen: Pen | None = None
 
     def frame(self, scene: Scene) -> NDArray[np.uint8]:
-        """Draw a picture, shape (height, width, 3); needs no display."""
+        """Return a picture of a scene as an array, shape (height, width, 3); this needs no display."""
         pixels = require_pygame().image.tobytes(self._draw(scene), "RGB")
         return np.frombuffer(bytearray(pixels), dtype=np.uint8).reshape(*self.size[::-1], 3)
 
     def show(self, scene: Scene) -> None:
-        """Put a picture into the window, and wait as its user says; does nothing once they have closed it."""
+        """Show a picture in the window and wait until the next one is due.
+
+        The wait depends on speed and pause, which the user sets. Once the user has closed the window, this
+        does nothing.
+        """
         if not self._window.is_dismissed:
             self._window.show(self._draw(scene))
 
     def respond(self) -> None:
-        """Let the window, if there is one, react to what its user has done."""
+        """Let the window, if there is one, react to the input of its user."""
         self._window.respond()
 
     def close(self) -> None:
-        """Close the window, if this renderer has shown anything."""
+        """Close the window if this renderer has shown anything."""
         self._window.close()
 
     def _draw(self, scene: Scene) -> "pygame.Surface":
@@ -88,7 +97,7 @@ def _view_of(scenario: StaticScenario, pen: Pen) -> View:
 
 
 def _draw_headline(pen: Pen, scene: Scene) -> None:
-    """Write the name of the scenario and how far the episode is."""
+    """Write the name of the scenario and the progress of the episode."""
     facts = (
         f"iteration {scene.iteration} of {scene.iterations}     "
         f"best fitness {scene.best_fitness:.5g}     evaluations {scene.evaluations:,}"
@@ -102,7 +111,7 @@ def _draw_headline(pen: Pen, scene: Scene) -> None:
 
 
 def _draw_charts(pen: Pen, scene: Scene) -> None:
-    """Draw population collision, size and repair degree by iteration."""
+    """Draw population collision, population size and repair degree by iteration."""
     collision, size, repair = (scene.courses[name] for name in HISTORY[:3])
     charts = (
         ("collision E(P)", ".4g", collision, collision.max() or 1.0),
@@ -123,7 +132,9 @@ def _draw_charts(pen: Pen, scene: Scene) -> None:
 def _draw_course(pen: Pen, plot: "pygame.Rect", shares: Floats, iterations: int) -> None:
     x = plot.left + np.arange(len(shares)) / iterations * plot.width
     course = np.stack([x, plot.bottom - shares * plot.height], axis=1)
-    course = np.vstack([course[:1], course])  # a line even before the first iteration
+    course = np.vstack(
+        [course[:1], course]
+    )  # two points at least, so that there is a line before the first iteration
     pen.draw.rect(pen.surface, MAP, plot)
     pen.draw.polygon(pen.surface, SHADE, [*course, (x[-1], plot.bottom), plot.bottomleft])
     pen.lines(FAINT_INK, np.array([[plot.topleft, plot.bottomleft, plot.bottomright]]), 1)

@@ -1,9 +1,13 @@
-"""What is to be solved: maps with start and target, and test functions, made by name.
+"""Scenarios: the tasks that optimizers solve, on maps or as test functions, made by name.
 
-To add a map: write a function that returns a `Scenario` and enter it in `SCENARIOS`. To add a family of maps,
-with names that go on after a colon: write a module like `random_fields` and enter its `Family` in `FAMILIES`.
-A `Scenario` has a map of circles and polygons, a `GridScenario` one of cells, a `FunctionScenario` none. The
-map of a `DynamicScenario` changes: it is one scenario after the other, its worlds.
+A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
+`GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function.
+The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
+is a fixed map and the iteration after which it replaces the one before.
+
+To add a scenario, write a function that returns a `Scenario` and enter it in `registry.SCENARIOS`. To add a
+family, whose names go on after a colon, write a module like `random_fields` and enter its `Family` in
+`registry.FAMILIES`.
 """
 
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move

@@ -1,4 +1,4 @@
-"""The registry of scenarios: every name, and the function or family that makes the scenario of that name."""
+"""Registry of scenarios: every name, and the function or family that makes the scenario of that name."""
 
 from collections.abc import Callable
 
@@ -34,26 +34,26 @@ FAMILIES: dict[str, Family] = {
 
 
 def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
-    """The scenario of that name; a scenario is returned as it is.
+    """Return the scenario of a name; a scenario is returned as it is.
 
     Raises:
-        UnknownNameError: if there is none of that name.
-        ScenarioError: if the name stands for several, or has not the form of its family.
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name stands for several scenarios, or does not have the form of its family.
     """
     if isinstance(scenario, AnyScenario):
         return scenario
     names = expand_name(scenario)
     if names != (scenario,):
-        raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, not a range of {len(names)}")
+        raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, got a range of {len(names)}")
     return _make(scenario)
 
 
 def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
-    """All scenarios that a name stands for, in order; of a scenario that one.
+    """Return all scenarios that a name stands for, in order; a scenario is returned as the only one.
 
     Raises:
-        UnknownNameError: if there is none of that name.
-        ScenarioError: if the name has not the form of its family.
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name does not have the form of its family.
     """
     if isinstance(scenario, AnyScenario):
         return (scenario,)
@@ -61,24 +61,27 @@ def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
 
 
 def require_analytic(scenario: AnyScenario) -> Scenario:
-    """The scenario, if its map is one of circles and polygons.
+    """Return the scenario if its map consists of circles and polygons.
 
     Raises:
-        ScenarioError: if it has a grid map, or none, or several.
+        ScenarioError: if it has a grid map, no map, or a map that changes.
     """
     if not isinstance(scenario, Scenario):
         raise ScenarioError(
-            f"scenario {shown(scenario.name)}: expected circles and polygons, not {_OTHERS[type(scenario)]}"
+            f"scenario {shown(scenario.name)}: expected a map of circles and polygons, "
+            f"got {_OTHERS[type(scenario)]}"
         )
     return scenario
 
 
 def expand_name(name: str) -> tuple[str, ...]:
-    """The names of single scenarios that a name stands for, in order: of a range of a family, or the name.
+    """Return the names of the single scenarios that a name stands for, in order.
+
+    A range of a family, such as `rooms:0-9`, stands for several scenarios; any other name stands for one.
 
     Raises:
-        UnknownNameError: if there is none of that name.
-        ScenarioError: if the name has not the form of its family.
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name does not have the form of its family.
     """
     family = _family_of(name)
     if family is not None:
@@ -89,7 +92,7 @@ def expand_name(name: str) -> tuple[str, ...]:
 
 
 def sample_names() -> tuple[str, ...]:
-    """All scenarios of which there is a fixed number, and some of every family."""
+    """Return the names of all scenarios outside families, and some names of every family."""
     return (*SCENARIOS, *(name for family in FAMILIES.values() for name in family.samples))
 
 
@@ -105,5 +108,5 @@ def _family_of(name: object) -> Family | None:
 _OTHERS: dict[type, str] = {
     GridScenario: "a grid map",
     FunctionScenario: "a test function",
-    DynamicScenario: "a map that changes (it has several `worlds`)",
+    DynamicScenario: "a map that changes; choose one of its `worlds`",
 }

@@ -1,4 +1,4 @@
-"""Scenarios on whose maps something happens: what they become, what is refused, and their names."""
+"""Dynamic scenarios: their worlds, the errors they raise, and their names."""
 
 import math
 import pickle
@@ -145,7 +145,7 @@ def test_a_circle_blocks_the_cells_that_it_reaches_into_but_not_those_that_it_to
     np.testing.assert_array_equal(found, expected)
 
 
-# Refusals.
+# Errors.
 
 
 @pytest.mark.parametrize(
