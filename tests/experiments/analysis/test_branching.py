@@ -17,6 +17,7 @@ from experiments.analysis.branching import (
     write_report,
 )
 from experiments.runs.database import ResultsError
+from helpers.stored_runs import printed_rows
 
 NAME = "open-loop:three-cases-extended"
 SEEDS = ANALYSIS[:6]
