@@ -26,8 +26,7 @@ from experiments.statistics import paired
 from experiments.tables.table import Table, percent, percent_interval
 from swarm_gym.action import make_action
 from swarm_gym.command import command
-from swarm_gym.controllers.controller import Controller, Floats
-from swarm_gym.controllers.wrapper import Wrapper
+from swarm_gym.controllers.controller import Controller, Floats, Wrapper
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer

@@ -17,7 +17,7 @@ import tyro
 from numpy.typing import NDArray
 
 from agents import make_controller
-from agents.evaluation.masking import Blinded, clock_columns, input_names, mean_courses
+from agents.evaluation.masking import Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import Watched, decision_names, watch
 from agents.training.config import TrainConfig, stored_config
 from experiments.analysis.episodes import Outcome, analysis_seeds, outcome
@@ -58,7 +58,7 @@ class Sensitivity:
         decisions: their names; changes of phi are absolute, those of others in octaves (log2).
         changes: by what was taken away, (d,) mean absolute change of each decision in the states visited.
         seeing: outcome of the controller as it is.
-        blinded: outcome by what was taken away.
+        masked: outcome by what was taken away.
     """
 
     policy: str
@@ -66,7 +66,7 @@ class Sensitivity:
     decisions: tuple[str, ...]
     changes: dict[str, Floats]
     seeing: Outcome
-    blinded: dict[str, Outcome]
+    masked: dict[str, Outcome]
 
 
 def analyse(
@@ -100,7 +100,7 @@ def analyse(
     seeing = episodes(controller, [])
     taken_away = _take_away(controller, seeing)
     # In a pass of its own, since the mean courses have to be known.
-    visited = episodes(controller, [Blinded(controller, np.zeros((1, 0)), []), *taken_away.values()])
+    visited = episodes(controller, [Masked(controller, np.zeros((1, 0)), []), *taken_away.values()])
     decisions = decision_names(controller, training.optimizer)
     changes = [_changes(decisions, visited, 1 + place) for place in range(len(taken_away))]
     return Sensitivity(
@@ -109,21 +109,21 @@ def analyse(
         decisions,
         dict(zip(taken_away, changes, strict=True)),
         outcome(seeing),
-        {text: outcome(episodes(blinded, [])) for text, blinded in taken_away.items()},
+        {text: outcome(episodes(masked, [])) for text, masked in taken_away.items()},
     )
 
 
-def _take_away(controller: Controller, seeing: list[Watched]) -> dict[str, Blinded]:
+def _take_away(controller: Controller, seeing: list[Watched]) -> dict[str, Masked]:
     """The controller without one or several of its inputs, by what it is without."""
     names, clocks = input_names(controller), clock_columns(controller)
     seen, running = _side_by_side([w.seen for w in seeing]), _side_by_side([w.running for w in seeing])
     courses = mean_courses(seen, running)
     others = [column for column in range(len(names)) if column not in clocks]
-    found = {names[column]: Blinded(controller, courses, [column]) for column in others}
-    found[ALL_BUT_ITERATION] = Blinded(controller, courses, others)
+    found = {names[column]: Masked(controller, courses, [column]) for column in others}
+    found[ALL_BUT_ITERATION] = Masked(controller, courses, others)
     if clocks:
         constant = seen[running].mean(axis=0, dtype=np.float64, keepdims=True)
-        found[ITERATION] = Blinded(controller, constant, clocks)
+        found[ITERATION] = Masked(controller, constant, clocks)
     return found
 
 

@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from agents import Controller, make_controller
 from experiments.plots.video_files import VIDEO_FILES, Frame
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.episode import iterate
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command
@@ -91,7 +91,7 @@ def _check(config: VideoConfig) -> None:
 
 def _made(config: VideoConfig) -> tuple[Any, Controller]:
     """The environment and the controller."""
-    runs = contestant(config.controller, "firefly")
+    runs = entrant(config.controller, "firefly")
     controller = make_controller(runs.controller)
     options: dict[str, Any] = {**runs.options, **controller.env_options()}
     if config.iterations is not None:

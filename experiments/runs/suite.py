@@ -39,7 +39,7 @@ class Suite:
 
     Attributes:
         name: what results are filed under.
-        controllers: names for `agents.make_controller`, or of contestants (`experiments.runs.entrants`).
+        controllers: names for `agents.make_controller`, or of entrants (`experiments.runs.entrants`).
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: seeds per scenario, none of which training or validation ever uses.
         baseline: the controller, or key of the group, that the others are compared with.

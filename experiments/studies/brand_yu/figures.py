@@ -11,6 +11,7 @@ from experiments.plots.courses import Case
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3
@@ -29,7 +30,7 @@ def draw_ways(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
             _draw_fireflies(axes, snapshot)
         way = way_of(run)
         axes.plot(*way.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
-        count = controller.rpartition(":")[2]
+        count = ControllerName.parse(controller).parameters
         axes.set(title=f"{count} fireflies: length {length_of(way):.1f}, turns {turning_of(way):.0f}°")
         axes.set(xticks=[], yticks=[])
     figure.suptitle(f"Fireflies on {case.scenario.name}, one run each")

@@ -12,7 +12,7 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_contestants
+from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_entrants
 from experiments.studies.iafsa.published import CONVERGENCE, ITERATIONS
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
@@ -37,7 +37,7 @@ class Converged(NamedTuple):
 
 def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Iterations to convergence (table 3), and what is said of them."""
-    names = {o: name for (o, length), name in find_contestants(suite).items() if length == LENGTH}
+    names = {o: name for (o, length), name in find_entrants(suite).items() if length == LENGTH}
     found = {}
     for scenario in suite.scenarios:
         level = outcomes.of(names[AFSA], scenario).fitness.mean() if AFSA in names else np.nan

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.runs.entrants import Contestant, contestant
+from experiments.runs.entrants import Entrant, entrant
 from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
@@ -147,7 +147,7 @@ RESULT_COLUMNS = (
 
 def find_duels(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Duel]:
     """Every function and number of iterations that both optimizers have runs of, in the suite's order."""
-    names = find_contestants(suite)
+    names = find_entrants(suite)
     found = []
     for scenario_set, scenarios in scenario_sets(suite.scenarios).items():
         function = Function.of(scenario_set)
@@ -169,9 +169,9 @@ def find_duels(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Duel]:
     return found
 
 
-def find_contestants(suite: Suite) -> dict[tuple[str, int], str]:
+def find_entrants(suite: Suite) -> dict[tuple[str, int], str]:
     """Names of what the suite runs, by optimizer and number of iterations."""
-    parsed: dict[str, Contestant] = {name: contestant(name, suite.optimizer) for name in suite.controllers}
+    parsed: dict[str, Entrant] = {name: entrant(name, suite.optimizer) for name in suite.controllers}
     return {(c.optimizer, c.iterations): name for name, c in parsed.items() if c.iterations is not None}
 
 
