@@ -1,4 +1,4 @@
-"""One decorator for every compiled kernel, with a cache that cannot be stale.
+"""The decorators of compiled functions, with a cache that cannot be stale.
 
 Numba's cache looks at the file of the cached function only: an edit in a *called* function of another
 file goes unnoticed, and code compiled without bounds checks is reused when they are asked for. Here the
@@ -8,11 +8,12 @@ can happen.
 
 import hashlib
 import logging
+import typing
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numba
 import numpy as np
@@ -30,6 +31,8 @@ KERNEL_SOURCES = ("compiler", "population.py", "problem", "optimizers", "referen
 PATIENCE = 600.0  # seconds that a process waits for the kernel that another one compiles
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Inline = Literal["late", "early"]
+_INLINE: dict[Inline, dict[str, Any]] = {"late": {"forceinline": True}, "early": {"inline": "always"}}
 
 
 @cache
@@ -50,58 +53,60 @@ def announce_compilation() -> None:
         )
 
 
-def kernel(function: Function) -> Function:
-    """Compile a function of plain arrays, numbers and NamedTuples of these, when it is first called.
+def entry(function: Function) -> Function:
+    """Compile a function that Python calls.
 
-    The interpreter lock is released while it runs. Floating-point sums keep the order they are
-    written in (no `fastmath`), so a kernel gives the same bits wherever it is called from.
+    It takes and returns arrays, numbers and NamedTuples of these, and is compiled when it is first called.
+    The interpreter lock is released while it runs. Floating-point sums keep the order they are written in (no
+    `fastmath`), so a kernel gives the same bits wherever it is called from.
     """
-    return _compile(function)
+    return _compile(function, _Dispatcher)
 
 
-def inlined_kernel(function: Function) -> Function:
-    """Like `kernel`, and copied into its callers: for what runs once per move or oftener.
+@typing.overload
+def kernel(function: Function) -> Function: ...
 
-    A call that is not inlined passes every array of a NamedTuple on the stack, which costs more than
-    a small kernel does.
+
+@typing.overload
+def kernel(*, inline: Inline | None = None, borrows: bool = False) -> Callable[[Function], Function]: ...
+
+
+def kernel(function: Any = None, *, inline: Inline | None = None, borrows: bool = False) -> Any:
+    """Compile a function, as `entry` does, that only compiled functions call; Python calls it uncompiled.
+
+    The code by which Python would call it is not compiled: half the time of a small kernel with many arrays.
+
+    Args:
+        function: the function; without it, a decorator with these options is returned.
+        inline: when it is copied into its callers. "late": by LLVM, while they are optimised; for what runs
+            once per move or oftener, since a call passes every array of a NamedTuple on the stack, which
+            costs more than a small kernel does. "early": by Numba, before they are compiled; for large
+            kernels with one caller or two, since code is optimised anew at each level of calls. None: LLVM
+            decides.
+        borrows: whether it only borrows arrays from its callers, so that references to them are not counted.
+            Where the last use of an array depends on a branch, Numba counts it while the kernel runs,
+            atomically, and a NamedTuple array by array: that took a fish more time than all its arithmetic.
+            Only a kernel that owns no array can borrow. It must not allocate one (Numba refuses it), return
+            one (refused here), or call a kernel that returns one, since nobody would free it.
+
+    Raises:
+        ValueError: if a kernel that is inlined early borrows, which is up to its callers.
     """
-    return _compile(function, forceinline=True)
+    if inline == "early" and borrows:
+        raise ValueError("a kernel that is inlined early borrows where its callers do: leave out `borrows`")
 
+    def decorate(function: Function) -> Function:
+        options = {} if inline is None else _INLINE[inline]
+        return _compile(function, _InnerDispatcher, no_cpython_wrapper=True, _nrt=not borrows, **options)
 
-def inner_kernel(function: Function) -> Function:
-    """Like `kernel`, for what only kernels call; from Python it is called uncompiled.
-
-    The code by which Python calls a kernel is not compiled: half the time of a small one with many arrays.
-    """
-    return _called_by_kernels(_compile(function, no_cpython_wrapper=True))
-
-
-def merged_kernel(function: Function) -> Function:
-    """Like `inner_kernel`, and copied into its callers before these are compiled.
-
-    For large kernels that have one caller or two: code is optimised anew at each level of calls.
-    """
-    return _called_by_kernels(_compile(function, no_cpython_wrapper=True, inline="always"))
-
-
-def borrowing_kernel(function: Function) -> Function:
-    """Like `inner_kernel`, for what only borrows arrays from its callers: references to them are not counted.
-
-    Where the last use of an array depends on a branch, Numba counts it while the kernel runs, atomically, and
-    a NamedTuple array by array: that took a fish more time than all its arithmetic. Only a kernel that owns
-    no array may go without: one that allocates one (Numba refuses it) or returns one (refused here) cannot,
-    and one that calls a kernel which returns one must not, since nobody would free it.
-    """
-    dispatcher = _compile(function, no_cpython_wrapper=True, _nrt=False)
-    if isinstance(dispatcher, CPUDispatcher):
-        dispatcher.__class__ = _BorrowingDispatcher
-    return dispatcher
+    return decorate if function is None else decorate(function)
 
 
 def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
-    """The kernel that belongs to the class of its first argument, a NamedTuple; inlined into its callers.
+    """Return a function that calls the kernel of its first argument's class, a NamedTuple.
 
-    A caller is compiled once for each class that it is called with: nothing is decided while it runs.
+    It is inlined into its callers. A caller is compiled once for each class that it is called with:
+    nothing is decided while it runs.
     """
 
     def call(table: Any, *arguments: Any) -> Any:
@@ -110,7 +115,7 @@ def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., An
     def choose(counted: bool) -> Callable[..., Callable[..., Any] | None]:
         def chosen(table: Any, *_: Any) -> Callable[..., Any] | None:
             kernel = kernels.get(getattr(table, "instance_class", type(None)))
-            borrows = isinstance(kernel, _BorrowingDispatcher)
+            borrows = getattr(kernel, "borrows", False)
             return None if borrows is counted else getattr(kernel, "py_func", kernel)
 
         return chosen
@@ -131,15 +136,17 @@ class _Dispatcher(CPUDispatcher):
 
 
 class _InnerDispatcher(_Dispatcher):
+    @property
+    def borrows(self) -> bool:
+        return not self.targetoptions["_nrt"]
+
     def __call__(self, *arguments: Any) -> Any:
         return self.py_func(*arguments)
 
-
-class _BorrowingDispatcher(_InnerDispatcher):
     def compile(self, arguments: Any) -> Any:
         entry_point = super().compile(arguments)
         returned = self.overloads[arguments].signature.return_type
-        if _holds_array(returned):
+        if self.borrows and _holds_array(returned):
             raise TypeError(
                 f"{self.py_func.__qualname__} returns {returned}, but kernels that borrow arrays return none"
             )
@@ -152,20 +159,14 @@ def _holds_array(kind: Any) -> bool:
     return isinstance(kind, types.Array)
 
 
-def _called_by_kernels(dispatcher: Any) -> Any:
-    if isinstance(dispatcher, CPUDispatcher):
-        dispatcher.__class__ = _InnerDispatcher
-    return dispatcher
-
-
-def _compile(function: Function, **options: Any) -> Function:
+def _compile(function: Function, kind: type[_Dispatcher], **options: Any) -> Function:
     if numba.config.DISABLE_JIT:
         # Words of a random stream wrap around by design; NumPy's scalars would warn of it.
         return np.errstate(over="ignore")(function)
     always = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
     # Whether references are counted is said of every kernel: else it goes by who calls it first.
     dispatcher = numba.njit(**{"_nrt": True, **always, **options})(function)
-    dispatcher.__class__ = _Dispatcher
+    dispatcher.__class__ = kind
     dispatcher._cache = _KernelCache(function)
     return dispatcher
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from helpers.compiled import compiled
 from oracles import naive, naive_optimizers, naive_swarm
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.optimizers import get_optimizer
@@ -313,7 +314,7 @@ def twins_of(source, size, seed, num_waypoints, **options):
     problem = problem_of(source, num_waypoints)
     population = random_population(np.random.default_rng(seed), problem, size)
     swarms, tables, twin = make_twins(problem, population, seed, **options)
-    return swarms, select(tables, 0), workspace(num_waypoints), twin
+    return swarms, compiled(select)(tables, 0), workspace(num_waypoints), twin
 
 
 def workspace(num_waypoints):

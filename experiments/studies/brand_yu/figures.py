@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from experiments.plots import map_plot
 from experiments.plots.courses import Case
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
-from experiments.runs.run import Run, RunKey, Snapshot
-from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
+from experiments.runs.run import Run, RunKey, Snapshot, arrives, length_of, trajectory_of, turning_of
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_path
 
@@ -28,7 +27,7 @@ def draw_ways(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
         map_plot.draw_shortest_path(axes, points, f"shortest path, {optimum:.1f}")
         for snapshot in snapshots.get((run.controller, run.scenario, run.seed), []):
             _draw_fireflies(axes, snapshot)
-        way = way_of(run)
+        way = trajectory_of(run)
         axes.plot(*way.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
         count = ControllerName.parse(controller).parameters
         axes.set(title=f"{count} fireflies: length {length_of(way):.1f}, turns {turning_of(way):.0f}°")
@@ -79,7 +78,7 @@ def _arrived(case: Case, controller: str) -> list[Run]:
 
 
 def _length(run: Run) -> float:
-    return length_of(way_of(run))
+    return length_of(trajectory_of(run))
 
 
 def _seconds(run: Run) -> float:

@@ -8,9 +8,8 @@ from scipy import stats
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, arrives, length_of, trajectory_of, turning_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
 from experiments.statistics import mean_interval, rank_sum
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, FEW
@@ -52,7 +51,7 @@ class Walks:
     @property
     def lengths(self) -> Floats:
         """Of the ways of runs that arrived."""
-        return np.array([length_of(way_of(run)) for run in self.arrived])
+        return np.array([length_of(trajectory_of(run)) for run in self.arrived])
 
     @property
     def least(self) -> Floats:
@@ -62,7 +61,7 @@ class Walks:
         """
         found = []
         for run in self.arrived:
-            gone = way_of(run)[: self.changed + 1] if self.changed else np.array([self.scenario.start])
+            gone = trajectory_of(run)[: self.changed + 1] if self.changed else np.array([self.scenario.start])
             start = (float(gone[-1, 0]), float(gone[-1, 1]))
             found.append(length_of(gone) + shortest_path(replace(self.scenario, start=start))[0])
         return np.array(found)
@@ -70,7 +69,7 @@ class Walks:
     @property
     def turnings(self) -> Floats:
         """Of the same, in degrees."""
-        return np.array([turning_of(way_of(run)) for run in self.arrived])
+        return np.array([turning_of(trajectory_of(run)) for run in self.arrived])
 
     @property
     def iterations(self) -> Floats:

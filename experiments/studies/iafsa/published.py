@@ -2,7 +2,7 @@
 
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
 Probl. Eng. 2016, tables 2 to 5: 100 fish; means of 50 runs of 50, 100 and 200 iterations, convergence over
-100 runs, mean ways of 50 drives in metres. The paper's maps are in figures only; `scenarios.iafsa_routes` has
+100 runs, mean ways of 50 drives in metres. The paper's maps are in figures only; `scenarios.papers.iafsa` has
 ours.
 """
 

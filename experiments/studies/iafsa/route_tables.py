@@ -13,9 +13,8 @@ import numpy as np
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, length_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import length_of
 from experiments.statistics import holm, mean_interval, rank_sum
 from experiments.studies.iafsa.function_tables import AFSA, IAFSA
 from experiments.studies.iafsa.published import WAYS
@@ -25,7 +24,7 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES, read_site_map
 
 A_STAR, SMOOTHED = "A*", "A*, smoothed"
 COLUMNS = (

@@ -2,7 +2,7 @@
 
 Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
 44(9), 2016, tables 1 and 2: 30 runs of 450 iterations of 65 members on map den400d. The paper's tasks are in
-a figure only; ours stand in for them (`swarm_gym.scenarios.moa_tasks`), so lengths are alike, not equal.
+a figure only; ours stand in for them (`swarm_gym.scenarios.papers.moa`), so lengths are alike, not equal.
 """
 
 from typing import NamedTuple

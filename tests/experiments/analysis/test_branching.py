@@ -7,7 +7,15 @@ from scipy import stats
 from agents import make_controller
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
-from experiments.branching import CHANGES, WINDOWS, Change, Changed, analyse, branching_tables, write_report
+from experiments.analysis.branching import (
+    CHANGES,
+    WINDOWS,
+    Change,
+    Changed,
+    analyse,
+    branching_tables,
+    write_report,
+)
 from experiments.runs.database import ResultsError
 
 NAME = "open-loop:three-cases-extended"

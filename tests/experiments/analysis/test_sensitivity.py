@@ -9,8 +9,8 @@ from agents.evaluation.observers import decision_names, watch
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
 from agents.training.config import TrainConfig
+from experiments.analysis.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.analysis.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
-from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS

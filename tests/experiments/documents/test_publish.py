@@ -2,9 +2,9 @@
 
 import pytest
 
-from experiments.benchmark import GROUPS
 from experiments.documents.blocks import replace_block
 from experiments.publish import publish
+from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page
 

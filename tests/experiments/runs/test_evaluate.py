@@ -344,7 +344,7 @@ def test_a_run_says_what_its_trace_holds(tmp_path):
 def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
     with results._connection as connection:
         connection.execute("ALTER TABLE runs DROP COLUMN columns")
-    with pytest.raises(ResultsError, match="earlier version"):
+    with pytest.raises(ResultsError, match="not a results database of this version"):
         Results(results.path)
 
 

@@ -28,7 +28,7 @@ def made_run(key, way=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, sna
         trace[:, HISTORY.index(name)] = course
     way, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (way, path))
     spent = int(trace[-1, HISTORY.index("evaluations")])
-    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, way=way)
+    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=way)
 
 
 def kinked(start, target, length):

@@ -11,8 +11,7 @@ from experiments.catalogue import Suite
 from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.runs.labels import label
-from experiments.runs.run import Run
-from experiments.runs.trajectory import length_of
+from experiments.runs.run import Run, length_of
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
 from experiments.studies.iafsa.figures import by_evaluations, by_iterations
@@ -25,7 +24,7 @@ from experiments.tables.claims import Claim, claims_table
 from helpers.stored_runs import cells_of
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES
+from swarm_gym.scenarios.papers.iafsa import SITES
 from swarm_gym.simulation import HISTORY
 
 DOCS = Path(__file__).parents[3] / "docs"

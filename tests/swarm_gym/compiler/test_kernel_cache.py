@@ -7,7 +7,7 @@ import numba
 import pytest
 
 from swarm_gym.compiler import jit
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -24,8 +24,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def compiled():
-    """A kernel as another process would have it, called once; and how often the cache had it."""
-    function = kernel(doubled)
+    """A compiled function as another process would have it, called once; and how often the cache had it."""
+    function = entry(doubled)
     assert function(21) == 42
     return sum(function.stats.cache_hits.values())
 
@@ -72,7 +72,7 @@ def test_a_folder_that_is_only_read_serves(folder, caplog, monkeypatch):
 
 def _compile_together(folder, barrier, hits):
     jit.cache_folder = lambda: folder
-    function = kernel(doubled)
+    function = entry(doubled)
     barrier.wait()
     function(21.0)
     hits.put(sum(function.stats.cache_hits.values()))
@@ -92,7 +92,7 @@ def test_of_processes_that_need_the_same_one_compiles_it(folder):
 def test_who_has_waited_long_compiles_it_too(folder, monkeypatch):
     # As another process would that compiles the same, and takes long.
     monkeypatch.setattr(jit, "PATIENCE", 0.1)
-    function = kernel(doubled)
+    function = entry(doubled)
     assert function._cache._wait_for_others((numba.int64,))
     assert compiled() == 0
     function._cache.let_others_go_on((numba.int64,))

@@ -21,6 +21,7 @@ from helpers.builders import (
     twins_of,
     workspace,
 )
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError
@@ -76,7 +77,7 @@ def test_a_move_is_the_naive_one(data, num_waypoints):
     table = make_problem("case1", num_waypoints).table
     work = workspace(num_waypoints)
     work.path[:], work.noise[:] = as_path(position), padded(noise)
-    move_towards(table, work, padded(brighter), *knobs)
+    compiled(move_towards)(table, work, padded(brighter), *knobs)
     expected = naive.firefly_move(
         position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
     )
@@ -90,7 +91,7 @@ def test_a_move_of_values_known_by_hand():
     work = workspace(2)
     work.path[:], work.noise[:] = as_path([0.0, 10.0]), padded([0.5, 1.0])
     # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
-    move_towards(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    compiled(move_towards)(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
     pull = 0.8 * math.exp(-1)
     assert work.path.tolist() == pytest.approx(as_path([30 * pull, 10 + 40 * pull + 3]).tolist())
 
@@ -104,7 +105,7 @@ def test_a_move_of_values_known_by_hand():
 @pytest.mark.parametrize("source", SOURCES)
 def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
     swarms, table, work, twin = twins_of(source, 6, seed, 31)
-    iterate(RULES, swarms, 0, table, work, repair_degree, knobs)
+    compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, knobs)
     twin.iterate(repair_degree, knobs)
     assert_same_swarm(swarms, twin)
 
@@ -114,7 +115,7 @@ def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
 def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_degree):
     swarms, table, work, twin = twins_of("random", 8, 0, num_waypoints)
     for _ in range(3):
-        iterate(RULES, swarms, 0, table, work, repair_degree, PAPER)
+        compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, PAPER)
         twin.iterate(repair_degree, PAPER)
         assert_same_swarm(swarms, twin)
 
@@ -125,7 +126,7 @@ def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_
 def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
     swarms, table, work, twin = twins_of(source, 25, seed, 31)
     repair_degree = (seed % 3) / 2
-    iterate(RULES, swarms, 0, table, work, repair_degree, PAPER)
+    compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, PAPER)
     twin.iterate(repair_degree, PAPER)
     assert_same_swarm(swarms, twin)
 
@@ -135,7 +136,7 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
 def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
     swarms, table, work, _ = twins_of(source, 20, seed, 31)
     before, counter = swarms.evaluations[0], swarms.stream[0, 3].copy()
-    iterate(RULES, swarms, 0, table, work, 0.0, PAPER)
+    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, PAPER)
     moves = swarms.evaluations[0] - before
     assert 0 < moves <= 20 * 19
     assert words_drawn(swarms, counter) == 32 * moves
@@ -144,7 +145,7 @@ def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source,
 def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
     before = swarms.positions.copy()
-    iterate(RULES, swarms, 0, table, work, 0.0, np.zeros(3))
+    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, np.zeros(3))
     assert len(set(swarms.fitness[0, :20])) == 20
     assert swarms.evaluations[0] == 20 + 20 * 19 // 2
     assert (swarms.positions == before).all()
@@ -152,7 +153,7 @@ def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves(
 
 def test_with_full_attraction_all_gather_at_the_brightest():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
-    iterate(RULES, swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
+    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
     expected = np.broadcast_to(swarms.best_position[0], (20, 32))
     np.testing.assert_allclose(swarms.positions[0, :20], expected, atol=1e-9)
 
@@ -163,7 +164,7 @@ def test_equals_do_not_move(size):
     population = np.tile(random_population(np.random.default_rng(0), problem, 1), (size, 1))
     swarms, tables, _ = make_twins(problem, population, 0)
     before = [np.copy(field) for field in swarms]
-    iterate(RULES, swarms, 0, select(tables, 0), workspace(31), 1.0, PAPER)
+    compiled(iterate)(RULES, swarms, 0, compiled(select)(tables, 0), workspace(31), 1.0, PAPER)
     for field, old in zip(swarms, before, strict=True):
         assert (field == old).all()
 
@@ -173,7 +174,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
     swarms, table, work, twin = twins_of("case3", 15, 1, 31)
     problem = AnalyticProblem(twin.scenario)
     for _ in range(5):
-        iterate(RULES, swarms, 0, table, work, repair_degree, STRONG)
+        compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, STRONG)
     for i in range(15):
         assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i, :31])
     best = swarms.best_fitness[0], swarms.best_collision[0]
@@ -183,7 +184,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
 
 def test_moves_stay_in_the_workspace_however_strong_the_noise():
     swarms, table, work, _ = twins_of("random", 15, 1, 31)
-    iterate(RULES, swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
+    compiled(iterate)(RULES, swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
     assert (swarms.positions[0, :15] >= table.lower).all()
     assert (swarms.positions[0, :15] <= table.upper).all()
     inner = swarms.positions[0, :15, :31]
@@ -194,7 +195,7 @@ def test_moves_stay_in_the_workspace_however_strong_the_noise():
 @pytest.mark.parametrize("left", [0, 1, 2, 7, 20])
 def test_an_iteration_ends_exactly_where_the_budget_does(left):
     swarms, table, work, twin = twins_of("case2", 8, 0, 31, budget=8 + left)
-    iterate(RULES, swarms, 0, table, work, 0.2, PAPER)
+    compiled(iterate)(RULES, swarms, 0, table, work, 0.2, PAPER)
     twin.iterate(0.2, PAPER)
     assert swarms.evaluations[0] == 8 + left
     assert_same_swarm(swarms, twin)

@@ -1,10 +1,11 @@
-"""Routes in the form of the IAFSA paper's, for robots of a radius: the scenarios `routes:<map>-<from>-<to>`.
+"""Routes like those of the IAFSA paper, for robots with a radius: scenarios `routes:<map>-<from>-<to>`.
 
-Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
-Probl. Eng. 2016, tables 4 and 5. The paper drives between points A to E of two maps that it shows as
-figures only. These stand in for them: two public maps with robots that are driven on them, and points of ours
-with the paper's pairs, for ways of about its lengths. Coordinates are metres (x, y), of centres of cells, see
-`ros_map`.
+Source: Y. Zhang, G. Guan, X. Pu, "The robot path planning based on improved artificial fish swarm algorithm",
+Mathematical Problems in Engineering, 2016, tables 4 and 5. In the paper a robot drives between points A to E
+of two maps, which are shown in figures only. Two public maps replace them, with robots that are in use on
+these maps. The points are chosen here: they form the paper's pairs, and paths between them have about the
+paper's lengths. Coordinates are metres (x, y) and lie at the centres of cells, see
+`swarm_gym.scenarios.formats.ros_map`.
 """
 
 import math
@@ -26,12 +27,12 @@ class Site(NamedTuple):
     """A map, a robot on it, and its routes.
 
     Attributes:
-        map: name of the YAML file.
-        digest: `GridMap.digest` of that map, not inflated.
-        robot: which one has the radius.
-        radius: of a circle around the robot, in metres.
-        points: by letter.
-        pairs: letters of start and target.
+        map: name of the YAML file, without suffix.
+        digest: `GridMap.digest` of that map before it is inflated.
+        robot: name of the robot.
+        radius: radius of a circle around the robot, in metres.
+        points: coordinates (x, y) in metres, by letter.
+        pairs: letters of start and target of each route, such as "A-B".
     """
 
     map: str
@@ -76,26 +77,31 @@ USAGE = f"{NAME}:<{'|'.join(SITES)}>[-<from>-<to>]"
 
 
 def inflation(radius: float, resolution: float) -> float:
-    """The radius to inflate a map by, so that a path in free cells keeps the robot clear of blocked ones.
+    """Return the radius by which to inflate a map so that paths through free cells keep a robot clear.
 
-    `GridMap.inflated` looks at the centres of cells, from which a path may be half a diagonal away. Rounded
-    up to whole centimetres, which leaves some millimetres for what samples of a curve do not see.
+    `GridMap.inflated` looks at the centres of cells, and a path can be half a diagonal away from a centre.
+    The sum is rounded up to whole centimetres; this leaves some millimetres for obstacles between two samples
+    of a curve.
+
+    Args:
+        radius: radius of the robot, in metres.
+        resolution: side of a cell, in metres.
     """
     return math.ceil(100.0 * (radius + resolution * math.sqrt(0.5))) / 100.0
 
 
 def read_site_map(name: str) -> GridMap:
-    """The map of a site as it is, without the robot.
+    """Return the map of a site as it is in its file, not inflated.
 
     Raises:
-        ScenarioError: if the map is missing, malformed or another one.
+        ScenarioError: if the map is missing or malformed, or is another map.
         MissingExtraError: if PyYAML or Pillow is missing.
     """
     return _read(name, 0.0)
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single routes that a name stands for: `routes:turtlebot3` for all routes on its map.
+    """Return the names of the single routes that a name stands for; `routes:turtlebot3` is all on its map.
 
     Raises:
         ScenarioError: if the name has another form.
@@ -110,13 +116,13 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> GridScenario:
-    """The single route of that name, on the map inflated for the robot and cut to what it can reach.
+    """Return the single route of that name, on the map inflated for the robot and cut to what it can reach.
 
-    Control points of curves may lie anywhere on a map, and moves of optimizers are shares of its sides: what
-    is unknown around an arena would make them coarser.
+    The map is cut because control points of curves may lie anywhere on a map, and moves of optimizers are
+    fractions of its sides. Unknown cells around an arena would make these moves coarser.
 
     Raises:
-        ScenarioError: if the map is missing, malformed or another one.
+        ScenarioError: if the map is missing or malformed, or is another map.
         MissingExtraError: if PyYAML or Pillow is missing.
     """
     key, start, target = name.removeprefix(f"{NAME}:").split("-")
@@ -133,5 +139,8 @@ def _read(name: str, radius: float) -> GridMap:
     site = SITES[name]
     path = find_data_file(f"{site.map}.yaml")
     if read_ros_map(path).digest != site.digest:
-        raise ScenarioError(f"site {shown(name)}: {path} is not the public map that these routes are on")
+        raise ScenarioError(
+            f"site {shown(name)}: {path} is not the public map of these routes; replace it, "
+            f"`python -m swarm_gym.scenarios.download --force {site.map}` does so"
+        )
     return read_ros_map(path, radius)

@@ -1,11 +1,12 @@
-"""Fields of obstacles drawn from a generator: scattered ones, and walls with gaps.
+"""Generators of fields of obstacles: scattered obstacles, and walls with gaps.
 
-They are solvable by construction. Scattered obstacles keep a clearance to each other, and there is free space
-ahead of the first, behind the last and along both sides of the workspace. Walls have gaps, and between two of
-them there is room to change from one gap to the next. For both there is a path without collision, also one of
-23 or more evenly spaced waypoints. A field is drawn anew until it fits and the straight line is blocked.
+Every field has a solution by construction. Scattered obstacles keep a clearance from each other. There is
+free space after the start, before the target and along both sides of the workspace. Walls have gaps, and two
+walls are far enough apart to change from one gap to the next. In both kinds of fields there is a path without
+collision, also one with 23 or more evenly spaced waypoints. A field is drawn again until it fits and its
+obstacles block the straight line.
 
-Only integers are drawn and rounded to, so that a field is the same on every machine.
+Random numbers are integers, and coordinates are rounded to integers, so a field is the same on every machine.
 """
 
 import math
@@ -16,11 +17,11 @@ import numpy as np
 
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
 
-# Between the border of the workspace and start or target (map units).
+# Distance between the border of the workspace and start or target, in map units.
 BORDER = 20
-# Free space along the line after the start and before the target, as a share of the line.
+# Free space along the line after the start and before the target, as a fraction of the line.
 FREE_END = 1 / 24
-# How many places are tried for the obstacles of one field before it is begun anew.
+# Number of places that are tried for the obstacles of one field before the field is begun again.
 PLACES = 300
 
 Interval = tuple[int, int]
@@ -28,17 +29,18 @@ Interval = tuple[int, int]
 
 @dataclass(frozen=True)
 class Scatter:
-    """Fields of scattered obstacles. Intervals are inclusive, lengths in map units.
+    """A generator of fields of scattered obstacles. Intervals are inclusive, lengths are in map units.
 
     Attributes:
         count: interval of the number of obstacles.
-        size: interval of the typical radius of the obstacles of a field; single ones vary around it.
-        clearance: least distance between obstacles.
+        size: interval of the typical radius of the obstacles of a field; the radii of single obstacles vary
+            around it.
+        clearance: smallest distance between obstacles.
         workspace: width and height.
-        reach: how far from the line obstacles extend at most.
-        initial_reach: how far from the line the first waypoints are drawn.
-        blocking: how many obstacles the straight line has to cross at least.
-        turned: whether the line lies across the workspace at any angle, instead of along it.
+        reach: largest distance between the line from start to target and any point of an obstacle.
+        initial_reach: largest distance between that line and the first waypoints.
+        blocking: smallest number of obstacles that the straight line crosses.
+        turned: whether the line crosses the workspace at a random angle; by default it is horizontal.
     """
 
     count: Interval = (10, 20)
@@ -51,7 +53,7 @@ class Scatter:
     turned: bool = False
 
     def draw(self, name: str, rng: np.random.Generator) -> Scenario:
-        """A field of that name."""
+        """Draw a field and return it as the scenario of that name."""
         start, target = self._ends(rng)
         line = _Line.between(start, target)
         blocks: list[_Block] = []
@@ -70,7 +72,7 @@ class Scatter:
         width, height = self.workspace
         if not self.turned:
             return (BORDER, height // 2), (width - BORDER, height // 2)
-        # The half-angle formulas: without functions whose last bit differs between machines.
+        # Half-angle formulas: they need no function whose last bit differs between machines.
         t = _draw(rng, (-100, 100)) / 100
         cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
         dx, dy = _round(480 * cosine), _round(480 * sine)
@@ -78,12 +80,12 @@ class Scatter:
         return (x - dx, y - dy), (x + dx, y + dy)
 
     def _place(self, line: "_Line", rng: np.random.Generator) -> list["_Block"]:
-        """As many obstacles as were drawn, or fewer if there is no place for them."""
+        """Return as many obstacles as were drawn, or none if there is no place for that many."""
         kinds = ((True,), (False,), (True, False))[_draw(rng, (0, 2))]
         count, size = _draw(rng, self.count), _draw(rng, self.size)
         blocks: list[_Block] = []
         for _ in range(PLACES):
-            # The sum of two: more of them near the line.
+            # The sum of two uniform numbers puts more obstacles near the line.
             across = _draw(rng, (-self.reach, self.reach)) + _draw(rng, (-self.reach, self.reach))
             centre = line.point(_draw(rng, (0, math.floor(line.length))), across / 2)
             is_circle = kinds[_draw(rng, (0, len(kinds) - 1))]
@@ -106,17 +108,19 @@ class Scatter:
 
 @dataclass(frozen=True)
 class Walls:
-    """Fields of walls across the line, each with one gap or two. Intervals are inclusive, in map units.
+    """A generator of fields of walls across the line, each with one or two gaps.
+
+    Intervals are inclusive, lengths are in map units.
 
     Attributes:
         count: interval of the number of walls.
         thickness: interval of the extent of a wall along the line.
         gap: interval of the width of a gap.
-        gap_reach: how far from the line the middle of a gap lies at most.
-        room: least distance between walls.
+        gap_reach: largest distance between the line and the lower end of a gap.
+        room: smallest distance between walls.
         workspace: width and height; walls go on beyond it, so that no path leads around them.
-        initial_reach: how far from the line the first waypoints are drawn.
-        blocking: how many walls the straight line has to cross at least.
+        initial_reach: largest distance between the line and the first waypoints.
+        blocking: smallest number of walls that the straight line crosses.
     """
 
     count: Interval = (3, 5)
@@ -129,7 +133,7 @@ class Walls:
     blocking: int = 2
 
     def draw(self, name: str, rng: np.random.Generator) -> Scenario:
-        """A field of that name."""
+        """Draw a field and return it as the scenario of that name."""
         width, height = self.workspace
         obstacles: list[Obstacle] = []
         blocking = 0
@@ -156,7 +160,7 @@ class Walls:
         )
 
     def _draw_gaps(self, rng: np.random.Generator) -> list[Interval]:
-        """The gaps of a wall, upwards; a second one that overlaps the first is left out."""
+        """Return the gaps of a wall, from below; a second gap that overlaps the first is left out."""
         gaps: list[Interval] = []
         for _ in range(_draw(rng, (1, 2))):
             low = self.workspace[1] // 2 + _draw(rng, (-self.gap_reach, self.gap_reach))
@@ -167,7 +171,7 @@ class Walls:
 
 
 class _Block(NamedTuple):
-    """A circle, without half extents, or an axis-parallel rectangle, without radius; in map units."""
+    """A circle, whose half extents are 0, or an axis-parallel rectangle, whose radius is 0; in map units."""
 
     x: int
     y: int
@@ -176,7 +180,7 @@ class _Block(NamedTuple):
     radius: int
 
     def gap(self, other: "_Block") -> float:
-        """Distance to another one; not positive if they touch."""
+        """Return the distance to another block; it is not positive if they touch."""
         dx = max(abs(self.x - other.x) - self.half_width - other.half_width, 0)
         dy = max(abs(self.y - other.y) - self.half_height - other.half_height, 0)
         return math.sqrt(dx * dx + dy * dy) - self.radius - other.radius
@@ -189,7 +193,7 @@ class _Block(NamedTuple):
 
 
 class _Line(NamedTuple):
-    """The line from start to target: where it begins, its direction, and its length in map units."""
+    """The line from start to target: its first point, its direction, and its length in map units."""
 
     start: Point
     cosine: float
@@ -203,13 +207,13 @@ class _Line(NamedTuple):
         return cls(start, dx / length, dy / length, length)
 
     def point(self, along: float, across: float) -> tuple[int, int]:
-        """Integers next to the point that far along the line and to its left."""
+        """Return integer coordinates next to the point that far along the line and to its left."""
         x = self.start[0] + along * self.cosine - across * self.sine
         y = self.start[1] + along * self.sine + across * self.cosine
         return _round(x), _round(y)
 
     def extent(self, block: _Block) -> tuple[float, float, float, float]:
-        """Extent of a block along the line and across it: (begin, end, low, high)."""
+        """Return the extent of a block along the line and across it: (begin, end, low, high)."""
         x, y = block.x - self.start[0], block.y - self.start[1]
         along, across = x * self.cosine + y * self.sine, y * self.cosine - x * self.sine
         cosine, sine = abs(self.cosine), abs(self.sine)
@@ -223,7 +227,7 @@ def _draw_circle(centre: tuple[int, int], size: int, rng: np.random.Generator) -
 
 
 def _draw_rectangle(centre: tuple[int, int], size: int, rng: np.random.Generator) -> _Block:
-    """A slim one; three of four stand upright."""
+    """Draw a slim rectangle; three of four stand upright."""
     slim, long = size * _draw(rng, (25, 55)) // 100, size * _draw(rng, (80, 150)) // 100
     upright = _draw(rng, (0, 3)) > 0
     return _Block(*centre, slim, long, 0) if upright else _Block(*centre, long, slim, 0)

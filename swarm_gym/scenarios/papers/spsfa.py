@@ -1,10 +1,10 @@
-"""The three cases of the SPSFA paper (section IV).
+"""The three cases of the SPSFA paper (section IV): the scenarios `case1`, `case2` and `case3`.
 
 Source: J. Li, H. Fan, Y. Hou, "A firefly algorithm with self-adaptive population size for global path
 planning of mobile robot", IEEE Access 8 (2020), doi 10.1109/ACCESS.2020.3023999.
 
-The initial range is not printed. y in [120, 480] is the reading under which the paper's results come
-out; see docs/readings.md.
+The paper does not print the range of the first waypoints. With y in [120, 480] its results are reproduced;
+see docs/readings.md.
 """
 
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
@@ -38,17 +38,17 @@ CASE3_RECTANGLES = [
 
 
 def case1() -> Scenario:
-    """Fourteen circles."""
+    """Return case 1: fourteen circles."""
     return _case("case1", CASE1_CIRCLES, [])
 
 
 def case2() -> Scenario:
-    """Fifteen rectangles."""
+    """Return case 2: fifteen rectangles."""
     return _case("case2", [], CASE2_RECTANGLES)
 
 
 def case3() -> Scenario:
-    """Five circles and ten rectangles."""
+    """Return case 3: five circles and ten rectangles."""
     return _case("case3", CASE3_CIRCLES, CASE3_RECTANGLES)
 
 

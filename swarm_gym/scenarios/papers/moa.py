@@ -1,9 +1,10 @@
-"""Six tasks on a map of the MOA paper: the scenarios `den400d:P1` to `den400d:P6`.
+"""Six tasks on the map of the MOA paper: the scenarios `den400d:P1` to `den400d:P6`.
 
-Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica
-Sinica 44(9), 2016. The paper plans on map den400d of the Moving AI benchmarks, but has the ends of its
-tasks P1 to P6 in a figure only. These stand in for them: problems of the benchmark whose shortest paths are
-2 to 4 percent shorter than those in the paper's tables. Coordinates are cells (x, y), see `moving_ai`.
+Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
+44(9), 2016. The paper plans on map den400d of the Moving AI benchmarks, but shows the ends of its tasks P1 to
+P6 in a figure only. The tasks here replace them. They are problems of the benchmark whose shortest paths are
+2 to 4 percent shorter than the paths in the paper's tables. Coordinates are cells (x, y), see
+`swarm_gym.scenarios.formats.moving_ai`.
 """
 
 import re
@@ -18,7 +19,7 @@ from swarm_gym.scenarios.grid_scenario import GridScenario
 NAME = "den400d"
 USAGE = f"{NAME}:P<number>"
 
-# Start and goal.
+# Cells (x, y) of start and goal, by task.
 TASKS: dict[str, tuple[Cell, Cell]] = {
     "P1": ((100, 118), (238, 107)),
     "P2": ((100, 196), (218, 184)),
@@ -28,12 +29,12 @@ TASKS: dict[str, tuple[Cell, Cell]] = {
     "P6": ((10, 161), (165, 27)),
 }
 
-# `GridMap.digest` of the benchmark's map.
+# `GridMap.digest` of the map in the benchmark.
 DIGEST = "23f04fb920fc128f81c02119a2f18a7ec69ec07bbbe7e2e27b91437fa389b8e7"
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single tasks that a name stands for: `den400d:P1-P6` for six of them, the last included.
+    """Return the names of the single tasks that a name stands for; `den400d:P1-P6` stands for all six.
 
     Raises:
         ScenarioError: if the name has another form.
@@ -46,16 +47,17 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> GridScenario:
-    """The single task of that name; the map is `den400d.map` in the data folder.
+    """Return the single task of that name; its map is the file `den400d.map` in the data folder.
 
     Raises:
-        ScenarioError: if the map is missing, malformed or another one.
+        ScenarioError: if the file is missing or malformed, or is another map.
     """
     path = find_data_file(f"{NAME}.map")
     grid = cached_map(path)
     if grid.digest != DIGEST:
         raise ScenarioError(
-            f"scenario {shown(name)}: {path} is not the benchmark's map {NAME}, whose tasks these are"
+            f"scenario {shown(name)}: {path} is not the map {NAME} of the Moving AI benchmarks; replace it, "
+            f"`python -m swarm_gym.scenarios.download --force {NAME}` does so"
         )
     return GridScenario(name, grid, *TASKS[name.removeprefix(f"{NAME}:")])
 

@@ -1,11 +1,12 @@
-"""Grid maps drawn from a generator: the scenarios `rooms:<seed>` and `caves:<seed>`.
+"""Generated grid maps: the scenarios `rooms:<seed>` and `caves:<seed>`.
 
-Rooms are like the floor of a building: a corridor, rooms with doors on both sides of it, furniture. Caves
-are like the maps of games: halls of irregular shape with passages, from a cellular automaton. Start and
-target are far apart and connected, and the straight line is blocked; what does not fit is drawn anew.
+Rooms resemble a floor of a building: a corridor, rooms with doors on both sides of it, and furniture. Caves
+resemble maps of games: halls of irregular shape connected by passages, from a cellular automaton. Start and
+target are far apart and connected, and the straight line between them is blocked. A map without such a pair
+is drawn again.
 
-Only integers are drawn, so that a map is the same on every machine. Map coordinates are cells: x is the
-column, y the row, which grows downwards.
+Only integers are drawn, so a map is the same on every machine. Map coordinates are cells: x is the column, y
+is the row, and y grows downwards.
 """
 
 from collections.abc import Callable
@@ -23,27 +24,27 @@ Blocked = NDArray[np.bool_]
 WIDTH, HEIGHT = 128, 96
 NUM_SEEDS = 1_000_000
 
-# Columns between start and target, at least.
+# Smallest number of columns between start and target.
 APART = 80
-# Around start and target, cells are free up to this distance.
+# Distance up to which the cells around start and target are free.
 ROOM_TO_STAND = 2
-# How many pairs of start and target are tried before a map is drawn anew.
+# Number of pairs of start and target that are tried before a map is drawn again.
 PAIRS = 50
 
 
-# How much of a cave is rock at first, in percent.
+# Percentage of the first cells of a cave that are rock.
 ROCK = 47
 
 
 class _Rooms:
-    """A floor: walls as rectangles of cells, with doors in them."""
+    """A floor of a building: walls as rectangles of cells, with doors in them."""
 
     WALL = 2
     CORRIDOR = (7, 9)
     DOOR = (5, 8)
-    # A region is split while its halves can be as long as this.
+    # A region is split as long as both parts have at least this length.
     SHORTEST = 15
-    # A wall as long as this has a second door.
+    # A wall of this length has a second door.
     LONG = 48
     PIECES_OF_FURNITURE = 60
     FURNITURE = (2, 7)
@@ -68,13 +69,13 @@ class _Rooms:
         return ~free
 
     def _split(self, top: int, left: int, bottom: int, right: int) -> None:
-        """Walls inside a region of free cells, whose last row and column are before bottom and right."""
+        """Build walls inside a region of free cells; `bottom` and `right` are the first outside it."""
         is_wide = right - left >= bottom - top
-        # Seen so that the new wall is along a row.
+        # The grid is transposed where needed, so that the new wall lies along a row.
         free = self._free.T if is_wide else self._free
         begin, end, low, high = (left, right, top, bottom) if is_wide else (top, bottom, left, right)
         first, last = begin + self.SHORTEST, end - self.SHORTEST - self.WALL
-        # The ends of a wall meet walls, not doors: otherwise a door would lead nowhere.
+        # The ends of a wall must meet walls and not doors, since such a door would be blocked.
         places = [
             row
             for row in range(first, last + 1)
@@ -91,7 +92,7 @@ class _Rooms:
                 self._split(part_begin, left, part_end, right)
 
     def _build_wall(self, free: Blocked, row: int, low: int, high: int) -> None:
-        """A wall from column low to before high, and its doors, one in each of its equal parts."""
+        """Build a wall from column `low` to before `high`, with one door in each of its equal parts."""
         free[row : row + self.WALL, low:high] = False
         num_doors = 1 + (high - low) // self.LONG
         length = (high - low) // num_doors
@@ -101,7 +102,7 @@ class _Rooms:
             free[row : row + self.WALL, begin : begin + door] = True
 
     def _furnish(self) -> None:
-        """A piece of furniture, unless something is too close to its place; one can walk all around it."""
+        """Place a piece of furniture unless an obstacle is too close; one can walk all around it."""
         height, width = self._draw(self.FURNITURE), self._draw(self.FURNITURE)
         top, left = self._draw((0, HEIGHT - height)), self._draw((0, WIDTH - width))
         room = self.FURNITURE_CLEARANCE
@@ -115,15 +116,15 @@ class _Rooms:
 
 
 def _draw_caves(rng: np.random.Generator) -> Blocked:
-    """The largest cave of a cellular automaton."""
-    # First in blocks of 2 x 2 cells, then, smoother, in cells.
+    """Return the largest cave of a cellular automaton."""
+    # The automaton runs on blocks of 2 x 2 cells first, and then on single cells, which is smoother.
     free = rng.integers(0, 100, size=(HEIGHT // 2, WIDTH // 2)) >= ROCK
     for _ in range(4):
         free = _majority(free)
     free = free.repeat(2, axis=0).repeat(2, axis=1)
     for _ in range(2):
         free = _majority(free)
-    # What is narrower than three cells becomes rock.
+    # Passages that are narrower than three cells become rock.
     free = _count_around(_count_around(free) == 9) > 0
     labels = GridMap("caves", ~free).components
     sizes = np.bincount(labels.ravel(), minlength=2)[1:]
@@ -131,19 +132,19 @@ def _draw_caves(rng: np.random.Generator) -> Blocked:
 
 
 def _majority(free: Blocked) -> Blocked:
-    """Each cell becomes what most of the nine around it are; beyond the edge is rock."""
+    """Return the state of the majority of the nine cells around each cell; outside the map is rock."""
     return _count_around(free) >= 5
 
 
 def _count_around(cells: Blocked) -> NDArray[np.int64]:
-    """How many cells of each 3 x 3 block are set; the outermost block of the map has cells that are not."""
+    """Return the number of true cells in the 3 x 3 block around each cell; cells off the map are false."""
     padded = np.pad(cells, 1).astype(np.int64)
     rows = padded[:-2] + padded[1:-1] + padded[2:]
     return rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:]
 
 
 def _draw_ends(grid: GridMap, rng: np.random.Generator) -> tuple[Cell, Cell] | None:
-    """Start and target, or None if none are found."""
+    """Draw start and target; return None if no pair is found."""
     spacious = ~grid.blocked
     for _ in range(ROOM_TO_STAND):
         spacious = _count_around(spacious) == 9
@@ -160,20 +161,24 @@ def _draw_ends(grid: GridMap, rng: np.random.Generator) -> tuple[Cell, Cell] | N
 
 
 def _is_line_blocked(grid: GridMap, start: Cell, target: Cell) -> bool:
-    """Whether the line from a cell to one further right crosses a blocked cell in the middle of a column."""
+    """Return True if the line from a cell to a cell further right crosses a blocked cell mid-column."""
     (x, y), (to_x, to_y) = start, target
     dx, dy = to_x - x, to_y - y
     k = np.arange(dx + 1)
-    rows = (2 * (y * dx + k * dy) + dx) // (2 * dx)  # floor(row + 1/2), in integers
+    rows = (2 * (y * dx + k * dy) + dx) // (2 * dx)  # floor(row + 1/2) in integers
     return bool(grid.blocked[rows, x + k].any())
 
 
 def _family(name: str, number: int, draw: Callable[[np.random.Generator], Blocked]) -> Family:
-    """A family of maps; those of different numbers are drawn by different generators."""
+    """Return a family of maps; families of different numbers use different random generators."""
     usage = f"{name}:<seed>"
 
     def expand(given: str) -> tuple[str, ...]:
-        """The names of single maps that a name stands for: `...:0-9` for ten of them, the last included."""
+        """Return the names of the single maps that a name stands for; `...:0-9` stands for ten maps.
+
+        Raises:
+            ScenarioError: if the name has another form or a seed is too large.
+        """
         seeds = parse_numbers(given.removeprefix(f"{name}:"), given)
         if not seeds or seeds[-1] >= NUM_SEEDS:
             raise ScenarioError(
@@ -183,7 +188,7 @@ def _family(name: str, number: int, draw: Callable[[np.random.Generator], Blocke
         return tuple(f"{name}:{seed}" for seed in seeds)
 
     def make(given: str) -> GridScenario:
-        """The single map of that name."""
+        """Return the single map of that name."""
         rng = np.random.Generator(np.random.PCG64([number, int(given.removeprefix(f"{name}:"))]))
         ends = None
         while ends is None:
@@ -194,6 +199,6 @@ def _family(name: str, number: int, draw: Callable[[np.random.Generator], Blocke
     return Family(usage, (f"{name}:0", f"{name}:1"), expand, make)
 
 
-# A published family keeps its number and its way of drawing: results refer to it.
+# Never change the number or the generator of a family: results refer to these maps.
 ROOMS = _family("rooms", 0, lambda rng: _Rooms(rng).draw())
 CAVES = _family("caves", 1, _draw_caves)

@@ -7,7 +7,7 @@ import shapely
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import FAMILIES, GridScenario, expand_name, make_scenario, make_scenarios
-from swarm_gym.scenarios.made_maps import NUM_SEEDS
+from swarm_gym.scenarios.rooms_and_caves import NUM_SEEDS
 
 MADE = ("rooms", "caves")
 MAPS_PER_FAMILY = 40
@@ -104,7 +104,7 @@ def test_starts_vary_between_maps(family):
 def test_a_range_stands_for_all_its_maps(family):
     assert expand_name(f"{family}:8-11") == tuple(f"{family}:{seed}" for seed in range(8, 12))
     assert make_scenarios(f"{family}:1-2")[1] == make_scenario(f"{family}:2")
-    with pytest.raises(ScenarioError, match="not a range of 4"):
+    with pytest.raises(ScenarioError, match="got a range of 4"):
         make_scenario(f"{family}:8-11")
 
 

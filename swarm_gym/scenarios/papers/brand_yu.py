@@ -1,10 +1,13 @@
-"""One block between start and target on a square grid, or none: scenarios `block:<side>`, `open:<side>`.
+"""Scenes of Brand and Yu: a square grid with one block between start and target, or without any.
+
+The scenarios are `block:<side>` and `open:<side>`, with the number of cells along a side.
 
 Source: Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013. The paper
-shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000, as figures without numbers. These
-are ours, chosen so that the shortest path on `block:500`, about 431, is near the paper's lengths. On the open
-grid an obstacle may appear, see `dynamic`. Map coordinates are cells: x is the column, y the row, which
-grows downwards.
+shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000 cells a side, in figures without
+coordinates. The scenes here are chosen so that the shortest path on `block:500`, about 431, is close to the
+paper's lengths. On the open grid an obstacle can appear, see `swarm_gym.scenarios.dynamic`.
+
+Map coordinates are cells: x is the column, y is the row, and y grows downwards.
 """
 
 import re
@@ -21,14 +24,14 @@ SMALLEST, LARGEST = 20, 4000
 
 
 def _family(kind: str, height: int) -> Family:
-    """The family of that name, with a block of that height in per cent of the side."""
+    """Return the family of that name, whose block has that height, in percent of the side."""
     usage = f"{kind}:<side>"
 
     def expand(name: str) -> tuple[str, ...]:
-        """The name itself; a range would be of maps of different sizes.
+        """Return the name itself; ranges are not allowed, since their maps would differ in size.
 
         Raises:
-            ScenarioError: if it has not the form of these names, or the side is out of range.
+            ScenarioError: if the name has another form or the side is out of range.
         """
         match = re.fullmatch(f"{kind}:({NUMBER})", name)
         if not match or not SMALLEST <= int(match[1]) <= LARGEST:
@@ -38,7 +41,7 @@ def _family(kind: str, height: int) -> Family:
         return (name,)
 
     def make(name: str) -> GridScenario:
-        """The scene of that name."""
+        """Return the scene of that name."""
         side = int(name.removeprefix(f"{kind}:"))
         blocked = np.zeros((side, side), np.bool_)
         top, bottom = (side * (100 + sign * height) // 200 for sign in (-1, 1))

@@ -1,43 +1,37 @@
-"""What backends take beyond the work itself, and what the work takes, measured on this machine."""
+"""Overheads of backends, measured on this machine with units of known length."""
 
-import contextlib
-import io
+import dataclasses
 import multiprocessing
 import os
 import time
 from collections.abc import Iterator
-from contextlib import closing
-from dataclasses import dataclass, replace
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-
-import numpy as np
+from typing import Any
 
 from agents.backends import Backend, Task
 from agents.backends.local import LocalBackend
 from agents.backends.ray_backend import RayBackend
-from agents.training.presets import load_preset
-from agents.training.run import TrainingRun
 from experiments.runs.database import Results
-from experiments.runs.run import Run, RunKey
-from experiments.runs.runner import MOST_SEEDS, run_one
-from experiments.runs.suite import Suite
-from experiments.scaling.clusters import logical_cluster
-from experiments.scaling.units import compute, compute_together, copies, wait
+from experiments.runs.run import Run
+from experiments.runs.runner import MOST_SEEDS
 from experiments.speed.measurement import run_python, seconds_of
+from swarm_gym.errors import MissingExtraError
 
 
 @dataclass(frozen=True)
 class Timed:
-    """Units that were carried out.
+    """A measurement of units of work that were carried out.
 
     Attributes:
-        backend: by what.
-        work: what they did.
-        workers: how many at a time.
-        units: how many.
-        seconds: of each.
-        wall: seconds that all took.
+        backend: name of the backend.
+        work: name of the function of a unit.
+        workers: number of units at a time.
+        units: number of units.
+        seconds: length of a unit.
+        wall: wall time of all units in seconds.
     """
 
     backend: str
@@ -49,17 +43,70 @@ class Timed:
 
     @property
     def ideal(self) -> float:
-        """Seconds without overhead."""
+        """Return the wall time without overhead, in seconds."""
         return self.units * self.seconds / self.workers
 
     @property
     def overhead(self) -> float:
-        """What was added to that, as a share of it."""
+        """Return the overhead as a share of the ideal wall time."""
         return self.wall / self.ideal - 1.0
 
 
+def compute(_: int, seconds: float) -> None:
+    """Use a processor for some seconds of processor time; on a shared processor, this takes longer."""
+    begin = time.process_time()
+    while time.process_time() - begin < seconds:
+        pass
+
+
+def compute_together(barrier: Any, units: int, seconds: float) -> None:
+    """Wait until all processes are ready, then compute some units."""
+    barrier.wait()
+    for number in range(units):
+        compute(number, seconds)
+
+
+def wait(_: int, seconds: float) -> None:
+    """Sleep for some seconds without using a processor, so that there can be more workers than cores."""
+    time.sleep(seconds)
+
+
+def copies(number: int, run: Run, count: int) -> list[Run]:
+    """Return copies of a run with seeds of their own, as a unit of an evaluation returns runs."""
+    return [dataclasses.replace(run, seed=number * count + k) for k in range(count)]
+
+
+@contextmanager
+def logical_cluster(nodes: int, processors: int) -> Iterator[tuple[RayBackend, Any]]:
+    """Start a cluster of logical nodes on this machine, beside a head node without processors.
+
+    Args:
+        nodes: number of nodes.
+        processors: number of processors of each node; it may exceed that of the machine.
+
+    Yields:
+        A backend that uses the nodes, and the cluster, a `ray.cluster_utils.Cluster`.
+
+    Raises:
+        MissingExtraError: if Ray is missing.
+    """
+    try:
+        from ray.cluster_utils import Cluster
+    except ImportError as error:
+        raise MissingExtraError("a logical cluster", "Ray", "ray") from error
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
+    backend = RayBackend(cluster.address, 0)
+    try:
+        for _ in range(nodes):
+            cluster.add_node(num_cpus=processors)
+        yield backend, cluster
+    finally:
+        backend.close()
+        cluster.shutdown()
+
+
 def time_units(backend: Backend, name: str, task: Task, units: int) -> Timed:
-    """Carry out units of a task, whose last argument is how long they are; workers have started before."""
+    """Measure units of a task, whose last argument is their length; workers are started before."""
     workers, seconds = backend.workers(), task.common[-1]
     list(backend.run(Task(task.function, (0.5,)), range(2 * workers)))
     wall = seconds_of(lambda: list(backend.run(task, range(units))))
@@ -67,7 +114,7 @@ def time_units(backend: Backend, name: str, task: Task, units: int) -> Timed:
 
 
 def time_processes(units: int, seconds: float, processors: int) -> Timed:
-    """Units that compute in processes that nobody hands anything: what this machine itself adds."""
+    """Measure units that compute in plain processes, without a backend: the machine's own overhead."""
     context = multiprocessing.get_context("spawn")
     barrier = context.Barrier(processors + 1)
     arguments = (barrier, units // processors, seconds)
@@ -83,7 +130,7 @@ def time_processes(units: int, seconds: float, processors: int) -> Timed:
 
 
 def time_backends(units: int, seconds: float, processors: int) -> Iterator[Timed]:
-    """Units that compute: handed out by nobody, to processes of this machine, and by Ray on it."""
+    """Measure units that compute: without a backend, with the local one, and with Ray on this machine."""
     yield time_processes(units, seconds, processors)
     for name, backend in (("local", LocalBackend(processors)), ("Ray", RayBackend(None, processors))):
         with closing(backend):
@@ -91,7 +138,7 @@ def time_backends(units: int, seconds: float, processors: int) -> Iterator[Timed
 
 
 def time_nodes(nodes: int, processors: int, work: str, per_worker: int, seconds: float) -> Timed:
-    """Units on logical nodes of so many processors each; there may be more of these than cores for `wait`."""
+    """Measure units on logical nodes, which may have more processors than the machine if units only wait."""
     task = Task({"compute": compute, "wait": wait}[work], (seconds,))
     with logical_cluster(nodes, processors) as (backend, _):
         name = f"{nodes} node{'s' if nodes > 1 else ''} of {processors}"
@@ -99,12 +146,12 @@ def time_nodes(nodes: int, processors: int, work: str, per_worker: int, seconds:
 
 
 def time_start(processors: int) -> dict[str, float]:
-    """Seconds until there is work, by what they are spent on."""
+    """Return the seconds before the first unit begins, by what they are spent on."""
     backend = RayBackend(None, processors)
     with closing(backend):
         here = seconds_of(backend.workers)
     with logical_cluster(0, 1) as (backend, cluster):
-        backend.workers()  # which connects
+        backend.workers()  # connects
         node = seconds_of(lambda: cluster.add_node(num_cpus=1))
         first = seconds_of(lambda: list(backend.run(Task(compute, (0.0,)), [0])))
     return {
@@ -116,6 +163,7 @@ def time_start(processors: int) -> dict[str, float]:
 
 
 def _time_compilation() -> float:
+    """Return the seconds for compiling the kernels of an optimizer in a fresh interpreter."""
     with TemporaryDirectory() as folder:
         environment = {**os.environ, "SWARM_GYM_CACHE": folder}
         return seconds_of(
@@ -124,7 +172,7 @@ def _time_compilation() -> float:
 
 
 def count_units(units: int, processors: int) -> dict[str, float]:
-    """Units per second of no length that go through a backend."""
+    """Return how many units of no length each backend carries out per second."""
     found = {}
     for name, backend in (("local", LocalBackend(processors)), ("Ray", RayBackend(None, processors))):
         with closing(backend):
@@ -133,13 +181,13 @@ def count_units(units: int, processors: int) -> dict[str, float]:
 
 
 def count_results(units: int, processors: int, run: Run, folder: Path) -> dict[str, float]:
-    """Units per second, and the driver's processor time of each, where Ray's workers make up runs.
+    """Return units per second, and the driver's processor time per unit, if Ray's workers return copied runs.
 
     Args:
-        units: how many, with as many runs as a unit of an evaluation has at most.
-        processors: of Ray.
-        run: which they copy.
-        folder: for a database, on the disk that is measured.
+        units: number of units, each with as many runs as a unit of an evaluation has at most.
+        processors: number of processors that Ray uses.
+        run: run that is copied.
+        folder: folder for a database, on the disk to measure.
     """
     task = Task(copies, (run, MOST_SEEDS))
     backend = RayBackend(None, processors)
@@ -154,7 +202,7 @@ def count_results(units: int, processors: int, run: Run, folder: Path) -> dict[s
 
 
 def count_rows(rows: int, run: Run, folder: Path) -> dict[int, float]:
-    """Rows per second that the database takes, by how many come at a time."""
+    """Return how many rows per second the database stores, by the number of rows per transaction."""
     found = {}
     for at_a_time in (1, MOST_SEEDS):
         with closing(Results(folder / f"{at_a_time}.sqlite")) as results:
@@ -164,24 +212,3 @@ def count_rows(rows: int, run: Run, folder: Path) -> dict[int, float]:
                 results.add(*runs)
             found[at_a_time] = len(batches) * at_a_time / (time.perf_counter() - begin)
     return found
-
-
-def time_runs(suite: Suite, keys: list[RunKey], sample: int) -> list[float]:
-    """Seconds of a core of some runs of a suite, drawn from its keys, with what surrounds them."""
-    rng = np.random.default_rng(0)
-    found = []
-    for number in rng.choice(len(keys), min(sample, len(keys)), replace=False):
-        run_one(keys[number], suite, {})  # what it loads is loaded
-        begin = time.process_time()
-        run_one(keys[number], suite, {})
-        found.append(time.process_time() - begin)
-    return found
-
-
-def time_training(preset: str, steps: int) -> float:
-    """Seconds of a step of training, with all that a training does now and then."""
-    with TemporaryDirectory() as folder:
-        run = TrainingRun(replace(load_preset(preset), runs=Path(folder), total_steps=steps))
-        with contextlib.redirect_stderr(io.StringIO()):  # its progress bars
-            seconds = seconds_of(run.run)
-        return seconds / run.learner.num_steps
