@@ -133,7 +133,7 @@ def fingerprint_elsewhere(**environment):
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=Path(__file__).parent,
-        env={**os.environ, "PYTHONPATH": str(TESTS), **environment},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (TESTS.parent, TESTS))), **environment},
         capture_output=True,
         text=True,
         check=True,

@@ -11,7 +11,7 @@ from experiments.branching import CHANGES, WINDOWS, Change, Changed, analyse, br
 from experiments.runs.database import ResultsError
 
 NAME = "open-loop:three-cases-extended"
-SEEDS = ANALYSIS[:6]
+SEEDS = ANALYSIS[:3]
 
 
 @pytest.fixture(scope="module")

@@ -19,13 +19,10 @@ from swarm_gym.controllers.learned.recurrent import ITERATION, RecurrentControll
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
+pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
+
 RECURRENT = {"algorithm": "recurrent-ppo", "warm_start": "none", "observation": "paper"}
 SIZE = 6
-
-
-@pytest.fixture(autouse=True)
-def _little(little_imitation):
-    pass
 
 
 @pytest.fixture
