@@ -92,8 +92,8 @@ def test_a_function_is_known_by_its_scenarios():
     assert Function.of("function:sum-squares-10") == ("sum-squares", 10)
     assert Function.of("function:easom-2-shifted") == ("easom", 2)
     assert Function.of("function:sum-squares-10").label == "Sum squares, 10-D"
-    assert Function("rastrigin", 10).is_printed
-    assert not Function("rastrigin", 2).is_printed
+    assert Function("rastrigin", 10).is_published
+    assert not Function("rastrigin", 2).is_published
     with pytest.raises(ValueError, match="case1"):
         Function.of("case1")
 
