@@ -25,7 +25,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     |---|---|---|
     | next population size, rounded to nearest | min_population_size | max_population_size |
     | repair degree phi; 0 is no repair | 0 | 1 |
-    | with `extended`: each of the optimizer's parameters that has a range `Knob.decided` | low | high |
+    | with `extended`: each of the optimizer's parameters that has a range `Parameter.decided` | low | high |
 
     The layouts `normalised` and `extended-normalised` ask for the same in [-1, 1], float32: sizes and
     parameters in the logarithm. In `paced` and `extended-paced` the size is relative to the one at which

@@ -186,7 +186,7 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
     """Bounds of all that can be decided for an optimizer, in natural units, in the order of actions."""
     chosen = get_optimizer(optimizer)
     settings = Settings(
-        action="extended" if chosen.decided_knobs() else "natural",
+        action="extended" if chosen.decided_parameters() else "natural",
         min_population_size=limits.smallest,
         max_population_size=limits.largest,
         initial_population_size=limits.smallest,
