@@ -86,20 +86,20 @@ def test_analytic_maps_are_walked_on_as_cells():
     [
         (
             {"scenario": "case1", "encoding": "bezier"},
-            "encoding 'bezier' is for grid maps; scenario 'case1' is one of the analytic maps",
+            "encoding 'bezier' needs grid maps, but scenario 'case1' is one of the analytic maps",
         ),
         (
             {"scenario": "function:booth-2", "encoding": "walk"},
-            "'encoding' says nothing about test functions",
+            "'encoding' has no effect on test functions",
         ),
-        ({"scenario": "case1", "cell_size": 3.0}, "'cell_size' says nothing about encoding 'waypoints'"),
+        ({"scenario": "case1", "cell_size": 3.0}, "'cell_size' has no effect with encoding 'waypoints'"),
         (
             {"scenario": "block:50", "encoding": "walk", "cell_size": 1.0},
-            "'cell_size' says nothing about grid maps",
+            "'cell_size' has no effect on grid maps",
         ),
         (
             {"scenario": "block:50", "encoding": "walk", "num_waypoints": 5},
-            "'num_waypoints' says nothing about encoding 'walk'",
+            "'num_waypoints' has no effect with encoding 'walk'",
         ),
         ({"scenario": "case1", "encoding": "walk", "cell_size": 0.0}, "cell_size must lie in"),
         ({"scenario": "case1", "encoding": "walk", "penalty": -1.0}, "penalty must lie in"),
