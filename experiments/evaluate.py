@@ -16,7 +16,7 @@ from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, get_suite
 from experiments.documents.page import make_tables, write_collection_page, write_page
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.runner import configuration, environment_configuration, refuse_missing, run_missing
 from experiments.runs.suite import Suite
 from swarm_gym.command import command
@@ -90,7 +90,7 @@ def evaluate(config: EvaluateConfig) -> Path:
 
 
 def _backend(suite: Suite, config: EvaluateConfig) -> Backend:
-    controllers = [contestant(name, suite.optimizer).controller for name in suite.controllers]
+    controllers = [entrant(name, suite.optimizer).controller for name in suite.controllers]
     return config.where.make(config.output, controllers)
 
 

@@ -17,8 +17,7 @@ from experiments.statistics import paired
 from experiments.tables.cell import MISSING, Entry, number, percent, share, share_in
 from experiments.tables.table import Table
 from swarm_gym.action import make_action
-from swarm_gym.controllers.controller import Controller, Floats
-from swarm_gym.controllers.wrapper import Wrapper
+from swarm_gym.controllers.controller import Controller, Floats, Wrapper
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer

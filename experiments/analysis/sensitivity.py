@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.evaluation.masking import Blinded, clock_columns, input_names, mean_courses
+from agents.evaluation.masking import Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import Watched, decision_names, watch
 from agents.training.config import TrainConfig
 from experiments.analysis.episodes import Outcome, outcome
@@ -28,7 +28,7 @@ class Sensitivity:
         decisions: names of the decisions; changes of phi are absolute, those of others in octaves (log2).
         changes: (d,) mean absolute change of each decision in the visited states, by the input taken away.
         seeing: outcome of the controller with all inputs.
-        blinded: outcomes by the input taken away.
+        masked: outcomes by the input taken away.
     """
 
     policy: str
@@ -36,7 +36,7 @@ class Sensitivity:
     decisions: tuple[str, ...]
     changes: dict[str, Floats]
     seeing: Outcome
-    blinded: dict[str, Outcome]
+    masked: dict[str, Outcome]
 
 
 def analyse(
@@ -70,7 +70,7 @@ def analyse(
     seeing = episodes(controller, [])
     taken_away = _take_away(controller, seeing)
     # A second pass, since the mean courses must be known first.
-    visited = episodes(controller, [Blinded(controller, np.zeros((1, 0)), []), *taken_away.values()])
+    visited = episodes(controller, [Masked(controller, np.zeros((1, 0)), []), *taken_away.values()])
     decisions = decision_names(controller, training.optimizer)
     changes = [_changes(decisions, visited, 1 + place) for place in range(len(taken_away))]
     return Sensitivity(
@@ -79,21 +79,21 @@ def analyse(
         decisions,
         dict(zip(taken_away, changes, strict=True)),
         outcome(seeing),
-        {text: outcome(episodes(blinded, [])) for text, blinded in taken_away.items()},
+        {text: outcome(episodes(masked, [])) for text, masked in taken_away.items()},
     )
 
 
-def _take_away(controller: Controller, seeing: list[Watched]) -> dict[str, Blinded]:
+def _take_away(controller: Controller, seeing: list[Watched]) -> dict[str, Masked]:
     """Return the controller without one or several of its inputs, by the name of what is taken away."""
     names, clocks = input_names(controller), clock_columns(controller)
     seen, running = _side_by_side([w.seen for w in seeing]), _side_by_side([w.running for w in seeing])
     courses = mean_courses(seen, running)
     others = [column for column in range(len(names)) if column not in clocks]
-    found = {names[column]: Blinded(controller, courses, [column]) for column in others}
-    found[ALL_BUT_ITERATION] = Blinded(controller, courses, others)
+    found = {names[column]: Masked(controller, courses, [column]) for column in others}
+    found[ALL_BUT_ITERATION] = Masked(controller, courses, others)
     if clocks:
         constant = seen[running].mean(axis=0, dtype=np.float64, keepdims=True)
-        found[ITERATION] = Blinded(controller, constant, clocks)
+        found[ITERATION] = Masked(controller, constant, clocks)
     return found
 
 

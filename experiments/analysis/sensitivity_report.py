@@ -34,7 +34,7 @@ def sensitivity_tables(found: Sensitivity) -> list[Table]:
     )
     seeing = share(found.seeing.gap.mean(), ".2f")
     rows: list[tuple[Entry, ...]] = [(SEEING, seeing, MISSING, _evaluations(found.seeing), MISSING, MISSING)]
-    for name, outcome in found.blinded.items():
+    for name, outcome in found.masked.items():
         gap, ends = paired(outcome.gap - found.seeing.gap)
         gained, gained_ends = paired(outcome.returns - found.seeing.returns)
         spent, spent_ends = paired(_relative_evaluations(found.seeing, outcome))
@@ -73,8 +73,8 @@ def draw_sensitivity(found: Sensitivity) -> Figure:
     for column, (axes, decision) in enumerate(zip(panels, found.decisions, strict=False)):
         axes.barh(places, [row[column] for row in found.changes.values()], 0.6, color=BLUE)
         axes.set_xlabel(f"change of\n{_unit(decision)}")
-    gaps = [100.0 * (found.blinded[name].gap - found.seeing.gap) for name in names]
-    spent = [100.0 * _relative_evaluations(found.seeing, found.blinded[name]) for name in names]
+    gaps = [100.0 * (found.masked[name].gap - found.seeing.gap) for name in names]
+    spent = [100.0 * _relative_evaluations(found.seeing, found.masked[name]) for name in names]
     _draw_differences(panels[-2], places, gaps, "gap, % of the optimum")
     _draw_differences(panels[-1], places, spent, "evaluations, %")
     panels[0].set_yticks(places, names)

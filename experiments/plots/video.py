@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from agents import Controller, make_controller
 from experiments.plots.video_files import VIDEO_FILES, Picture
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.episode import iterate
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.errors import SettingError
@@ -89,7 +89,7 @@ def _check(config: VideoConfig) -> None:
 
 def _made(config: VideoConfig) -> tuple[Any, Controller]:
     """Return the environment and the controller."""
-    runs = contestant(config.controller, "firefly")
+    runs = entrant(config.controller, "firefly")
     controller = make_controller(runs.controller)
     options: dict[str, Any] = {**runs.options, **controller.env_options()}
     if config.iterations is not None:

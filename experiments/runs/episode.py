@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 
 from agents import Controller, make_controller
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
 from swarm_gym.registration import environment_id
@@ -29,7 +29,7 @@ class Episode:
 
     def __init__(self, key: RunKey, suite: Suite):
         name, scenario, self._seed = key
-        runs = contestant(name, suite.optimizer)
+        runs = entrant(name, suite.optimizer)
         warm_up(runs.optimizer, suite)
         self._controller = controller_of(runs.controller)
         self._env = gymnasium.make(

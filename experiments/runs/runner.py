@@ -12,13 +12,14 @@ from agents import Controller
 from agents.backends import Backend, Task, WorkLostError
 from agents.runs.provenance import provenance
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.episode import Episode, controller_of, warm_up
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.suite import Suite
 from swarm_gym.controllers.distilled import DistilledRule
-from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.learned.networks import FeedforwardController
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.optimizers import get_optimizer
@@ -73,7 +74,7 @@ def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
         print(f"{results.path}: all runs are stored already", flush=True)
         return
     if backend.on_this_machine:  # here once, or each worker would print that it compiles
-        for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
+        for optimizer in {entrant(name, suite.optimizer).optimizer for name in suite.controllers}:
             warm_up(optimizer, suite)
     units = make_units(missing, backend.workers())
     task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")))
@@ -157,16 +158,16 @@ def configuration(suite: Suite) -> dict[str, Any]:
     """Return the values that the runs of a suite depend on, by key; the database compares them."""
     found = environment_configuration(suite)
     for name in suite.controllers:
-        controller_name = contestant(name, suite.optimizer).controller
+        controller_name = entrant(name, suite.optimizer).controller
         found[f"controller {name}"] = _identity(controller_name, controller_of(controller_name))
     return found
 
 
 def _identity(name: str, controller: Controller) -> Any:
     """Return the content of a controller's file, which may be replaced under the same name; else the name."""
-    family, _, argument = name.partition(":")
-    if family == "tuned":
-        return load_tuned(argument)
+    parts = ControllerName.parse(name)
+    if parts.family == "tuned":
+        return load_tuned(parts.argument)
     if isinstance(controller, FeedforwardController):
         manifest = controller.manifest
         base = manifest["base"]
@@ -174,11 +175,11 @@ def _identity(name: str, controller: Controller) -> Any:
             return manifest["weights_sha256"]
         return (
             manifest["weights_sha256"],
-            manifest.get("corrected_from", 0),
+            manifest["corrected_from"],
             _identity(base, controller_of(base)),
         )
     if isinstance(controller, OpenLoop):
-        return controller.initial_population_size, controller.table.tolist()
+        return controller.initial_population_size, controller.decisions.tolist()
     return controller.lines() if isinstance(controller, DistilledRule) else name
 
 

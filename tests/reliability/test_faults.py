@@ -46,9 +46,9 @@ COMMANDS = {
 GOES_ON = {
     "evaluate": "the same command goes on",
     "evaluate on Ray": "the same command goes on",
-    "train": "--resume goes on",
-    "tune": "--resume goes on",
-    "tune with Optuna": "--resume goes on",
+    "train": "--resume continues",
+    "tune": "--resume continues",
+    "tune with Optuna": "--resume continues",
 }
 
 

@@ -16,11 +16,11 @@ from agents import make_controller
 from agents.training.presets import PRESETS, PresetError, load_preset
 from helpers.mutations import bounded_memory, fuzzed, mutated
 from helpers.parsers import decides
-from swarm_gym.controllers.distilled import DistilledFileError, shipped_rules
+from swarm_gym.controllers.distilled import DistilledFileError, packaged_rules
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
-from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE
-from swarm_gym.controllers.tuned import TunedFileError, shipped_tuned
+from swarm_gym.controllers.tuned import TunedFileError, packaged_tuned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import (
     ActionError,
@@ -291,9 +291,9 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
 def shipped_file(kind):
     from swarm_gym.controllers import distilled, open_loop, tuned
 
-    folders = {"open-loop": (open_loop.OPEN_LOOPS, shipped_open_loops()),
-               "tuned": (tuned.TUNED, shipped_tuned()),
-               "distilled": (distilled.DISTILLED, shipped_rules())}  # fmt: skip
+    folders = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
+               "tuned": (tuned.TUNED, packaged_tuned()),
+               "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
     folder, found = folders[kind]
     name = next((name for name in found if name.startswith("three-cases")), found[0])
     return json.loads((folder / f"{name}.json").read_text())

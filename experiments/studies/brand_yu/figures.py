@@ -12,6 +12,7 @@ from experiments.plots.courses import Case
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.run import Run, RunKey, Snapshot, arrives, length_of, trajectory_of, turning_of
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3
@@ -30,7 +31,7 @@ def draw_trajectories(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) ->
             _draw_fireflies(axes, snapshot)
         trajectory = trajectory_of(run)
         axes.plot(*trajectory.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
-        count = controller.rpartition(":")[2]
+        count = ControllerName.parse(controller).parameters
         length, turning = length_of(trajectory), turning_of(trajectory)
         axes.set(title=f"{count} fireflies: length {length:.1f}, turns {turning:.0f}°")
         axes.set(xticks=[], yticks=[])

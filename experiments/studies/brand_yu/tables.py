@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, length_of, trajectory_of, turning_of
@@ -17,6 +17,7 @@ from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, numb
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
 
@@ -260,12 +261,12 @@ def _grid_claims(
 
 
 def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> Walks:
-    runs = contestant(controller, suite.optimizer)
+    runs = entrant(controller, suite.optimizer)
     changed, made = worlds_of(make_scenario(scenario))[-1]
     assert isinstance(made, GridScenario)
     return Walks(
         OPTIMIZER_LABELS.get(runs.optimizer, runs.optimizer),
-        int(runs.controller.removeprefix("fixed:")),
+        int(ControllerName.parse(runs.controller).argument),
         made,
         changed,
         outcomes.runs(controller, scenario),

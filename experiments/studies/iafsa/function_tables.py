@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.runs.entrants import Contestant, contestant
+from experiments.runs.entrants import Entrant, entrant
 from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
@@ -184,7 +184,7 @@ def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Swa
 
 def find_entrants(suite: Suite) -> dict[tuple[str, int], str]:
     """Return the names of the entrants of a suite, by optimizer and number of iterations."""
-    parsed: dict[str, Contestant] = {name: contestant(name, suite.optimizer) for name in suite.controllers}
+    parsed: dict[str, Entrant] = {name: entrant(name, suite.optimizer) for name in suite.controllers}
     return {(c.optimizer, c.iterations): name for name, c in parsed.items() if c.iterations is not None}
 
 

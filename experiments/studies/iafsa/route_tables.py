@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, length_of
@@ -139,7 +139,7 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
     """Return the routes of a suite with its runs, in its order."""
-    optimizers = {name: contestant(name, suite.optimizer).optimizer for name in suite.controllers}
+    optimizers = {name: entrant(name, suite.optimizer).optimizer for name in suite.controllers}
     return [
         make_route(name, {optimizers[c]: outcomes.runs(c, name) for c in suite.controllers})
         for name in suite.scenarios

@@ -10,6 +10,7 @@ from experiments.runs.labels import label
 from experiments.tables.cell import MISSING, Cell, Entry, number
 from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import DISTILLED
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OPEN_LOOPS
 from swarm_gym.controllers.tuned import TUNED
 
@@ -40,9 +41,10 @@ def origins_table(controllers: Sequence[str]) -> Table:
 
 
 def _manifest(controller: str) -> Mapping[str, Any]:
-    family, _, argument = controller.partition(":")
-    if family in FOLDERS:
-        return json.loads((FOLDERS[family] / f"{argument}.json").read_text(encoding="utf-8"))["manifest"]
+    name = ControllerName.parse(controller)
+    if name.family in FOLDERS:
+        path = FOLDERS[name.family] / f"{name.argument}.json"
+        return json.loads(path.read_text(encoding="utf-8"))["manifest"]
     return make_controller(controller).manifest  # type: ignore[attr-defined]
 
 
@@ -50,7 +52,7 @@ def _cells(manifest: Mapping[str, Any]) -> tuple[Entry, ...]:
     config = manifest["config"]
     if "policy" in manifest:  # fitted to the decisions of a policy, whose steps and scenarios count
         return f"distilled from {label(manifest['policy'])}", *[MISSING] * 4
-    how = f"tuned: {config['what']}" if "what" in config else f"trained: {config.get('algorithm', 'ppo')}"
+    how = f"tuned: {config['what']}" if "what" in config else f"trained: {config['algorithm']}"
     steps = number(config["total_steps"], ",")
     return how, _beginning(config), ", ".join(config["scenarios"]), _price(config["price"]), steps
 

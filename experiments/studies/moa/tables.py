@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import ttest_ind
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run
@@ -66,7 +66,7 @@ def _length_rows(
     rows: list[tuple[Entry, ...]] = []
     for name, found in runs.items():
         own = lengths[name]
-        published = PUBLISHED.get((task, contestant(name, suite.optimizer).optimizer))
+        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
         mean = own.mean() if own.size else np.nan
         free = [run for run in found if _is_free(problem.map, run)]
         rows.append(
@@ -96,7 +96,7 @@ def _success_rows(
     threshold = THRESHOLDS[task]
     rows: list[tuple[Entry, ...]] = []
     for name, found in runs.items():
-        published = PUBLISHED.get((task, contestant(name, suite.optimizer).optimizer))
+        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
         spent = np.array([evaluations_to(run, threshold) for run in found])
         success = np.mean([run.course("best_fitness")[-1] < threshold for run in found])
         rows.append(

@@ -11,7 +11,7 @@ from agents.training.learners.environments import make_reference, reference_cont
 from agents.training.paired_reward import Reference
 from agents.training.sb3_vec_env import SB3VecEnv
 from helpers.trainings import STEPS, tiny_config, train
-from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -83,6 +83,7 @@ def test_episodes_of_other_lengths_meet_the_reference_of_the_same_start():
             assert found[row][episode] == pytest.approx(own - theirs, abs=1e-12)
 
 
+@pytest.mark.usefixtures("plain_pictures")
 def test_validation_is_paired_too(tmp_path):
     run = train(tmp_path, reward="paired", warm_start="none", total_steps=STEPS)
     assert run.learner.env.reference is not None

@@ -78,6 +78,14 @@ def page_of(database, replays=(), figures=False, **options):
     return Page(path.read_text())
 
 
+@pytest.fixture(scope="module")
+def whole_page(stored):
+    """The page with all figures and replays."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(SUITES, "tiny", SUITE)
+        return page_of(stored, replays=None, figures=True)
+
+
 def change(database, command):
     with sqlite3.connect(database) as connection:
         connection.execute(command)
@@ -119,8 +127,8 @@ def test_every_number_of_the_tables_is_that_of_the_database(database):
     assert means["FA-8"].startswith(f"{mean:.1f} (")
 
 
-def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(database):
-    page = page_of(database, figures=True)
+def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(whole_page):
+    page = whole_page
     for caption in ("Convergence on case1", "Population size on case1", "Best path on case1", "Final fitness",
                     "Mean E(P)", "Performance profiles", "Quality against cost"):  # fmt: skip
         assert caption in page.text
@@ -132,8 +140,8 @@ def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(database):
     assert page.text.count("Convergence on case1") == 2  # for those who see the figure, and for others
 
 
-def test_a_page_refers_to_nothing_outside_itself(database):
-    page = page_of(database, replays=None, figures=True)
+def test_a_page_refers_to_nothing_outside_itself(whole_page):
+    page = whole_page
     links = [v for _, name, v in page.attributes if name in ("src", "href", "xlink:href", "action")]
     assert links
     assert all(link.startswith(("#", "data:")) for link in links)

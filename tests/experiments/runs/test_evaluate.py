@@ -278,10 +278,10 @@ def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
     results.close()
 
 
-def test_a_contestant_has_episodes_of_its_own_length(tmp_path):
+def test_an_entrant_has_episodes_of_its_own_length(tmp_path):
     names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
-    results = Results(tmp_path / "contestants.sqlite", configuration(suite))
+    results = Results(tmp_path / "entrants.sqlite", configuration(suite))
     run_missing(suite, results, LocalBackend(1))
     lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
     assert lengths == [100, 7, 100]

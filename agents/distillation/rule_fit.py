@@ -1,4 +1,4 @@
-"""Formulas fitted to decisions: which inputs, and with what weights."""
+"""Fits of formulas to decisions: selection of inputs, and least squares for their weights."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,18 +10,17 @@ Floats = NDArray[np.float64]
 
 FOLDS = 4
 MOST_PASSES = 30
-LEAST_GAIN = 1e-3  # of the error, below which a further input is not worth its number
-
-EXACT = 1e-6  # an error that is rounding
+LEAST_GAIN = 1e-3  # smallest relative gain in the error for which an input is added
+EXACT = 1e-6  # an error below this is rounding
 
 
 class Fit(NamedTuple):
     """A fit of one decision.
 
     Attributes:
-        inputs: columns that it uses.
+        inputs: columns that the fit uses.
         coefficients: (1 + number of inputs,) the constant first.
-        error: root of the mean squared error on episodes that it was not fitted to.
+        error: root mean squared error on episodes that were left out of the fit.
     """
 
     inputs: tuple[int, ...]
@@ -30,14 +29,14 @@ class Fit(NamedTuple):
 
 
 def fit_within(inputs: Floats, wanted: Floats, low: float, high: float) -> Floats:
-    """Least squares for a linear function that is cut off at bounds.
+    """Return the least squares fit of a linear function that is clipped to bounds.
 
-    Where the wanted value is a bound, the function may lie beyond it at no cost; that is a convex problem,
-    solved by leaving such rows out until the same ones are left out twice.
+    Where the wanted value is a bound, the function may lie beyond it at no cost. This convex problem is
+    solved by leaving such rows out until the same rows are left out twice.
 
     Args:
-        inputs: (N, k).
-        wanted: (N,) within the bounds.
+        inputs: (N, k) inputs.
+        wanted: (N,) values within the bounds.
         low: the lower bound.
         high: the upper bound.
 
@@ -60,15 +59,15 @@ def fit_within(inputs: Floats, wanted: Floats, low: float, high: float) -> Float
 def select_forward(
     inputs: Floats, wanted: Floats, low: float, high: float, episodes: NDArray[np.int64], most_inputs: int
 ) -> list[Fit]:
-    """Fits with no input, one, two, ..., each with that one added which lowers the error most.
+    """Return fits with no input, one, two, ...; each adds the input that lowers the error most.
 
     Args:
         inputs: (N, m) candidates.
         wanted: (N,) decisions, scaled so that an error means the same everywhere.
         low: the lower bound of the decision.
         high: the upper bound.
-        episodes: (N,) which episode a row is of; errors are of episodes that were left out.
-        most_inputs: where to stop; earlier, if no input is worth its number.
+        episodes: (N,) number of the episode of each row; errors are computed on episodes that were left out.
+        most_inputs: largest number of inputs; fewer are used if another one gains less than `LEAST_GAIN`.
     """
     chosen: tuple[int, ...] = ()
     fits = [_fit(inputs, wanted, low, high, episodes, chosen)]
@@ -87,16 +86,16 @@ def select_forward(
 
 
 def share_out(paths: Sequence[Sequence[Fit]], numbers: int) -> list[tuple[Fit, ...]]:
-    """One fit per decision, for every number of numbers up to that many, fewest first.
+    """Share numbers out among decisions: return one fit per decision for each total, smallest total first.
 
-    Numbers go one by one where they lower the sum of squared errors most, looking ahead over several.
+    A number is added where it lowers the sum of squared errors most, looking ahead over several numbers.
 
     Args:
-        paths: of every decision, as from `select_forward`.
-        numbers: how many constants and weights there may be in all.
+        paths: fits of each decision, as `select_forward` returns them.
+        numbers: largest total number of constants and weights.
 
     Raises:
-        ValueError: if they do not suffice for the constants.
+        ValueError: if there are fewer numbers than constants.
     """
     if numbers < len(paths):
         raise ValueError(f"{len(paths)} decisions need {len(paths)} numbers at least, got {numbers}")
