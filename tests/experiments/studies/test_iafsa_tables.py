@@ -180,7 +180,7 @@ def test_a_claim_about_nothing_is_not_made():
     assert printed_rows(table) == [("b", "1 of 1", "–")]
 
 
-def test_the_best_run_is_held_against_what_is_printed_of_10_dimensions(functions):
+def test_the_best_run_is_held_against_what_is_published_of_10_dimensions(functions):
     _, values, tables = functions
     afsa, improved = cells_of(tables, "iafsa-dimensions")
     least = values["function:rastrigin-10", AFSA].min()
