@@ -36,7 +36,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     Other layouts have numbers in [-1, 1], float32, for networks; see `swarm_gym.action`.
 
     **Observation**, layout `paper`: float64, shape (4,), the numbers that the schedule of the SPSFA paper
-    uses.
+    uses; E(P) is its eq. 7.
 
     | number | from | to |
     |---|---|---|
@@ -61,7 +61,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     | key | value |
     |---|---|
-    | `best_fitness` | best fitness so far, float |
+    | `best_fitness` | best fitness so far; smaller is better |
     | `best_collision` | degree of collision of the best path so far, map units |
     | `best_path` | best path so far, (k, 2), map units |
     | `evaluations` | evaluations in this episode |

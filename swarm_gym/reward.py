@@ -7,10 +7,10 @@
 | `final-gap` | -log(final gap) at the end, minus the cost of every step |
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
 
-The gap is the best fitness so far minus a lower bound that is always known. The bound is mu times the
-straight line from start to target on analytic maps, the straight line on grid maps and for walks, and 0 for
-test functions. The cost is price * evaluations / reference_evaluations. The optimality gap is (best fitness -
-optimum) / optimum, see `swarm_gym.reference`.
+The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
+times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
+functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
+fitness - optimum) / optimum, see `swarm_gym.reference`.
 """
 
 from collections.abc import Callable

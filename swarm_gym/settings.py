@@ -29,6 +29,8 @@ from swarm_gym.scenarios import (
 class Settings:
     """The options of an environment; lengths are in map units.
 
+    Letters such as mu, g_max and E(P) are those of the SPSFA paper, see `swarm_gym.scenarios.papers.spsfa`.
+
     Attributes:
         scenario: name of a scenario, a scenario, or a list of these; a name with a range of numbers stands
             for all of them. Each episode draws one of the scenarios by its seed. All must be of one kind.
@@ -38,8 +40,8 @@ class Settings:
         num_waypoints: n, number of waypoints of a path, at least 1.
         num_control_points: number of control points of a Bezier curve, without start and target, at least 1.
         length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
-        penalty: lambda, at least 0. On grid maps the fitness that each infeasible sample of a path costs; for
-            walks, that of each cell's length of the blocked part.
+        penalty: lambda, at least 0: the fitness that each infeasible sample of a path costs on grid maps, or
+            each cell's length of the blocked part of a walk.
         cell_size: side of the cells that analytic maps are converted to for walks.
         iterations: g_max, number of steps of an episode, at least 1.
         initial_population_size: PS(0), size of the first population, within the two limits below.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
-from swarm_gym.compiler.jit import announce_compilation
+from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.optimizers.optimizer import Optimizer

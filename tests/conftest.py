@@ -3,6 +3,7 @@
 import signal
 
 import numba
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -34,10 +35,21 @@ def database(tmp_path):
     results.close()
 
 
-@pytest.fixture
-def little_imitation(monkeypatch):
+@pytest.fixture(scope="module")
+def little_imitation():
     """Imitation that ends before it has learned anything."""
-    monkeypatch.setattr("agents.training.imitation.GRADIENT_STEPS", 20)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("agents.training.imitation.GRADIENT_STEPS", 20)
+        yield
+
+
+@pytest.fixture(scope="module")
+def plain_pictures():
+    """Trainings whose pictures take no time to draw, which would be most of a small training's time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("agents.training.events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8))
+        patch.setattr("agents.training.run.make_replay_strip", lambda: None)
+        yield
 
 
 @pytest.fixture

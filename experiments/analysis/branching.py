@@ -14,7 +14,8 @@ from experiments.analysis.episodes import outcome
 from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.statistics import paired
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import MISSING, Entry, number, percent, share, share_in
+from experiments.tables.table import Table
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller, Floats, Wrapper
 from swarm_gym.files import write_atomically
@@ -131,7 +132,7 @@ def branching_tables(found: Branching) -> list[Table]:
     """Return the table of differences by window and change, and that of rank correlations."""
     where = f"{len(found.straight[0].gap)} seeds on each of {', '.join(found.scenarios)}"
     straight = outcome(found.straight)
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for ((first, end), change), branch in found.branches.items():
         changed = outcome(branch)
         differences = changed.gap - straight.gap
@@ -140,9 +141,9 @@ def branching_tables(found: Branching) -> list[Table]:
             (
                 f"{first} to {end - 1}",
                 change,
-                f"{percent(difference, '+.2f')} {percent_interval(ends, '+.2f')}",
-                percent((np.abs(differences) > MOVED).mean(), ".0f"),
-                f"{changed.evaluations.mean() / straight.evaluations.mean():.2f}",
+                share_in(difference, ends, "+.2f"),
+                share((np.abs(differences) > MOVED).mean(), ".0f"),
+                number(changed.evaluations.mean() / straight.evaluations.mean(), ".2f"),
             )
         )
     branches = Table(
@@ -159,13 +160,13 @@ def branching_tables(found: Branching) -> list[Table]:
 def _foresight(found: Branching, where: str) -> Table:
     """Return rank correlations of observations before the beginning of each window with the final gap."""
     moments = [first for first, _ in WINDOWS[1:]]
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for column, feature in enumerate(make_observation(OBSERVED).features):
         cells = [
             _rank_correlation(w.seen[moment, :, column], w.gap) for w in found.straight for moment in moments
         ]
-        if any(cells):
-            rows.append((feature.name, *(cell or "–" for cell in cells)))
+        if any(cell != MISSING for cell in cells):
+            rows.append((feature.name, *cells))
     heads = [f"iteration {moment}, {scenario}" for scenario in found.scenarios for moment in moments]
     return Table(
         "foresight",
@@ -176,9 +177,9 @@ def _foresight(found: Branching, where: str) -> Table:
     )
 
 
-def _rank_correlation(seen: Floats, gap: Floats) -> str:
-    """Return Spearman's rank correlation; an empty text if the observation is equal in all runs."""
-    return f"{stats.spearmanr(seen, gap).statistic:+.2f}" if np.ptp(seen) > 0.0 else ""
+def _rank_correlation(seen: Floats, gap: Floats) -> Entry:
+    """Return Spearman's rank correlation; the sign for a missing number if all observations are equal."""
+    return number(stats.spearmanr(seen, gap).statistic if np.ptp(seen) > 0.0 else None, "+.2f")
 
 
 def write_report(found: Branching, folder: Path) -> Path:

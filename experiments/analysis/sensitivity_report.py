@@ -13,7 +13,8 @@ from experiments.plots.style import BLUE, ORANGE, new_figure, settings, write_fi
 from experiments.runs.labels import label
 from experiments.runs.run import Floats
 from experiments.statistics import paired
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import MISSING, Entry, number, number_in, share, share_in
+from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import LINEAR
 from swarm_gym.files import write_atomically
 
@@ -29,9 +30,10 @@ def sensitivity_tables(found: Sensitivity) -> list[Table]:
         f"Decisions of {label(found.policy)}: mean absolute change where an input is replaced by its mean at "
         f"the same iteration, in the states that it visits, {where}",
         ("without", *(_unit(decision) for decision in found.decisions)),
-        [(name, *(f"{change:.3f}" for change in row)) for name, row in found.changes.items()],
+        [(name, *(number(change, ".3f") for change in row)) for name, row in found.changes.items()],
     )
-    rows = [(SEEING, percent(found.seeing.gap.mean(), ".2f"), "–", _thousands(found.seeing), "–", "–")]
+    seeing = share(found.seeing.gap.mean(), ".2f")
+    rows: list[tuple[Entry, ...]] = [(SEEING, seeing, MISSING, _evaluations(found.seeing), MISSING, MISSING)]
     for name, outcome in found.masked.items():
         gap, ends = paired(outcome.gap - found.seeing.gap)
         gained, gained_ends = paired(outcome.returns - found.seeing.returns)
@@ -39,11 +41,11 @@ def sensitivity_tables(found: Sensitivity) -> list[Table]:
         rows.append(
             (
                 name,
-                percent(outcome.gap.mean(), ".2f"),
-                f"{percent(gap, SIGNED)} {percent_interval(ends, SIGNED)}",
-                _thousands(outcome),
-                f"{percent(spent, SIGNED)} {percent_interval(spent_ends, SIGNED)}",
-                f"{gained:+.3f} [{gained_ends[0]:+.3f}, {gained_ends[1]:+.3f}]",
+                share(outcome.gap.mean(), ".2f"),
+                share_in(gap, ends, SIGNED),
+                _evaluations(outcome),
+                share_in(spent, spent_ends, SIGNED),
+                number_in(gained, gained_ends, "+.3f"),
             )
         )
     performance = Table(
@@ -119,9 +121,8 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
     axes.set_xlabel(f"difference of\n{name}")
 
 
-def _thousands(outcome: Outcome) -> str:
-    """Return the mean evaluations as text."""
-    return f"{outcome.evaluations.mean():,.0f}"
+def _evaluations(outcome: Outcome) -> Entry:
+    return number(outcome.evaluations.mean(), ",.0f")
 
 
 def _unit(decision: str) -> str:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from experiments.documents.page import command_of, describe_provenance
+from experiments.documents.page import command_of, describe_provenance, make_tables
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
 from experiments.report.drawn import Drawn, draw_all
@@ -19,7 +19,8 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
-from experiments.tables import Table, make_tables
+from experiments.tables import Table
+from experiments.tables.cell import Entry, number
 from swarm_gym.errors import ScenarioError
 
 MOST_RUNS = 3000  # runs that are listed one by one
@@ -121,15 +122,18 @@ def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
 def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:
     """Return sections: the first table, other tables and figures of all scenarios, then each scenario."""
 
-    def of(scenario: str | None, found: Sequence[Any]) -> list[Any]:
-        return [one for one in found if _scenario_of(one.name, part.scenarios) == scenario]
+    def tables_of(scenario: str | None) -> list[Table]:
+        return [table for table in tables if table.scenario == scenario]
 
-    general = of(None, tables)
+    def figures_of(scenario: str | None) -> list[Drawn]:
+        return [figure for figure in figures if _scenario_of(figure.name, part.scenarios) == scenario]
+
+    general = tables_of(None)
     sections = [
         Section("summary", "Results", general[:1]),
-        Section("comparisons", "Quality, cost, comparisons", general[1:], of(None, figures)),
+        Section("comparisons", "Quality, cost, comparisons", general[1:], figures_of(None)),
         *(
-            Section(f"scenario-{place}", scenario, of(scenario, tables), of(scenario, figures))
+            Section(f"scenario-{place}", scenario, tables_of(scenario), figures_of(scenario))
             for place, scenario in enumerate(part.scenarios)
         ),
     ]
@@ -137,7 +141,7 @@ def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) ->
 
 
 def _scenario_of(name: str, scenarios: Sequence[str]) -> str | None:
-    """Return the scenario that the name of a table or figure ends with; None if it is of several."""
+    """Return the scenario that the name of a figure ends with; None if it is of several."""
     return next((scenario for scenario in scenarios if name.endswith(f"-{scenario}")), None)
 
 
@@ -200,12 +204,12 @@ def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
     """Return the table of all runs with all digits of their numbers; None if there are too many runs."""
     if outcomes.fitness.size > MOST_RUNS:
         return None
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for controller in part.controllers:
         for scenario, seeds in part.seeds.items():
             numbers = outcomes.of(controller, scenario)
             rows += [
-                (label(controller), scenario, str(seed), *map(str, values))
+                (label(controller), scenario, number(seed, ""), *(number(value, "") for value in values))
                 for seed, *values in zip(
                     seeds,
                     numbers.fitness.tolist(),

@@ -12,7 +12,8 @@ from markupsafe import Markup, escape
 
 import swarm_gym
 from experiments.report.drawn import Drawn
-from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry
+from experiments.tables.table import Table, text_columns
 
 ASSETS = Path(__file__).parent / "assets"
 TEMPLATE = "report.html.jinja"
@@ -26,8 +27,6 @@ KEY = (
     ("best", "best so far", "", False),
     ("shortest", "shortest path", "", False),
 )
-
-_NUMBER = re.compile(r"[-+<>≤≥]?\s*\d")
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def to_html(report: Report) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(emphasised=_emphasised, text_columns=_text_columns)
+    environment.filters.update(emphasised=_emphasised, sorted_by=_sorted_by, text_columns=text_columns)
     assets = {name: (ASSETS / name).read_text(encoding="utf-8") for name in ("report.css", *SCRIPTS)}
     return environment.get_template(TEMPLATE).render(
         title=report.title,
@@ -100,11 +99,14 @@ def _json(value: Any) -> str:
     return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _text_columns(table: Table) -> list[bool]:
-    """Return for each column of a table whether it holds no numbers."""
-    return [not any(_NUMBER.match(row[column]) for row in table.rows) for column in range(len(table.columns))]
+def _sorted_by(entry: Entry) -> Markup:
+    """Return the attribute with the number that a cell is sorted by; nothing if it has no number."""
+    if not isinstance(entry, Cell):
+        return Markup("")
+    first = next(iter(entry.numbers.values()))
+    return Markup(f' data-value="{repr(first).replace("inf", "Infinity")}"')
 
 
-def _emphasised(text: str) -> Markup:
+def _emphasised(text: Entry) -> Markup:
     """Return a text as HTML, with parts between pairs of asterisks in bold, as in Markdown."""
-    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text))))
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(str(text)))))

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import matplotlib.style
 from tqdm import tqdm
 
-from experiments.documents.figures import NUMBERS, plan
+from experiments.documents.figures import plan
 from experiments.plots.style import settings
 from experiments.report.themed_svg import SETTINGS, plain_title, themed_svg
 from experiments.runs.database import Results
 from experiments.runs.suite import Suite
+from experiments.studies.spsfa.published import FIGURE_NUMBERS
 
 # Figures of single scenarios are drawn for the first few scenarios only.
 OF_CASES = ("collision", "cases")
@@ -40,7 +41,7 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
     Args:
         suite: suite whose figures, and figures of its first scenarios, are drawn.
         results: database with its runs.
-        further: names of further figures in `experiments.documents.figures.FIGURES`.
+        further: names of further figures in `experiments.catalogue`.
 
     Returns:
         The figures, and notices of figures that are left out.
@@ -58,7 +59,7 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
         for name, draw in tqdm(drawings.items(), desc="figures", unit="figure"):
             figure = draw()
             caption = plain_title(figure)
-            number = f"Figure {NUMBERS[name]} of the paper. " if name in NUMBERS else ""
+            number = f"Figure {FIGURE_NUMBERS[name]} of the SPSFA paper. " if name in FIGURE_NUMBERS else ""
             drawn.append(
                 Drawn(name, f"{number}{caption}", themed_svg(figure, f"figure-{len(drawn)}", caption))
             )

@@ -95,7 +95,7 @@ class Outcomes:
 
     @cached_property
     def sets(self) -> dict[str, tuple[tuple[str, ...], ...]]:
-        """Return the sets to report on, by name: each set of scenarios; their union if there are several."""
+        """Return the sets to report on, by name: every set of scenarios, and their union if several."""
         sets = scenario_sets(self.scenarios)
         each: dict[str, tuple[tuple[str, ...], ...]] = {
             name: (scenarios,) for name, scenarios in sets.items()

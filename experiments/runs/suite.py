@@ -42,7 +42,7 @@ class Suite:
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: number of seeds per scenario; training and validation never use them.
         baseline: controller, or key of a group, that the others are compared with.
-        duels: further pairs to compare, a challenger and its rival: controllers or keys of groups.
+        pairs: further pairs to compare, a challenger and its rival: controllers or keys of groups.
         snapshots: (controller, scenario, seed, iterations) of the populations to store.
         optimizer: name of the optimizer of controllers whose names do not begin with one.
         options: options of all environments.
@@ -50,8 +50,8 @@ class Suite:
         seed_step: difference between the first seeds of consecutive scenarios; 0 if all have the same seeds.
         families: controllers whose fronts are measured.
         reference: evaluations and gap from which hypervolumes are measured; worse points contribute nothing.
-        tables: names in `experiments.tables.TABLES`.
-        figures: names in `experiments.documents.figures.FIGURES`.
+        tables: names of tables in `experiments.catalogue`.
+        figures: names of figures in `experiments.catalogue`.
         replayed: controllers whose first runs a report replays; by default the baseline and the best one.
     """
 
@@ -65,7 +65,7 @@ class Suite:
     options: Mapping[str, Any] = field(default_factory=dict)
     first_seed: int = 0
     seed_step: int = 0
-    duels: tuple[tuple[str, str], ...] = ()
+    pairs: tuple[tuple[str, str], ...] = ()
     families: tuple[Family, ...] = ()
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = PAPER_TABLES

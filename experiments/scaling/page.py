@@ -13,9 +13,9 @@ from experiments.runs.runner import MOST_SEEDS
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
 from experiments.scaling.study import evaluations, trainings
-from experiments.speed.page import describe, number
+from experiments.speed.page import describe, form_of
 from experiments.tables import Table
-from experiments.tables.table import percent
+from experiments.tables.cell import Cell, Entry, number, share
 from swarm_gym.files import write_atomically
 
 CORES = (10, 100, 1000)
@@ -79,19 +79,19 @@ def write_page(findings: Findings, folder: Path) -> Path:
 
 def overhead_table(findings: Findings) -> Table:
     """Return the table that compares backends with the same work."""
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for backend in dict.fromkeys(timed.backend for timed in findings.backends):
         rounds = [timed for timed in findings.backends if timed.backend == backend]
         overheads = [timed.overhead for timed in rounds]
         rows.append(
             (
                 backend,
-                str(rounds[0].workers),
-                f"{sum(timed.units for timed in rounds):,}",
-                f"{sum(timed.wall for timed in rounds):.1f}",
-                f"{sum(timed.ideal for timed in rounds):.1f}",
-                percent(overhead_of(rounds)),
-                f"{percent(min(overheads))} to {percent(max(overheads))}",
+                number(rounds[0].workers, "d"),
+                number(sum(timed.units for timed in rounds), ","),
+                number(sum(timed.wall for timed in rounds)),
+                number(sum(timed.ideal for timed in rounds)),
+                share(overhead_of(rounds)),
+                Cell.of("{low:%.1f} % to {high:%.1f} %", low=min(overheads), high=max(overheads)),
             )
         )
     return Table(
@@ -109,7 +109,7 @@ def overhead_of(rounds: Sequence[Timed]) -> float:
 
 def nodes_table(findings: Findings) -> Table:
     """Return the table of logical nodes, measured and predicted by the model."""
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for timed in findings.nodes:
         work = Work(timed.units, timed.seconds, timed.seconds)
         started = replace(findings.overheads, start=0.0)
@@ -117,11 +117,11 @@ def nodes_table(findings: Findings) -> Table:
             (
                 timed.backend,
                 timed.work,
-                f"{timed.units:,}",
-                f"{timed.wall:.1f}",
-                f"{timed.ideal:.1f}",
-                percent(timed.overhead),
-                f"{predict(work, started, timed.workers).seconds:.1f}",
+                number(timed.units, ","),
+                number(timed.wall),
+                number(timed.ideal),
+                share(timed.overhead),
+                number(predict(work, started, timed.workers).seconds),
             )
         )
     return Table(
@@ -134,27 +134,39 @@ def nodes_table(findings: Findings) -> Table:
 
 def parts_table(findings: Findings) -> Table:
     """Return the table of the parts of the model."""
-    rows = [(f"start: {what}", f"{seconds:.2f}", "s") for what, seconds in findings.start.items()]
-    rows += [(f"units of no length, {name}", number(rate), "per s") for name, rate in findings.empty.items()]
+    rows: list[tuple[Entry, ...]] = [
+        (f"start: {what}", number(seconds, ".2f"), "s") for what, seconds in findings.start.items()
+    ]
+    rows += [(f"units of no length, {name}", _rate(rate), "per s") for name, rate in findings.empty.items()]
     of_runs = f"units of {MOST_SEEDS} runs and no length, into the database"
     in_ms = {
         "added to each unit by Ray": findings.overheads.per_unit,
         f"{of_runs}: processor time of the driver": findings.results["driver, seconds per unit"],
     }
-    rows += [(of_runs, number(findings.results["units per second"]), "per s")]
-    rows += [(what, f"{1000 * seconds:.1f}", "ms each") for what, seconds in in_ms.items()]
-    rows += [(f"rows into the database, {k} at a time", number(r), "per s") for k, r in findings.rows.items()]
+    rows += [(of_runs, _rate(findings.results["units per second"]), "per s")]
+    rows += [(what, number(1000 * seconds), "ms each") for what, seconds in in_ms.items()]
+    rows += [(f"rows into the database, {k} at a time", _rate(r), "per s") for k, r in findings.rows.items()]
     return Table("parts", "What was measured, and the model is made of", ("part", "value", "unit"), rows)
+
+
+def _rate(value: float) -> Entry:
+    return number(value, form_of(value))
 
 
 def work_table(findings: Findings) -> Table:
     """Return the table of the time of the study's work on one core."""
-    rows = [
-        (f"a run of `{name}`", f"{1000 * float(np.mean(s)):.0f}", f"{1000 * max(s):.0f}", "ms", str(len(s)))
+    rows: list[tuple[Entry, ...]] = [
+        (
+            f"a run of `{name}`",
+            number(1000 * float(np.mean(s)), ".0f"),
+            number(1000 * max(s), ".0f"),
+            "ms",
+            number(len(s), "d"),
+        )
         for name, s in findings.runs.items()
     ]
     rows += [
-        (f"a step of training, {kind}", f"{1000 * seconds:.3f}", "", "ms", "1")
+        (f"a step of training, {kind}", number(1000 * seconds, ".3f"), "", "ms", number(1, "d"))
         for kind, seconds in findings.steps.items()
     ]
     return Table(
@@ -164,7 +176,7 @@ def work_table(findings: Findings) -> Table:
 
 def prediction_table(findings: Findings) -> Table:
     """Return the table of predicted wall time and cost on clusters."""
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for name, work_on in _works(findings).items():
         for cores in CORES:
             work = work_on(cores)
@@ -173,13 +185,13 @@ def prediction_table(findings: Findings) -> Table:
             rows.append(
                 (
                     name,
-                    f"{cores:,}",
-                    f"{work.units:,}",
-                    _duration(found.seconds),
+                    number(cores, ","),
+                    number(work.units, ","),
+                    Cell.of(_duration(found.seconds), value=found.seconds),
                     found.bottleneck,
-                    f"{hours:,.1f}",
-                    f"{work.units * work.seconds / 3600:,.1f}",
-                    f"{PRICE * hours:,.2f}",
+                    number(hours, ",.1f"),
+                    number(work.units * work.seconds / 3600, ",.1f"),
+                    number(PRICE * hours, ",.2f"),
                 )
             )
     dollars = f"dollars, at {PRICE:g} for an hour"

@@ -32,7 +32,7 @@ def name(width: int, size: int, threads: int) -> str:
 
 
 def single(size: int) -> Callable[[], float]:
-    """Return a measurement of single environments, made by `gymnasium.make`, on the three cases in turn."""
+    """Return a function that measures environments of `gymnasium.make`, on the three cases in turn."""
     envs = [
         gymnasium.make("swarm_gym/Firefly-v0", scenario=case, initial_population_size=size) for case in CASES
     ]
@@ -50,7 +50,7 @@ def single(size: int) -> Callable[[], float]:
 
 
 def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Callable[[], float]:
-    """Return a measurement of a native vector environment over the three cases.
+    """Return a function that measures a native vector environment over the three cases.
 
     Each call continues where the last one ended. It makes about `moves` moves, in at most one episode.
     """

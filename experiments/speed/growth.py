@@ -111,7 +111,7 @@ def _fit(values: tuple[int, ...], results: list[float]) -> np.ndarray:
 
 
 def microseconds(axis: Axis, value: int) -> Callable[[], float]:
-    """Return a measurement of the compiled part of an episode's second iteration, or of one of its moves."""
+    """Return a function that measures the compiled part of a second iteration, or one of its moves."""
     options = axis.options(value)
     rows = options["num_envs"]
 
@@ -133,7 +133,7 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
 
 
 def megabytes(axis: Axis, value: int) -> Callable[[], float]:
-    """Return a measurement of the memory that an environment holds after its reset."""
+    """Return a function that measures the memory that an environment holds after its reset."""
 
     def once() -> float:
         tracemalloc.start()

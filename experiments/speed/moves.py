@@ -47,7 +47,7 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
 
 
 def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable[[], float]:
-    """Return a measurement of an FA-60 run in a single environment: time per firefly move with evaluation."""
+    """Return a function that measures an FA-60 run in a single environment: time per move with evaluation."""
     env = SwarmEnv(scenario=case, initial_population_size=SIZE, iterations=iterations)
 
     def once() -> float:
@@ -61,7 +61,7 @@ def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable
 
 
 def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
-    """Return a measurement of an FA-60 run in NumPy: time per firefly move with evaluation."""
+    """Return a function that measures an FA-60 run in NumPy: time per firefly move with evaluation."""
 
     def once() -> float:
         swarm = NumpyFirefly(analytic_problem(case), SIZE, seed=0)
@@ -74,7 +74,7 @@ def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
 
 
 def run_milliseconds(case: str) -> Callable[[], float]:
-    """Return a measurement of a whole FA-60 run with its reset."""
+    """Return a function that measures a whole FA-60 run with its reset."""
     env = SwarmEnv(scenario=case, initial_population_size=SIZE)
 
     def run() -> None:
@@ -144,7 +144,7 @@ PARTS: dict[str, Callable[[WaypointTable, Workspace, int], float]] = {
 def part_nanoseconds(
     case: str, part: Callable[[WaypointTable, Workspace, int], float]
 ) -> Callable[[], float]:
-    """Return a measurement of one part of a move on a path between the obstacles."""
+    """Return a function that measures one part of a move on a path between the obstacles."""
     problem = analytic_problem(case)
     n = problem.dimension
     work = make_workspace(columns(n))

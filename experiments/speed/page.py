@@ -20,6 +20,7 @@ from experiments.speed.rendering import STEP_AND_RENDER
 from experiments.speed.start import PEAK_OF_MANY
 from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry, number
 from swarm_gym.files import write_atomically
 
 COLUMNS = ("quantity", "median", "range", "unit")
@@ -86,14 +87,18 @@ def table(group: str, measurements: list[Measurement]) -> Table:
     return Table(group, CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements])
 
 
-def _row(m: Measurement) -> tuple[str, ...]:
-    spread = "" if m.low == m.high else f"{number(m.low)} to {number(m.high)}"
-    return m.name, number(m.median), spread, m.unit
+def _row(m: Measurement) -> tuple[Entry, ...]:
+    ends = Cell.of(
+        f"{{low:{form_of(m.low)}}} to {{high:{form_of(m.high)}}}",
+        low=m.low,
+        high=m.high,
+    )
+    return m.name, number(m.median, form_of(m.median)), "" if m.low == m.high else ends, m.unit
 
 
-def number(value: float) -> str:
-    """Return a number with three digits, or with all its digits before the point."""
-    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+def form_of(value: float) -> str:
+    """Return the format of a number with three digits, or with all its digits before the point."""
+    return ",.0f" if abs(value) >= 100 else ".3g"
 
 
 def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:

@@ -24,7 +24,7 @@ def quantities() -> Iterator[Quantity]:
 
 
 def frames_per_second(advance: Callable[[Any], Any]) -> Callable[[], float]:
-    """Return a measurement of the rate of frames on the three cases; `advance` runs before each frame."""
+    """Return a function that measures frames per second on the cases; `advance` runs before each frame."""
     envs = [
         gymnasium.make(
             "swarm_gym/Firefly-v0",

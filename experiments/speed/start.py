@@ -65,7 +65,7 @@ def import_seconds() -> float:
 
 
 def first_step(program: str, cold: bool) -> Callable[[], float]:
-    """Return a measurement from the first import to the end of the first step, in a fresh interpreter."""
+    """Return a function that measures the time from the first import to the end of the first step."""
 
     def once() -> float:
         if not cold:

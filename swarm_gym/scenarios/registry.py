@@ -13,7 +13,7 @@ from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
 from swarm_gym.scenarios.scenario import Scenario
 
-SCENARIOS: dict[str, Callable[[], Scenario]] = {
+SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
     "case1": spsfa.case1,
     "case2": spsfa.case2,
     "case3": spsfa.case3,

@@ -1,7 +1,7 @@
 """Fuzz the parsers of files, guided by the lines that they reach: `make fuzz SECONDS=3600`.
 
-Inputs that make a parser raise an undocumented error, run for more than 5 s or take more than 200 MiB at once
-are kept in fuzz_finds/<parser> beside this file. From then on test_fuzz_finds.py tries them.
+Some inputs make a parser raise an undocumented error, run for more than 5 s or take more than 200 MiB at
+once. They are kept in fuzz_finds/<parser> beside this file. From then on test_fuzz_finds.py tries them.
 
 Source: Atheris, https://github.com/google/atheris, which tells libFuzzer which lines of Python are reached.
 """

@@ -78,7 +78,7 @@ def test_a_cleared_swarm_has_no_members_and_no_best():
     collision=st.lists(st.one_of(st.floats(0, 5000), st.sampled_from([0.0, 1e-9, 2e-9, 1e-12])), min_size=1),
     mean_weight=st.floats(0, 1),
 )
-@settings(deadline=None, derandomize=True, max_examples=300)
+@settings(deadline=None, derandomize=True)
 def test_the_summary_is_the_naive_one(collision, mean_weight):
     swarms = labelled_swarm(np.zeros(len(collision)), collision)
     compiled(summarise)(swarms, 0, mean_weight)
@@ -201,7 +201,7 @@ members = st.lists(
 
 
 @given(members=members, share=st.floats(0, 1))
-@settings(deadline=None, derandomize=True, max_examples=400)
+@settings(deadline=None, derandomize=True)
 def test_shrinking_deletes_the_naive_choice_and_the_survivors_keep_their_order(members, share):
     fitness, collision = map(list, zip(*members, strict=True))
     size = len(members)

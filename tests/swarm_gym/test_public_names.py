@@ -18,9 +18,7 @@ import pytest
 import swarm_gym.scenarios
 from agents import CONTROLLERS, make_controller
 from agents.training.presets import preset_names
-from experiments import tables
-from experiments.catalogue import COLLECTIONS, SUITES
-from experiments.documents.figures import FIGURES
+from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.database import Results
 from swarm_gym.action import ACTIONS
 from swarm_gym.errors import SwarmGymError
@@ -310,8 +308,8 @@ def test_every_reset_option_and_info_is_there():
         (PRESETS, preset_names()),
         (SUITE_NAMES, SUITES),
         (COLLECTION_NAMES, COLLECTIONS),
-        (TABLE_NAMES, tables.TABLES),
-        (FIGURE_NAMES, FIGURES),
+        (TABLE_NAMES, TABLES),
+        (FIGURE_NAMES, figures()),
     ],
     ids=[
         "history", "observations", "actions", "rewards", "scenarios", "families", "exports", "controllers",

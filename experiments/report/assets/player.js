@@ -3,7 +3,8 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 1000; // of a map, in units of its picture
-const LAYERS = ["best", "removed", "new", "colliding", "feasible", "trajectory", "removed-marks", "new-marks"]; // from the lowest to the highest
+// From the lowest to the highest.
+const LAYERS = ["best", "removed", "new", "colliding", "feasible", "trajectory", "removed-marks", "new-marks"];
 const MARK = 9; // half the width of crosses, in the same units
 // Courses beside the map: column of the trace, name, decimals, and scale of the vertical axis.
 const COURSES = [

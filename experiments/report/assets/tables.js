@@ -1,7 +1,7 @@
-// Tables are sorted by a click on, or Enter in, the head of a column: by leading numbers, else as text.
+// Tables are sorted by a click on, or Enter in, the head of a column: by the numbers of cells, else as text.
 "use strict";
 
-const numberOf = (cell) => parseFloat(cell.textContent.trim().replace(/,/g, ""));
+const numberOf = (cell) => Number(cell.dataset.value); // NaN where there is none
 
 function compareCells(one, other) {
   const [a, b] = [numberOf(one), numberOf(other)];

@@ -37,7 +37,7 @@ class Peer(NamedTuple):
 
 
 def ours_per_evaluation(env: SwarmEnv) -> Callable[[], float]:
-    """Return a measurement of a run of ours without repair and with constant size, Python included."""
+    """Return a function that measures a run of ours, Python included, without repair, of constant size."""
     action = np.array([env.simulation.settings.initial_population_size, 0.0])
 
     def once() -> float:
@@ -51,7 +51,7 @@ def ours_per_evaluation(env: SwarmEnv) -> Callable[[], float]:
 
 
 def per_evaluation(run: Run, problem: Problem, cost: Cost, size: int, iterations: int) -> Callable[[], float]:
-    """Return a measurement of a run of another library."""
+    """Return a function that measures a run of another library."""
 
     def once() -> float:
         evaluations = 0
@@ -66,7 +66,7 @@ def per_evaluation(run: Run, problem: Problem, cost: Cost, size: int, iterations
 
 
 def of_population(problem: Problem, cost: Cost, size: int) -> Callable[[], float]:
-    """Return a measurement of the cost alone, per member of a population."""
+    """Return a function that measures the cost alone, per member of a population."""
     members = np.random.default_rng(0).uniform(*problem.bounds, (size, problem.dimension))
     calls = CALLS // size
 
@@ -77,7 +77,7 @@ def of_population(problem: Problem, cost: Cost, size: int) -> Callable[[], float
 
 
 def of_member(problem: Problem, cost: Cost) -> Callable[[], float]:
-    """Return a measurement of the cost alone, for a single member."""
+    """Return a function that measures the cost alone, for a single member."""
     member = np.random.default_rng(0).uniform(*problem.bounds)
 
     def once() -> float:

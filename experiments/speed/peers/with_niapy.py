@@ -56,7 +56,7 @@ def compiled_cost(problem: AnalyticProblem) -> Callable[[Any], float]:
 
 
 def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
-    """Return a measurement of FA-60 with the SPSFA paper's parameters and first population."""
+    """Return a function that measures FA-60 with the SPSFA paper's parameters and first population."""
     problem = analytic_problem(case)
     cost = compiled_cost(problem) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
 
@@ -81,7 +81,7 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
 
 
 def compiled_call(case: str) -> Callable[[], float]:
-    """Return a measurement of one call of the compiled cost, most of which is the call from Python."""
+    """Return a function that measures a call of the compiled cost; most of it is the call from Python."""
     problem = analytic_problem(case)
     cost, x = compiled_cost(problem), np.zeros(problem.dimension)
 

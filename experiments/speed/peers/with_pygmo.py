@@ -37,7 +37,7 @@ class Together(OneByOne):
 
 
 def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with the default parameters; return the number of evaluations."""
+    """Run the particle swarm with its default parameters; return the number of evaluations."""
     swarm = pygmo.pso_gen(gen=iterations, seed=0)
     swarm.set_bfe(pygmo.bfe())
     population = pygmo.population(Together(problem, cost), size, b=pygmo.bfe(), seed=0)
@@ -45,7 +45,7 @@ def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> 
 
 
 def genetic(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with the default parameters; return the number of evaluations."""
+    """Run the genetic algorithm with its default parameters; return the number of evaluations."""
     population = pygmo.population(OneByOne(problem, cost), size, seed=0)
     return _evolve(pygmo.sga(gen=iterations, seed=0), population)
 

@@ -24,12 +24,12 @@ class PathProblem(PymooProblem):
 
 
 def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with the default parameters; return the number of evaluations."""
+    """Run the particle swarm with its default parameters; return the number of evaluations."""
     return _minimize(PathProblem(problem, cost), PSO(pop_size=size), iterations)
 
 
 def genetic(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with the default operators; return the number of evaluations."""
+    """Run the genetic algorithm with its default operators; return the number of evaluations."""
     return _minimize(PathProblem(problem, cost), GA(pop_size=size), iterations)
 
 

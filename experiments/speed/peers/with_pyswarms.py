@@ -13,7 +13,7 @@ PARAMETERS = {"c1": 1.49445, "c2": 1.49445, "w": 0.5}
 
 
 def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with these parameters; return the number of evaluations."""
+    """Run the particle swarm with these parameters; return the number of evaluations."""
     # pyswarms opens a log file in the working directory when it is imported and when a swarm is made.
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         from pyswarms.single import GlobalBestPSO

@@ -20,7 +20,7 @@ VISUAL, STEP, CROWDING, TRIES = FishSwarm.knob_values({})
 
 
 def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """Run it with these parameters; return the number of calls of the cost."""
+    """Run the fish swarm with these parameters; return the number of calls of the cost."""
     calls = 0
 
     def counted(vector: Floats) -> float:

@@ -1,8 +1,8 @@
 """Events on a map during an episode: obstacles appear, move and disappear. A robot can drive meanwhile.
 
-Obstacles are identified by numbers, which never change. On a map of circles and polygons, an obstacle of the
-first map has its index in `Scenario.obstacles`, and obstacles that appear are numbered on from there. On grid
-maps only obstacles that appeared have numbers, from 0 on.
+Obstacles are identified by numbers, which never change. On a map of circles and polygons, obstacles of the
+first map have their indices in `Scenario.obstacles`. Obstacles that appear are numbered on from there. On
+grid maps only obstacles that appeared have numbers, from 0 on.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Dynamic scenarios by name: `dynamic:<base>-<event>@<iteration>`.
 
-The base is a scenario of a fixed map, the event is one of `EVENTS` for that base, and the iteration is the
-one that the event follows. On `dynamic:case1-block@70` the block is there from iteration 71 on.
+The base is a scenario of a fixed map, and the event is one of `EVENTS` for that base. The event follows the
+iteration. On `dynamic:case1-block@70` the block is there from iteration 71 on.
 
 With the suffix `-drive@40,every=5,distance=60`, or with it instead of an event, the robot drives 60 map units
 after iterations 40, 45, 50 and so on. Robots can drive on any map.
@@ -68,7 +68,7 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such base, or the base has no events, or none of that name.
         ScenarioError: if the name has another form.
     """
-    from swarm_gym.scenarios.registry import expand_name
+    from swarm_gym.scenarios.registry import expand_name  # which imports this module
 
     parts = _parse(name)
     # Without this check, bases could be nested as deeply as a name is long.
@@ -92,7 +92,7 @@ def make(name: str) -> DynamicScenario:
     Raises:
         ScenarioError: if the base has no map, or a map that changes itself.
     """
-    from swarm_gym.scenarios.registry import make_scenario
+    from swarm_gym.scenarios.registry import make_scenario  # which imports this module
 
     base, event, begin, drive = _parse(name)
     events = () if event is None else EVENTS[base][event]

@@ -44,9 +44,9 @@ class DynamicScenario:
         drive: times and distances of the robot's drives; None if it stays at the start.
 
     Raises:
-        ScenarioError: if the events are malformed or not in order, or if an event leaves start or target
-            inside an obstacle, or without a path between them on a grid map. The message names the event or
-            the iteration.
+        ScenarioError: if the events are malformed or not in order, or if an event makes the task impossible:
+            an obstacle covers start or target, or no path connects them on a grid map. The message names the
+            event or the iteration.
     """
 
     name: str

@@ -3,7 +3,7 @@
 The scenarios are `block:<side>` and `open:<side>`, with the number of cells along a side.
 
 Source: Brand and Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013. The paper
-shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000 cells a side, in figures without
+shows a grid of 500 x 500 cells with one obstacle, and grids of 50 to 2000 cells a side. Its figures have no
 coordinates. The scenes here are chosen so that the shortest path on `block:500`, about 431, is close to the
 paper's lengths. On the open grid an obstacle can appear, see `swarm_gym.scenarios.dynamic`.
 

@@ -3,7 +3,6 @@
 import os
 import time
 
-import numpy as np
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
@@ -15,6 +14,8 @@ from helpers.trainings import train
 from swarm_gym import files
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.files import remove_partials, write_atomically
+
+pytestmark = pytest.mark.usefixtures("plain_pictures")
 
 
 class StoppedError(Exception):
@@ -160,15 +161,6 @@ LITTLE = {
     "iterations": 7,
     "total_steps": 3 * 4 * 7,
 }
-
-
-@pytest.fixture(scope="module", autouse=True)
-def plain_pictures():
-    """Pictures that take no time to draw."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("agents.training.events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8))
-        patch.setattr("agents.training.run.make_replay_strip", lambda: None)
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,8 @@ from helpers.trainings import tiny_config, train
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
 
+pytestmark = pytest.mark.usefixtures("plain_pictures")
+
 EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "num_swarms": 8}
 GENERATION = 8 * 100  # environment steps
 

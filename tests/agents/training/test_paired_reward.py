@@ -83,6 +83,7 @@ def test_episodes_of_other_lengths_meet_the_reference_of_the_same_start():
             assert found[row][episode] == pytest.approx(own - theirs, abs=1e-12)
 
 
+@pytest.mark.usefixtures("plain_pictures")
 def test_validation_is_paired_too(tmp_path):
     run = train(tmp_path, reward="paired", warm_start="none", total_steps=STEPS)
     assert run.learner.env.reference is not None

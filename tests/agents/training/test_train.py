@@ -20,10 +20,15 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
+pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
 
-@pytest.fixture(autouse=True)
-def _little(little_imitation):
-    pass
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory, little_imitation, plain_pictures):
+    """The folder of a run that has ended, which is not to be changed."""
+    folder = tmp_path_factory.mktemp("ended")
+    train(folder, total_steps=STEPS).run()
+    return folder
 
 
 def test_training_leaves_policies_checkpoint_and_scalars(tmp_path):
@@ -86,10 +91,9 @@ def test_the_critic_is_taught_rewards_to_come_under_the_discount_of_the_training
 
 
 @pytest.mark.parametrize("change", [{"price": (0.7,)}, {"seed": 3}, {"scenarios": ("case1",)}])
-def test_resuming_with_another_configuration_is_refused(tmp_path, change):
-    train(tmp_path, total_steps=STEPS).run()
+def test_resuming_with_another_configuration_is_refused(ended, change):
     with pytest.raises(RunFolderError, match=f"{next(iter(change))} was"):
-        train(tmp_path, resume=True, **change)
+        train(ended, resume=True, **change)
 
 
 def test_an_unreadable_configuration_is_named_when_resuming(tmp_path):
@@ -112,14 +116,13 @@ def test_a_stored_configuration_with_other_options_is_not_resumed(tmp_path):
         train(tmp_path, resume=True)
 
 
-def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(tmp_path):
+def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(ended, tmp_path):
     with pytest.raises(RunFolderError, match="no run"):
         train(tmp_path, resume=True)
-    train(tmp_path, total_steps=STEPS).run()
-    before = (tmp_path / "ppo" / "checkpoint.pt").read_bytes()
+    before = (ended / "ppo" / "checkpoint.pt").read_bytes()
     with pytest.raises(RunFolderError, match="--resume"):
-        train(tmp_path)
-    assert (tmp_path / "ppo" / "checkpoint.pt").read_bytes() == before
+        train(ended)
+    assert (ended / "ppo" / "checkpoint.pt").read_bytes() == before
 
 
 @pytest.mark.parametrize(

@@ -195,7 +195,7 @@ def test_the_report_has_a_row_per_input_in_every_form(found, tmp_path):
     assert [row[0] for row in changes.rows] == list(found.changes)
     assert [row[0] for row in performance.rows] == ["nothing", *found.changes]
     unused = next(row for row in performance.rows if row[0] == DIVERSITY)
-    assert unused[2] == "+0.00 % [+0.00, +0.00]"
+    assert str(unused[2]) == "+0.00 % [+0.00, +0.00]"
     for table in (changes, performance):
         assert table.markdown() in page
         assert (tmp_path / f"{table.name}.csv").exists()

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from experiments.catalogue import SUITES
+from experiments.documents.page import make_tables
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
 from experiments.report.map_picture import describe_map, extent_of
@@ -20,7 +21,7 @@ from experiments.report.recording import Recording, record
 from experiments.report.replay import LADDER, MOST_BYTES, NEW, REMOVED, pack
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.runner import run_one
-from experiments.tables import make_tables
+from experiments.tables.cell import plain_text
 from helpers.reports import SUITE
 from helpers.stored_runs import make_database
 from swarm_gym.errors import UnknownNameError
@@ -77,6 +78,14 @@ def page_of(database, replays=(), figures=False, **options):
     return Page(path.read_text())
 
 
+@pytest.fixture(scope="module")
+def whole_page(stored):
+    """The page with all figures and replays."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(SUITES, "tiny", SUITE)
+        return page_of(stored, replays=None, figures=True)
+
+
 def change(database, command):
     with sqlite3.connect(database) as connection:
         connection.execute(command)
@@ -97,7 +106,7 @@ def test_every_number_of_the_tables_is_that_of_the_database(database):
     for table in make_tables(SUITE, results):
         shown = page.tables[table.name]
         assert shown[0] == list(table.columns)
-        assert shown[1:] == [[cell.replace("**", "") for cell in row] for row in table.rows]
+        assert shown[1:] == [list(map(plain_text, row)) for row in table.rows]
     results.close()
     with sqlite3.connect(database) as connection:
         runs = connection.execute(
@@ -118,8 +127,8 @@ def test_every_number_of_the_tables_is_that_of_the_database(database):
     assert means["FA-8"].startswith(f"{mean:.1f} (")
 
 
-def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(database):
-    page = page_of(database, figures=True)
+def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(whole_page):
+    page = whole_page
     for caption in ("Convergence on case1", "Population size on case1", "Best path on case1", "Final fitness",
                     "Mean E(P)", "Performance profiles", "Quality against cost"):  # fmt: skip
         assert caption in page.text
@@ -131,8 +140,8 @@ def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(database):
     assert page.text.count("Convergence on case1") == 2  # for those who see the figure, and for others
 
 
-def test_a_page_refers_to_nothing_outside_itself(database):
-    page = page_of(database, replays=None, figures=True)
+def test_a_page_refers_to_nothing_outside_itself(whole_page):
+    page = whole_page
     links = [v for _, name, v in page.attributes if name in ("src", "href", "xlink:href", "action")]
     assert links
     assert all(link.startswith(("#", "data:")) for link in links)

@@ -4,21 +4,13 @@ import pytest
 
 from agents import make_controller
 from agents.runs.seeds import TEST
-from experiments.catalogue import (
-    COLLECTIONS,
-    FRESH_SEEDS,
-    SUITES,
-    Family,
-    Fitted,
-    controllers_of,
-    families_of,
-    training_seeds,
-)
-from experiments.documents.figures import FIGURES
+from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
 from experiments.runs.labels import label
-from experiments.tables import TABLES
+from experiments.runs.suite import FRESH_SEEDS, Family
+from experiments.studies.controllers import training_seeds
+from experiments.studies.learned.suites import Fitted, controllers_of, families_of
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.scenarios import expand_name
@@ -69,7 +61,7 @@ def test_policies_that_are_told_different_prices_are_different_groups():
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
 def test_what_a_suite_names_is_there(suite):
     assert set(suite.tables) <= set(TABLES)
-    assert set(suite.figures) <= set(FIGURES)
+    assert set(suite.figures) <= set(figures())
     groups = group_controllers(suite.controllers)
     assert suite.baseline in groups
     assert {group for family in suite.families for group in family.groups} <= set(groups)

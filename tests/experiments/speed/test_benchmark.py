@@ -2,6 +2,7 @@
 
 import multiprocessing
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -250,6 +251,7 @@ def test_a_group_that_is_not_there_is_refused_before_anything_is_measured():
 # The page.
 
 
+@cache
 def counted(group):
     """A measurement for each quantity of a group, no two alike."""
     quantities = list(GROUPS[group].quantities())

@@ -44,7 +44,7 @@ def stream_of(seed):
 
 
 @given(seed=SEEDS, rounds=st.integers(0, 50))
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(deadline=None, derandomize=True)
 def test_each_lane_gives_the_numbers_of_numpy(seed, rounds):
     numbers = drawn(stream_of(seed), rounds)
     for lane, generator in enumerate(numpy_lanes(seed)):
@@ -52,7 +52,7 @@ def test_each_lane_gives_the_numbers_of_numpy(seed, rounds):
 
 
 @given(seed=SEEDS, rounds=st.lists(st.integers(0, 9), max_size=6))
-@settings(deadline=None, derandomize=True, max_examples=100)
+@settings(deadline=None, derandomize=True)
 def test_the_state_advances_as_that_of_numpy_however_the_numbers_are_split(seed, rounds):
     stream, lanes = stream_of(seed), numpy_lanes(seed)
     assert stream.tolist() == numpy_words(lanes)
@@ -67,7 +67,7 @@ WORDS = st.lists(st.lists(SEEDS, min_size=8, max_size=8), min_size=4, max_size=4
 
 
 @given(words=WORDS, n=st.integers(1, 60))
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(deadline=None, derandomize=True)
 def test_any_state_gives_the_numbers_of_the_published_generator(words, n):
     stream, oracle = np.array(words, dtype=np.uint64), naive.Stream(words)
     assert drawn(stream, n // 8 + 1).ravel()[:n].tolist() == oracle.uniform(n)

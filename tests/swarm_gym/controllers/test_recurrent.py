@@ -25,13 +25,10 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import ITERATION, OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
+pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
+
 RECURRENT = {"algorithm": "recurrent-ppo", "warm_start": "none", "observation": "paper"}
 SIZE = 6
-
-
-@pytest.fixture(autouse=True)
-def _little(little_imitation):
-    pass
 
 
 @pytest.fixture

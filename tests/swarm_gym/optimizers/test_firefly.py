@@ -68,7 +68,7 @@ def test_a_parameter_out_of_its_range_is_refused_by_name_and_value(name, value):
 
 
 @given(data=st.data(), num_waypoints=st.integers(1, 9))
-@settings(deadline=None, derandomize=True, max_examples=150)
+@settings(deadline=None, derandomize=True)
 def test_a_move_is_the_naive_one(data, num_waypoints):
     offsets = arrays(np.float64, num_waypoints, elements=st.floats(-300, 300))
     position, brighter = data.draw(offsets), data.draw(offsets)

@@ -128,9 +128,9 @@ def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
 @with_an_oracle
 def test_episodes_of_all_budgets_are_the_naive_ones(optimizer):
     """Wherever they end: in the first population, a growth, or an iteration."""
-    plan, problem = [(4, 1.0), (7, 0.5), (5, 0.0)], problem_for(optimizer, "random", 3)
-    for budget in range(4, 60):
-        run(optimizer, problem, plan, tries(optimizer, 2), size=4, budget=budget, iterations=len(plan))
+    plan, problem = [(3, 1.0), (5, 0.5), (4, 0.0)], problem_for(optimizer, "random", 3)
+    for budget in range(3, 40):
+        run(optimizer, problem, plan, tries(optimizer, 2), size=3, budget=budget, iterations=len(plan))
 
 
 @pytest.mark.parametrize("size", [2, 3, 5, 8, 14])

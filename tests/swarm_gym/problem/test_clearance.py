@@ -28,7 +28,7 @@ COORDINATES = HALVES | st.floats(-3.0, 10.0)
 PATHS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=1, max_size=6).map(np.array)
 
 
-@settings(max_examples=500, deadline=None, derandomize=True)
+@settings(deadline=None, derandomize=True)
 @given(grids(), PATHS)
 def test_clearance_is_the_distance_of_the_path_from_the_squares(blocked, path):
     found = clearance(blocked, path)

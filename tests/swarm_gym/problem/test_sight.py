@@ -49,13 +49,13 @@ def assert_as_traversed(blocked, p, q):
     assert 0.0 <= share <= 1.0
 
 
-@settings(max_examples=600, deadline=None)
+@settings(deadline=None)
 @given(maps, points, points)
 def test_segments_are_free_and_blocked_as_the_traversal_says(blocked, p, q):
     assert_as_traversed(blocked, p, q)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(deadline=None)
 @given(maps, st.data())
 def test_segments_through_corners_and_along_edges_of_blocked_cells_too(blocked, data):
     """Where what is free and what is not are a rounding error apart."""
@@ -78,7 +78,7 @@ def test_pairs_on_a_larger_map(seed):
     assert 0 < sum(found) < len(found)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(deadline=None)
 @given(maps)
 def test_rooms_are_cells_around_of_the_same_kind(blocked):
     height, width = blocked.shape
@@ -96,7 +96,7 @@ def test_rooms_are_cells_around_of_the_same_kind(blocked):
     assert (height, width) == tabulate_rooms(blocked).shape
 
 
-@settings(max_examples=400, deadline=None)
+@settings(deadline=None)
 @given(maps, points, points, points, points)
 def test_whoever_looks_through_a_shadow_sees_nothing(blocked, p, q, r, s):
     """And whoever does not see has something in the way, which may cast one."""

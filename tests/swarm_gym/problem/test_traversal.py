@@ -88,7 +88,7 @@ def free_space(blocked):
     return shapely.union_all(squares)
 
 
-@settings(max_examples=500, deadline=None)
+@settings(deadline=None)
 @given(grids(), lattice_points(), lattice_points())
 def test_segments_between_corners_edges_and_centres_are_judged_as_in_fractions(blocked, p, q):
     share, passed = exact_pieces(blocked, p, q)
@@ -100,14 +100,14 @@ def test_segments_between_corners_edges_and_centres_are_judged_as_in_fractions(b
     )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(deadline=None)
 @given(grids(), lattice_points(), lattice_points())
 def test_segments_are_free_where_shapely_covers_them_and_no_gap_is_passed(blocked, p, q):
     covered = free_space(blocked).covers(shapely.LineString([p, q]) if p != q else shapely.Point(p))
     assert segment_is_free(blocked, *p, *q) == (covered and not exact_pieces(blocked, p, q)[1])
 
 
-@settings(max_examples=300, deadline=None)
+@settings(deadline=None)
 @given(grids(), st.lists(st.one_of(points_anywhere(), lattice_points()), min_size=2, max_size=5))
 def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(blocked, points):
     free = free_space(blocked)
@@ -118,7 +118,7 @@ def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(bl
     assert blocked_length(blocked, np.array(points)) == pytest.approx(expected, abs=1e-6)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(deadline=None)
 @given(grids(), points_anywhere(), points_anywhere())
 def test_what_enters_blocked_cells_clearly_is_not_free_and_what_stays_off_them_is(blocked, p, q):
     assume(math.dist(p, q) > 1e-9)  # in some versions of GEOS nothing covers a shorter line

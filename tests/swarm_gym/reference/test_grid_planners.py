@@ -135,7 +135,7 @@ def sight_optimum(blocked, start, goal):
 
 
 class TestGridPath:
-    @settings(max_examples=150, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_is_as_short_as_in_the_graph_of_all_steps(self, seed):
         task = random_task(seed, 14)
@@ -143,7 +143,7 @@ class TestGridPath:
             octile_optimum(*task), rel=1e-12
         )
 
-    @settings(max_examples=100, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_goes_over_free_cells_in_steps_that_cut_no_corner(self, seed):
         blocked, start, goal = random_task(seed, 20, least=3)
@@ -230,7 +230,7 @@ class TestAnyAnglePath:
         found = length_or_infinity(AnyAnglePlanner(blocked).shortest_path, start, goal)
         assert found == pytest.approx(sight_optimum(blocked, start, goal), rel=1e-12)
 
-    @settings(max_examples=150, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_is_free_as_long_as_said_and_turns_at_corners_only(self, seed):
         blocked, start, goal = random_task(seed, 40, least=5)
@@ -248,7 +248,7 @@ class TestAnyAnglePath:
             assert ringed[j : j + 2, i : i + 2].sum() == 1
             assert np.linalg.det([here - before, after - here]) != 0.0
 
-    @settings(max_examples=100, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_is_no_longer_than_the_grid_path_and_no_shorter_than_the_line(self, seed):
         blocked, start, goal = random_task(seed, 30, least=5)
@@ -257,7 +257,7 @@ class TestAnyAnglePath:
         assert math.isinf(octile) == math.isinf(length)
         assert math.dist(start, goal) * (1 - 1e-12) <= length <= octile * (1 + 1e-12)
 
-    @settings(max_examples=100, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_is_as_long_backwards_and_on_the_mirrored_or_turned_grid(self, seed):
         blocked, start, goal = random_task(seed, 25, least=5)
@@ -333,7 +333,7 @@ class TestAnyAnglePath:
 
 
 class TestSmoothPath:
-    @settings(max_examples=100, deadline=None)
+    @settings(deadline=None)
     @given(SEEDS)
     def test_is_free_and_no_shorter_than_the_optimum_and_no_longer_than_the_grid_path(self, seed):
         blocked, start, goal = random_task(seed, 30, least=5)

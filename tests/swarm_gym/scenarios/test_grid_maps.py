@@ -25,7 +25,7 @@ FLOOR = """
 """
 
 grids = arrays.arrays(np.bool_, st.tuples(st.integers(1, 7), st.integers(1, 7)))
-checked = settings(deadline=None, derandomize=True, max_examples=150)
+checked = settings(deadline=None, derandomize=True)
 
 
 def cells(drawing):

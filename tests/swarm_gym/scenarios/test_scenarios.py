@@ -327,7 +327,7 @@ def hull(points):
 
 
 @given(points=st.lists(coordinates, min_size=3, max_size=12), start=st.integers(0, 11))
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(deadline=None, derandomize=True)
 def test_a_convex_polygon_is_accepted_in_either_direction_from_any_vertex(points, start):
     corners = hull(points)
     start %= len(corners)
@@ -338,7 +338,7 @@ def test_a_convex_polygon_is_accepted_in_either_direction_from_any_vertex(points
 
 
 @given(points=st.lists(coordinates, min_size=4, max_size=9), order=st.randoms(use_true_random=False))
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(deadline=None, derandomize=True)
 def test_the_vertices_of_a_convex_polygon_in_any_other_order_are_refused(points, order):
     corners = hull(points)
     shuffled = list(corners)
@@ -351,7 +351,7 @@ def test_the_vertices_of_a_convex_polygon_in_any_other_order_are_refused(points,
 
 
 @given(points=st.lists(coordinates, min_size=3, max_size=12), point=coordinates)
-@settings(deadline=None, derandomize=True, max_examples=300)
+@settings(deadline=None, derandomize=True)
 def test_a_polygon_contains_what_lies_in_its_open_interior(points, point):
     corners = hull(points)
     expected = shapely.Polygon(corners).contains(shapely.Point(point))
@@ -359,7 +359,7 @@ def test_a_polygon_contains_what_lies_in_its_open_interior(points, point):
 
 
 @given(radius=st.integers(1, 60), point=coordinates)
-@settings(deadline=None, derandomize=True, max_examples=200)
+@settings(deadline=None, derandomize=True)
 def test_a_circle_contains_what_lies_in_its_open_disc(radius, point):
     inside = (point[0] - 3) ** 2 + (point[1] + 4) ** 2 < radius**2
     assert Circle(3, -4, radius).contains(point) == inside
