@@ -25,20 +25,19 @@ from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.firefly import Firefly, FireflyRules, iterate, move_towards
+from swarm_gym.optimizers.firefly import Firefly, FireflyParameters, iterate, move_towards
 from swarm_gym.optimizers.loop import step_chosen
 from swarm_gym.population import Swarms
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import select, stack
 
-RULES = FireflyRules()
-PAPER = np.array([2.0, 0.1, 5e-6])
-STRONG = np.array([30.0, 0.9, 1e-7])
+PAPER = FireflyParameters(noise=2.0, attractiveness=0.1, absorption=5e-6)
+STRONG = FireflyParameters(noise=30.0, attractiveness=0.9, absorption=1e-7)
 SOURCES = (*CASES, "random")
 
 
 def words_drawn(swarms, before):
-    """How many random numbers were drawn since: the last words of the stream are counters."""
+    """Return how many random numbers were drawn since; the last words of the stream are counters."""
     return int((swarms.stream[0, 3] - before).sum())
 
 
@@ -46,20 +45,24 @@ def words_drawn(swarms, before):
 
 
 def test_the_defaults_are_the_printed_parameters():
-    assert Firefly.knob_values({}).tolist() == [2.0, 0.1, 5e-6]
-    assert [knob.symbol for knob in Firefly.knobs.values()] == ["alpha", "beta0", "gamma"]
+    assert Firefly.parameter_values({}) == PAPER
+    assert {name: parameter.symbol for name, parameter in Firefly.parameters.items()} == {
+        "noise": "alpha",
+        "attractiveness": "beta0",
+        "absorption": "gamma",
+    }
 
 
 def test_chosen_parameters_take_the_place_of_the_defaults():
     chosen = {"absorption": 1, "noise": 0.5}
-    assert Firefly.knob_values(chosen).tolist() == [0.5, 0.1, 1.0]
+    assert Firefly.parameter_values(chosen) == PAPER._replace(noise=0.5, absorption=1.0)
 
 
 @pytest.mark.parametrize("name", ["noise", "attractiveness", "absorption"])
 @pytest.mark.parametrize("value", [-1e-9, 1e9, math.nan, math.inf])
 def test_a_parameter_out_of_its_range_is_refused_by_name_and_value(name, value):
     with pytest.raises(SettingError) as caught:
-        Firefly.knob_values({name: value})
+        Firefly.parameter_values({name: value})
     assert name in str(caught.value)
     assert repr(value) in str(caught.value)
 
@@ -73,13 +76,15 @@ def test_a_move_is_the_naive_one(data, num_waypoints):
     offsets = arrays(np.float64, num_waypoints, elements=st.floats(-300, 300))
     position, brighter = data.draw(offsets), data.draw(offsets)
     noise = data.draw(arrays(np.float64, num_waypoints, elements=st.floats(0, 1, exclude_max=True)))
-    knobs = data.draw(st.tuples(st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4)))
+    parameters = data.draw(
+        st.builds(FireflyParameters, st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4))
+    )
     table = make_problem("case1", num_waypoints).table
     work = workspace(num_waypoints)
     work.path[:], work.noise[:] = as_path(position), padded(noise)
-    compiled(move_towards)(table, work, padded(brighter), *knobs)
+    compiled(move_towards)(parameters, table, work, padded(brighter))
     expected = naive.firefly_move(
-        position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
+        position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, parameters
     )
     np.testing.assert_allclose(work.path, as_path(expected), rtol=1e-12, atol=1e-9)
     assert work.path[0] == 0.0
@@ -91,7 +96,8 @@ def test_a_move_of_values_known_by_hand():
     work = workspace(2)
     work.path[:], work.noise[:] = as_path([0.0, 10.0]), padded([0.5, 1.0])
     # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
-    compiled(move_towards)(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    parameters = FireflyParameters(noise=6.0, attractiveness=0.8, absorption=1 / 2500)
+    compiled(move_towards)(parameters, table, work, padded([30.0, 50.0]))
     pull = 0.8 * math.exp(-1)
     assert work.path.tolist() == pytest.approx(as_path([30 * pull, 10 + 40 * pull + 3]).tolist())
 
@@ -101,12 +107,12 @@ def test_a_move_of_values_known_by_hand():
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("repair_degree", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("knobs", [PAPER, STRONG], ids=["paper", "strong"])
+@pytest.mark.parametrize("parameters", [PAPER, STRONG], ids=["paper", "strong"])
 @pytest.mark.parametrize("source", SOURCES)
-def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
+def test_an_iteration_is_the_naive_one(source, parameters, repair_degree, seed):
     swarms, table, work, twin = twins_of(source, 6, seed, 31)
-    compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, knobs)
-    twin.iterate(repair_degree, knobs)
+    compiled(iterate)(parameters, swarms, 0, table, work, repair_degree)
+    twin.iterate(repair_degree, parameters)
     assert_same_swarm(swarms, twin)
 
 
@@ -115,7 +121,7 @@ def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
 def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_degree):
     swarms, table, work, twin = twins_of("random", 8, 0, num_waypoints)
     for _ in range(3):
-        compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, PAPER)
+        compiled(iterate)(PAPER, swarms, 0, table, work, repair_degree)
         twin.iterate(repair_degree, PAPER)
         assert_same_swarm(swarms, twin)
 
@@ -126,7 +132,7 @@ def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_
 def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
     swarms, table, work, twin = twins_of(source, 25, seed, 31)
     repair_degree = (seed % 3) / 2
-    compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, PAPER)
+    compiled(iterate)(PAPER, swarms, 0, table, work, repair_degree)
     twin.iterate(repair_degree, PAPER)
     assert_same_swarm(swarms, twin)
 
@@ -136,7 +142,7 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
 def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
     swarms, table, work, _ = twins_of(source, 20, seed, 31)
     before, counter = swarms.evaluations[0], swarms.stream[0, 3].copy()
-    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, PAPER)
+    compiled(iterate)(PAPER, swarms, 0, table, work, 0.0)
     moves = swarms.evaluations[0] - before
     assert 0 < moves <= 20 * 19
     assert words_drawn(swarms, counter) == 32 * moves
@@ -145,7 +151,7 @@ def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source,
 def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
     before = swarms.positions.copy()
-    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, np.zeros(3))
+    compiled(iterate)(FireflyParameters(0.0, 0.0, 0.0), swarms, 0, table, work, 0.0)
     assert len(set(swarms.fitness[0, :20])) == 20
     assert swarms.evaluations[0] == 20 + 20 * 19 // 2
     assert (swarms.positions == before).all()
@@ -153,7 +159,9 @@ def test_with_no_attraction_and_no_noise_each_pair_moves_once_and_nobody_leaves(
 
 def test_with_full_attraction_all_gather_at_the_brightest():
     swarms, table, work, _ = twins_of("case1", 20, 0, 31)
-    compiled(iterate)(RULES, swarms, 0, table, work, 0.0, np.array([0.0, 1.0, 0.0]))
+    compiled(iterate)(
+        FireflyParameters(noise=0.0, attractiveness=1.0, absorption=0.0), swarms, 0, table, work, 0.0
+    )
     expected = np.broadcast_to(swarms.best_position[0], (20, 32))
     np.testing.assert_allclose(swarms.positions[0, :20], expected, atol=1e-9)
 
@@ -164,7 +172,7 @@ def test_equals_do_not_move(size):
     population = np.tile(random_population(np.random.default_rng(0), problem, 1), (size, 1))
     swarms, tables, _ = make_twins(problem, population, 0)
     before = [np.copy(field) for field in swarms]
-    compiled(iterate)(RULES, swarms, 0, compiled(select)(tables, 0), workspace(31), 1.0, PAPER)
+    compiled(iterate)(PAPER, swarms, 0, compiled(select)(tables, 0), workspace(31), 1.0)
     for field, old in zip(swarms, before, strict=True):
         assert (field == old).all()
 
@@ -174,7 +182,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
     swarms, table, work, twin = twins_of("case3", 15, 1, 31)
     problem = AnalyticProblem(twin.scenario)
     for _ in range(5):
-        compiled(iterate)(RULES, swarms, 0, table, work, repair_degree, STRONG)
+        compiled(iterate)(STRONG, swarms, 0, table, work, repair_degree)
     for i in range(15):
         assert (swarms.fitness[0, i], swarms.collision[0, i]) == problem.evaluate(swarms.positions[0, i, :31])
     best = swarms.best_fitness[0], swarms.best_collision[0]
@@ -184,7 +192,7 @@ def test_stored_values_belong_to_the_stored_positions(repair_degree):
 
 def test_moves_stay_in_the_workspace_however_strong_the_noise():
     swarms, table, work, _ = twins_of("random", 15, 1, 31)
-    compiled(iterate)(RULES, swarms, 0, table, work, 0.5, np.array([1e4, 0.1, 5e-6]))
+    compiled(iterate)(PAPER._replace(noise=1e4), swarms, 0, table, work, 0.5)
     assert (swarms.positions[0, :15] >= table.lower).all()
     assert (swarms.positions[0, :15] <= table.upper).all()
     inner = swarms.positions[0, :15, :31]
@@ -195,7 +203,7 @@ def test_moves_stay_in_the_workspace_however_strong_the_noise():
 @pytest.mark.parametrize("left", [0, 1, 2, 7, 20])
 def test_an_iteration_ends_exactly_where_the_budget_does(left):
     swarms, table, work, twin = twins_of("case2", 8, 0, 31, budget=8 + left)
-    compiled(iterate)(RULES, swarms, 0, table, work, 0.2, PAPER)
+    compiled(iterate)(PAPER, swarms, 0, table, work, 0.2)
     twin.iterate(0.2, PAPER)
     assert swarms.evaluations[0] == 8 + left
     assert_same_swarm(swarms, twin)
@@ -205,7 +213,7 @@ def test_an_iteration_ends_exactly_where_the_budget_does(left):
 
 
 def batch(num, num_waypoints=9, size=5, budgets=None):
-    """Swarms on different maps that begin alike whatever the width of the batch."""
+    """Return swarms on different maps; each begins the same in a batch of any width."""
     problems, populations = [], []
     for b in range(num):
         problem = problem_of(SOURCES[b % len(SOURCES)], num_waypoints)
@@ -215,18 +223,18 @@ def batch(num, num_waypoints=9, size=5, budgets=None):
 
 
 def arguments(num, step):
-    """(sizes, repair degrees, parameters, weight of the mean) of a step; they differ by swarm."""
+    """Return (sizes, repair degrees, parameters, weight of the mean) of a step; they differ by swarm."""
     b = np.arange(num)
     sizes = 2 + (5 * b + 7 * step) % 20
     repair_degrees = (b + step) % 3 / 2
-    knobs = PAPER * (1 + b[:, np.newaxis])
-    return sizes, repair_degrees, knobs, MEAN_WEIGHT
+    parameters = np.array(PAPER) * (1 + b[:, np.newaxis])
+    return sizes, repair_degrees, parameters, MEAN_WEIGHT
 
 
 def advance(swarms, tables, steps=4):
     num = len(swarms.size)
     for step in range(steps):
-        step_chosen(RULES, swarms, tables, np.full(num, True), *arguments(num, step))
+        step_chosen(PAPER, swarms, tables, np.full(num, True), *arguments(num, step))
 
 
 def bits(field):
@@ -246,7 +254,7 @@ def test_only_the_chosen_swarms_take_part():
     swarms, tables = batch(4)
     before = [np.copy(field) for field in swarms]
     chosen = np.array([True, False, True, False])
-    step_chosen(RULES, swarms, tables, chosen, *arguments(4, 1))
+    step_chosen(PAPER, swarms, tables, chosen, *arguments(4, 1))
     for field, old in zip(swarms, before, strict=True):
         assert (bits(field[~chosen]) == bits(old[~chosen])).all()
     assert (swarms.evaluations[chosen] > before[Swarms._fields.index("evaluations")][chosen]).all()
@@ -263,7 +271,7 @@ def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive():
             np.array([True]),
             np.array([size]),
             np.array([repair_degree]),
-            PAPER[np.newaxis],
+            np.array([PAPER]),
             MEAN_WEIGHT,
         )
         twin.resize(size)
@@ -318,7 +326,7 @@ def test_a_swarm_gets_better_in_the_long_run():
     begun = swarms.best_fitness.copy()
     for _ in range(30):
         step_chosen(
-            RULES,
+            PAPER,
             swarms,
             tables,
             np.full(4, True),

@@ -39,24 +39,24 @@ SHARES = [(0, 1.0), (3, 1.0), (4, 1.0), (6, 0.625), (8, 0.25), (9, 0.25 * math.e
 
 
 def test_the_defaults_are_those_of_the_other_fish():
-    assert dict(zip(HybridFishSwarm.knobs, HybridFishSwarm.knob_values({}), strict=True)) == DEFAULTS
-    assert list(HybridFishSwarm.knobs) == list(DEFAULTS)
+    assert HybridFishSwarm.parameter_values({})._asdict() == DEFAULTS
+    assert list(HybridFishSwarm.parameters) == list(DEFAULTS)
 
 
 @pytest.mark.parametrize(("name", "value"), bad_values(*DEFAULTS))
 def test_a_bad_parameter_is_refused_with_its_name(name, value):
     with pytest.raises(SettingError, match=name):
-        HybridFishSwarm.knob_values({name: value})
+        HybridFishSwarm.parameter_values({name: value})
 
 
 def test_no_tries_are_refused():
     with pytest.raises(SettingError, match="tries"):
-        HybridFishSwarm.knob_values({"tries": 0.0})
+        HybridFishSwarm.parameter_values({"tries": 0.0})
 
 
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
 @pytest.mark.parametrize(
-    "knobs",
+    "parameters",
     [
         {"tries": 1.0, "visual": 1.0, "crowding": 1.0},
         {"tries": 7.0, "crowding": 0.1},
@@ -64,8 +64,8 @@ def test_no_tries_are_refused():
         {"tries": 2.0, "smallest_visual": 0.2, "smallest_step": 0.2, "crowding": 0.1},
     ],
 )
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems(NAME)[kind], [(4, 0.0), (6, 0.7), (3, 1.0)], knobs, size=4, iterations=3)
+def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
+    run(NAME, problems(NAME)[kind], [(4, 0.0), (6, 0.7), (3, 1.0)], parameters, size=4, iterations=3)
 
 
 # Segments of the run.
@@ -80,8 +80,8 @@ def test_the_visual_falls_by_segments(iteration, share):
 @pytest.mark.parametrize(("iteration", "share"), SHARES)
 def test_the_step_falls_by_segments(iteration, share):
     """Fish that see nothing better, and leap nowhere, step to the best so far."""
-    knobs = {**BLIND, "smallest_step": 0.0}
-    ways = displacements(NAME, zigzags(60), knobs, iteration=iteration, iterations=12)
+    parameters = {**BLIND, "smallest_step": 0.0}
+    ways = displacements(NAME, zigzags(60), parameters, iteration=iteration, iterations=12)
     assert_up_to(lengths(ways), share * 0.1)
 
 
@@ -93,8 +93,8 @@ def test_in_the_last_third_visual_and_step_do_not_fall_below_their_smallest():
 
 @pytest.mark.parametrize(("iteration", "visual"), [(0, 0.02), (6, 0.0125), (9, 0.05)])
 def test_before_that_the_smallest_do_not_matter(iteration, visual):
-    knobs = {"visual": 0.02, "smallest_visual": 0.05, "tries": 1.0}
-    ways = displacements(NAME, straight(60), knobs, iteration=iteration, iterations=12)
+    parameters = {"visual": 0.02, "smallest_visual": 0.05, "tries": 1.0}
+    ways = displacements(NAME, straight(60), parameters, iteration=iteration, iterations=12)
     assert_up_to(np.abs(ways), visual)
 
 
@@ -114,16 +114,16 @@ def test_tries_are_whole_before_they_are_multiplied():
 
 
 def test_prey_goes_all_the_way_to_the_best_of_its_tries_three_times_at_most():
-    """A waypoint far from the line, which is down the slope for longer than that."""
-    knobs = {"visual": 0.1, "tries": 20.0, "step": 0.01}
-    ways = displacements(NAME, [[290.0]], knobs, num=30)[:, 0, 0]
+    """The waypoint is far from the line: the slope is longer than three rounds."""
+    parameters = {"visual": 0.1, "tries": 20.0, "step": 0.01}
+    ways = displacements(NAME, [[290.0]], parameters, num=30)[:, 0, 0]
     assert (ways >= -3 * 0.1).all()
     assert (ways < -2 * 0.1).all()
-    assert spent(NAME, [[290.0]], knobs) == 2 * 3 * 20
+    assert spent(NAME, [[290.0]], parameters) == 2 * 3 * 20
 
 
 def test_prey_that_finds_something_better_never_makes_a_fish_worse():
-    """But one that does not may."""
+    """Prey that finds nothing better can make a fish worse."""
     swarms, tables = begun(NAME, zigzags(1), num=60)
     before = swarms.fitness[0, 0]
     advance(NAME, swarms, tables, 1, 0.0, {"tries": 20.0, "visual": 0.05})
@@ -154,7 +154,7 @@ def test_the_best_so_far_that_prey_leads_to_need_not_live_or_be_seen():
 
 
 def test_where_fish_come_to_is_repaired_tries_of_prey_too():
-    """Repaired where it is, a fish may be better, and prey tries on from there."""
+    """Repaired at its place, a fish may be better, and prey goes on from there."""
     still = {**BLIND, "step": 0.0, "smallest_step": 0.0}
     assert all(repairs_in_place(NAME, still, 3))
     assert not all(repairs_in_place(NAME, still, 1))
@@ -167,8 +167,8 @@ def test_where_fish_come_to_is_repaired_tries_of_prey_too():
 def test_as_many_companions_as_the_crowding_allows_are_too_many(crowding, count):
     """One try from the best place fails, so that prey costs 2; that of the other fish may cost 3."""
     population = [[60.0] * 9, [0.0] * 9]
-    knobs = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
-    found = spent(NAME, population, knobs)
+    parameters = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
+    found = spent(NAME, population, parameters)
     assert count <= found <= count + (2 if crowding == 0.5 else 0)
 
 
