@@ -87,10 +87,8 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/reliability/fuzz_finds
 	PYTHONPATH=.:tests:tests/reliability .venv-fuzz/bin/python tests/reliability/fuzz.py --seconds $(SECONDS)
 
-EXTRAS_fuzz = maps$(comma)fuzz
-EXTRAS_peers = peers
 .venv-fuzz/.installed .venv-peers/.installed: .venv-%/.installed: pyproject.toml constraints.txt
-	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(EXTRAS_$*)]')
+	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(if $(filter fuzz,$*),maps$(comma))$*]')
 	@touch $@
 
 check: $(INSTALLED) ## lint, formatting, types, layers
