@@ -12,6 +12,19 @@ from oracles.naive_glowworm import Glowworm
 from oracles.naive_swarm import Swarm, scaled
 
 
+class Firefly(Swarm):
+    def iterate(self, repair_degree, alpha, beta0, gamma):
+        bounds = self.problem.lower, self.problem.upper
+        for i in range(len(self.members)):
+            for j in range(len(self.members)):
+                here, other = self.members[i], self.members[j]
+                if other.fitness < here.fitness and not self.is_spent():
+                    moved = naive.firefly_move(
+                        here.position, other.position, self.uniform(), *bounds, (alpha, beta0, gamma)
+                    )
+                    self.members[i] = self.member(self.treated(moved, repair_degree))
+
+
 class GenerationalFirefly(Swarm):
     def iterate(self, repair_degree, alpha, beta0, gamma, least):
         before = list(self.members)
@@ -231,6 +244,7 @@ class Multivariate(Swarm):
 
 
 NAIVE = {
+    "firefly": Firefly,
     "generational-firefly": GenerationalFirefly,
     "particle-swarm": ParticleSwarm,
     "elite-genetic": EliteGenetic,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from helpers.builders import (
     MEAN_WEIGHT,
     assert_same_swarm,
-    make_swarms,
+    begin,
     make_twins,
     padded,
     problem_of,
@@ -55,14 +55,14 @@ def survivors(swarms):
 @pytest.mark.parametrize("source", ["case1", "case2", "random"])
 @pytest.mark.parametrize("size", SIZES)
 def test_an_adopted_population_is_evaluated_as_it_stands(source, size):
-    swarms, _, _, twin = twins_of(source, size, 1, 7)
+    swarms, _, twin = twins_of(source, size, 1, 7)
     assert_same_swarm(swarms, twin)
     assert swarms.evaluations[0] == size
     np.testing.assert_allclose(swarms.summary[0], naive.summary(twin, MEAN_WEIGHT), rtol=1e-12)
 
 
 def test_a_cleared_swarm_has_no_members_and_no_best():
-    swarms, _, _, _ = twins_of("case1", 3, 1, 7)
+    swarms, _, _ = twins_of("case1", 3, 1, 7)
     clear(swarms, 0)
     assert swarms.size[0] == 0
     assert swarms.evaluations[0] == 0
@@ -112,17 +112,17 @@ def test_the_summary_sees_living_members_only():
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("source", ["case1", "case3", "random"])
 def test_growth_is_the_naive_one(source, size, seed):
-    swarms, table, work, twin = twins_of(source, size, seed, 7)
-    resize(swarms, 0, table, work, size + 9)
+    swarms, tables, twin = twins_of(source, size, seed, 7)
+    resize(swarms, 0, select(tables, 0), workspace(7), size + 9)
     twin.resize(size + 9)
     assert_same_swarm(swarms, twin)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_new_members_lie_in_the_box_of_the_old_ones_and_are_counted(seed):
-    swarms, table, work, _ = twins_of("case1", 4, seed, 7)
+    swarms, tables, _ = twins_of("case1", 4, seed, 7)
     old = swarms.positions[0, :4].copy()
-    grow(swarms, 0, table, work, 30)
+    grow(swarms, 0, select(tables, 0), workspace(7), 30)
     new = swarms.positions[0, 4:30]
     assert swarms.size[0] == 30
     assert swarms.evaluations[0] == 30
@@ -134,10 +134,10 @@ def test_new_members_lie_in_the_box_of_the_old_ones_and_are_counted(seed):
 
 
 def test_rows_of_former_members_do_not_widen_the_box():
-    swarms, table, work, _ = twins_of("case1", 3, 0, 7)
+    swarms, tables, _ = twins_of("case1", 3, 0, 7)
     swarms.positions[0, 3:] = 290.0
     old = swarms.positions[0, :3].copy()
-    grow(swarms, 0, table, work, 20)
+    grow(swarms, 0, select(tables, 0), workspace(7), 20)
     assert (swarms.positions[0, :20] <= old.max(axis=0)).all()
 
 
@@ -155,8 +155,8 @@ def test_where_a_component_has_no_extent_the_workspace_stands_in():
 
 
 def test_a_single_member_grows_into_the_whole_workspace():
-    swarms, table, work, _ = twins_of("case1", 1, 0, 7)
-    grow(swarms, 0, table, work, 32)
+    swarms, tables, _ = twins_of("case1", 1, 0, 7)
+    grow(swarms, 0, select(tables, 0), workspace(7), 32)
     new = swarms.positions[0, 1:32, :7]
     assert (np.ptp(new, axis=0) > 400).all()
     assert (np.abs(new) <= 300).all()
@@ -164,8 +164,8 @@ def test_a_single_member_grows_into_the_whole_workspace():
 
 @pytest.mark.parametrize("left", [0, 1, 4, 5, 6])
 def test_growth_ends_exactly_where_the_budget_does(left):
-    swarms, table, work, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
-    resize(swarms, 0, table, work, 8)
+    swarms, tables, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
+    resize(swarms, 0, select(tables, 0), workspace(7), 8)
     twin.resize(8)
     assert_same_swarm(swarms, twin)
     assert swarms.size[0] == 3 + min(left, 5)
@@ -173,18 +173,18 @@ def test_growth_ends_exactly_where_the_budget_does(left):
 
 
 def test_growth_after_the_budget_is_overspent_adds_nobody():
-    swarms, table, work, _ = twins_of("case1", 4, 1, 7)
+    swarms, tables, _ = twins_of("case1", 4, 1, 7)
     swarms.budget[0] = 2
-    resize(swarms, 0, table, work, 8)
+    resize(swarms, 0, select(tables, 0), workspace(7), 8)
     assert swarms.size[0] == 4
     assert swarms.evaluations[0] == 4
 
 
 def test_members_are_added_uniformly_in_the_given_box():
-    swarms, table, work, twin = twins_of("case1", 2, 3, 7)
+    swarms, tables, twin = twins_of("case1", 2, 3, 7)
     lower, upper = np.linspace(-200, 0, 7), np.linspace(10, 200, 7)
-    add_members(swarms, 0, table, work, 30, lower, upper)
-    twin.add(30, lower.tolist(), upper.tolist())
+    add_members(swarms, 0, select(tables, 0), workspace(7), 30, lower, upper)
+    twin.members += twin.draw(30, lower.tolist(), upper.tolist())
     assert_same_swarm(swarms, twin)
 
 
@@ -236,24 +236,24 @@ def test_members_are_deleted_in_this_order(fitness, collision, order):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("new_size", [1, 2, 7, 11, 12])
 def test_shrinking_a_population_of_paths_is_the_naive_one(new_size, seed):
-    swarms, table, work, twin = twins_of("case3", 12, seed, 7)
-    resize(swarms, 0, table, work, new_size)
+    swarms, tables, twin = twins_of("case3", 12, seed, 7)
+    resize(swarms, 0, select(tables, 0), workspace(7), new_size)
     twin.resize(new_size)
     assert_same_swarm(swarms, twin)
 
 
 def test_resizing_to_the_same_size_changes_nothing():
-    swarms, table, work, twin = twins_of("case1", 5, 2, 7)
-    resize(swarms, 0, table, work, 5)
+    swarms, tables, twin = twins_of("case1", 5, 2, 7)
+    resize(swarms, 0, select(tables, 0), workspace(7), 5)
     assert_same_swarm(swarms, twin)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_many_resizes_are_the_naive_ones(seed):
     rng = np.random.default_rng(seed)
-    swarms, table, work, twin = twins_of("random", 6, seed, 7, budget=40)
+    swarms, tables, twin = twins_of("random", 6, seed, 7, budget=40)
     for new_size in rng.integers(1, 20, 8):
-        resize(swarms, 0, table, work, new_size)
+        resize(swarms, 0, select(tables, 0), workspace(7), new_size)
         twin.resize(int(new_size))
         assert_same_swarm(swarms, twin)
     assert swarms.evaluations[0] <= 40
@@ -279,9 +279,10 @@ def test_the_best_so_far_survives_the_deletion_of_its_member():
 
 
 def test_a_new_member_that_is_better_becomes_the_best_so_far():
-    swarms, table, work, _ = twins_of("case1", 3, 0, 7)
+    swarms, tables, _ = twins_of("case1", 3, 0, 7)
     before = swarms.best_fitness[0]
-    add_members(swarms, 0, table, work, 1, padded(np.full(7, 250.0)), padded(np.full(7, 250.0)))
+    place = padded(np.full(7, 250.0))
+    add_members(swarms, 0, select(tables, 0), workspace(7), 1, place, place)
     assert swarms.best_fitness[0] < before
     assert swarms.best_position[0, :7].tolist() == [250.0] * 7
     assert swarms.best_fitness[0] == swarms.fitness[0, 3]
@@ -297,10 +298,10 @@ def test_an_equal_member_does_not_replace_the_best_so_far():
 def test_swarms_of_a_batch_do_not_touch_each_other():
     problem = problem_of("case1", 7)
     rng = np.random.default_rng(0)
-    populations = [random_population(rng, problem, size) for size in (3, 5, 4)]
-    swarms, tables = make_swarms([problem] * 3, populations, [1, 2, 3])
+    populations = [random_population(rng, problem, 4) for _ in range(3)]
+    swarms, tables = begin("firefly", [problem] * 3, 4, populations=populations)
     before = [np.copy(field) for field in swarms]
     resize(swarms, 1, select(tables, 1), workspace(7), 9)
     for field, old in zip(swarms, before, strict=True):
         assert (field[[0, 2]] == old[[0, 2]]).all()
-    assert swarms.size.tolist() == [3, 9, 4]
+    assert swarms.size.tolist() == [4, 9, 4]
