@@ -1,6 +1,6 @@
-"""How controllers come about: training, tuning and distilling, started by commands.
+"""Training, tuning and distillation of controllers; the modules at the top are commands.
 
-`make_controller` and the controllers themselves are in `swarm_gym.controllers`; the names are repeated here.
+`make_controller` and the controllers themselves are in `swarm_gym.controllers`, and re-exported here.
 """
 
 from swarm_gym.controllers import CONTROLLERS, Controller, SizeLimits, make_controller

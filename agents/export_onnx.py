@@ -1,18 +1,16 @@
 """Write a policy's network as ONNX: `python -m agents.export_onnx POLICY OUTPUT`.
 
-POLICY is the name of a shipped policy or a file; needs the extra `onnx`. The graph is the network alone, in
-float32, of any number of swarms N at once:
+POLICY is the name of a packaged policy, or a file. The command needs the extra `onnx`. The graph is the
+network alone, in float32, for any number of swarms N at once:
 
-| name | shape | what |
-|---|---|---|
-| in: `observation` | (N, features) | what the policy sees, scaled as its observation layout says |
-| with a memory, in: `hidden`, `cell`; out: `next_hidden`, `next_cell` | (N, size) | the memory's state |
-| out: `action` | (N, decisions) | clipped to [-1, 1], in the policy's action layout |
+* Input `observation` (N, features): the policy's observations, scaled by its observation layout.
+* Inputs `hidden` and `cell`, outputs `next_hidden` and `next_cell` (N, size): the state of an LSTM, if there
+  is one; zeros at the start of an episode.
+* Output `action` (N, decisions): clipped to [-1, 1], in the policy's action layout.
 
-Scaling what is seen and reading what is decided stay outside, in `swarm_gym.observation` and
-`swarm_gym.action`. So does the base of a policy that corrects another controller: its proposals are the last
-features, and `action` is the correction that is added to them. The state of a memory is zeros at the start of
-an episode. Metadata of the model holds the manifest.
+`swarm_gym.observation` scales observations and `swarm_gym.action` reads actions; neither is in the graph. If
+a policy corrects another controller, that controller is not in the graph either: its proposals are the last
+features, and `action` is the correction that is added to them. The metadata of the model has the manifest.
 """
 
 import argparse
@@ -27,7 +25,7 @@ from swarm_gym.controllers.learned.policy_file import Weights, load_policy, reso
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 
-# Old enough for runtimes of 2022 and later; nothing newer is needed.
+# Supported by runtimes since 2022; the graph needs nothing newer.
 OPSET = 17
 IR_VERSION = 8
 
@@ -36,7 +34,7 @@ STATE = ("hidden", "cell")
 
 
 def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
-    """The `onnx.ModelProto` of a policy's network.
+    """Return the `onnx.ModelProto` of a policy's network.
 
     Raises:
         MissingExtraError: if the library onnx is missing.
@@ -49,7 +47,7 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
     import numpy as np
 
     constants = {**weights, "low": np.float32(-1.0), "high": np.float32(1.0)}
-    num_layers, memory = len(manifest["hidden_layers"]) + 1, manifest.get("network") == LSTM
+    num_layers, memory = len(manifest["hidden_layers"]) + 1, manifest["network"] == LSTM
     nodes, entry = [], SEEN
     if memory:
         nodes, entry = _memory(helper), "next_hidden"
@@ -64,7 +62,7 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
     def described(names: Sequence[str], width: int) -> list[Any]:
         return [helper.make_tensor_value_info(name, TensorProto.FLOAT, ["N", width]) for name in names]
 
-    size = manifest.get("lstm_size") or 0
+    size = manifest["lstm_size"] or 0
     graph = helper.make_graph(
         nodes,
         "policy",
@@ -81,12 +79,14 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Export as the command line says."""
+    """Export a policy with the options of the command line."""
     parser = argparse.ArgumentParser(
         prog="python -m agents.export_onnx", description="Write the network of a policy as an ONNX model."
     )
-    parser.add_argument("policy", metavar="POLICY", help="name of a shipped policy, or a file")
-    parser.add_argument("output", metavar="OUTPUT", type=Path, help="the .onnx file to write")
+    parser.add_argument(
+        "policy", metavar="POLICY", help="name of a packaged policy, e.g. three-cases/0, or a policy file"
+    )
+    parser.add_argument("output", metavar="OUTPUT", type=Path, help="file to write, e.g. policy.onnx")
     options = parser.parse_args(arguments)
     with command(MissingExtraError):
         model = to_onnx(*load_policy(resolve(options.policy)))
@@ -99,7 +99,7 @@ def _affine(helper: Any, entry: str, layer: str, result: str) -> Any:
 
 
 def _memory(helper: Any) -> list[Any]:
-    """One step of the LSTM of `learned.recurrent`; the operator of that name takes a whole sequence."""
+    """Return the nodes of one LSTM step, as in `learned.networks`; ONNX's LSTM takes a whole sequence."""
     gates = ("keep_new", "keep_old", "new", "show")  # i, f, g, o
     squash = {"keep_new": "Sigmoid", "keep_old": "Sigmoid", "new": "Tanh", "show": "Sigmoid"}
     return [

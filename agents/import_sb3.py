@@ -1,12 +1,12 @@
-"""Make a policy file of a stable-baselines3 zip: `python -m agents.import_sb3 --help`.
+"""Make a policy file from a stable-baselines3 zip: `python -m agents.import_sb3 --help`.
 
-The zip is one that PPO of stable-baselines3 saved: an `MlpPolicy` with tanh, on the observations and actions
-of this project's environments. Only its weights are read, as tensors, and the part of its `data` that is
-plain JSON; the pickles in there are left alone, so that no code of the zip runs. What they would tell, the
-layouts and sizes, has to be said on the command line.
+PPO of stable-baselines3 saved the zip: an `MlpPolicy` with tanh, on the observations and actions of this
+project's environments. The command reads only its weights, as tensors, and the part of its `data` that is
+plain JSON. It does not unpickle anything, so that no code of the zip runs. The layouts and sizes, which are
+pickled, have to be given as options.
 
-Weights that PyTorch does not read that way are refused, unless `--trust-pickle` is given: then they are
-unpickled, which runs whatever code the zip holds, with the rights of whoever calls this.
+Weights that PyTorch cannot read that way are refused. With `--trust-pickle` they are unpickled instead, which
+runs any code in the zip with the rights of the user.
 """
 
 import io
@@ -25,15 +25,16 @@ import tyro
 from agents.runs.provenance import provenance
 from swarm_gym.command import command
 from swarm_gym.controllers.controller import SizeLimits
-from swarm_gym.controllers.learned.load import load_learned
-from swarm_gym.controllers.learned.manifest import MAX_LAYERS, PolicyFileError
+from swarm_gym.controllers.learned.manifest import FEEDFORWARD, MAX_LAYERS, PolicyFileError
 from swarm_gym.controllers.learned.policy_file import MAX_FILE, Weights, encode_policy
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.packaged import read_bytes
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 
-# Of what a zip unpacks to, in bytes: actor, critic and the optimizer's two moments of both.
+# Largest unpacked size of a zip in bytes: actor, critic, and the optimizer's two moments of both.
 MAX_UNPACKED = 8 * MAX_FILE
 
 _HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
@@ -41,28 +42,28 @@ _HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """What is imported, and what its pickles would tell."""
+    """Options of an import: the files, and the properties of the policy that are pickled in the zip."""
 
     zip: tyro.conf.Positional[Path]
-    """The zip that stable-baselines3 saved."""
+    """Zip that stable-baselines3 saved, e.g. ppo.zip."""
     output: tyro.conf.Positional[Path]
-    """The policy file to write."""
+    """Policy file to write, e.g. runs/mine.safetensors."""
     observation: str = "extended"
-    """Observation layout that it was trained with, without a price."""
+    """Observation layout that the policy was trained with; layouts with a price cannot be imported."""
     action: str = "normalised"
-    """Action layout that it was trained with, scaled to [-1, 1]."""
+    """Action layout that the policy was trained with, one that is scaled to [-1, 1]."""
     optimizer: str = "firefly"
-    """The optimizer that it controls."""
+    """Optimizer that the policy controls."""
     initial_population_size: int = 80
-    """PS(0)."""
+    """Population size at the start of an episode, PS(0)."""
     min_population_size: int = 2
-    """Smallest size that it can ask for."""
+    """Smallest population size that the policy can choose."""
     max_population_size: int = 200
-    """Largest size that it can ask for."""
+    """Largest population size that the policy can choose."""
     max_evaluations: int = 0
-    """Evaluation budget of its episodes; 0 is no budget."""
+    """Evaluation budget of an episode in the training; 0 is no budget."""
     trust_pickle: bool = False
-    """Unpickle the weights where they cannot be read as tensors alone. THIS RUNS CODE FROM THE ZIP."""
+    """Unpickle weights that cannot be read as tensors alone. THIS RUNS CODE FROM THE ZIP."""
 
 
 def import_sb3(options: ImportOptions) -> None:
@@ -81,20 +82,24 @@ def import_sb3(options: ImportOptions) -> None:
     manifest = {
         "action": options.action,
         "base": "none",
+        "config": {},
+        "corrected_from": 0,
         "features": features,
         "hidden_layers": [len(weights[f"{number}.bias"]) for number in range(len(weights) // 2 - 1)],
         "imported_from": path.name,
         "initial_population_size": options.initial_population_size,
+        "lstm_size": None,
         "max_evaluations": options.max_evaluations or None,
         "max_population_size": options.max_population_size,
         "min_population_size": options.min_population_size,
-        "network": "feedforward",
+        "network": FEEDFORWARD,
         "num_decisions": len(weights[f"{len(weights) // 2 - 1}.bias"]),
         "observation": options.observation,
         "optimizer": options.optimizer,
+        "price": None,
         "provenance": provenance("numpy", "torch"),
     }
-    # Beside the output until it is known that it can be loaded: a wrong option replaces nothing.
+    # Written beside the output until it has been loaded, so that a wrong option overwrites nothing.
     draft = write_atomically(
         options.output.with_name(f"{options.output.name}.draft"), encode_policy(weights, manifest)
     )
@@ -108,15 +113,15 @@ def import_sb3(options: ImportOptions) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Import as the command line says."""
+    """Import a policy with the options of the command line."""
     options = tyro.cli(ImportOptions, description=__doc__, args=arguments)
     with command():
         import_sb3(options)
-    print(f"wrote {options.output}; use it as controller learned:{options.output}")
+    print(f"wrote {options.output}; use it as controller {ControllerName.of('learned', str(options.output))}")
 
 
 def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
-    """Tensors of the policy by name."""
+    """Return the tensors of the policy by name."""
     import torch
 
     try:
@@ -142,9 +147,9 @@ def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
     except pickle.UnpicklingError as error:
         raise PolicyFileError(
             f"{path}: its weights hold more than tensors, and reading them may run code from the zip. If you "
-            "trust where it comes from, --trust-pickle does so"
+            "trust its source, --trust-pickle reads them"
         ) from error
-    except Exception as error:  # of malformed bytes, anything may come
+    except Exception as error:  # malformed bytes may raise anything
         raise PolicyFileError(f"{path}: unreadable weights ({type(error).__name__})") from error
     if not isinstance(state, dict):
         raise PolicyFileError(f"{path}: expected weights by name, got {type(state).__name__}")
@@ -152,7 +157,7 @@ def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
 
 
 def _opened(content: bytes) -> zipfile.ZipFile:
-    """A zip that unpacks to no more than is allowed."""
+    """Open a zip; raise an error if it unpacks to more than `MAX_UNPACKED` bytes."""
     archive = zipfile.ZipFile(io.BytesIO(content))
     unpacked = sum(entry.file_size for entry in archive.infolist())
     if unpacked > MAX_UNPACKED:
@@ -161,7 +166,7 @@ def _opened(content: bytes) -> zipfile.ZipFile:
 
 
 def _require_tanh(path: Path, data: Any) -> None:
-    """Refuse another network than ours, by what `data` says in words beside its pickles."""
+    """Raise an error for another activation function than tanh, by the plain JSON in `data`."""
     told = data.get("policy_kwargs", {}) if isinstance(data, dict) else None
     activation = told.get("activation_fn", "Tanh") if isinstance(told, dict) else None
     if not isinstance(activation, str) or not activation.rstrip("'>").endswith("Tanh"):
@@ -169,7 +174,7 @@ def _require_tanh(path: Path, data: Any) -> None:
 
 
 def _actor(path: Path, state: dict[str, Any]) -> Weights:
-    """The layers of the actor, as our files name them: numbers in order."""
+    """Return the layers of the actor under their names in policy files: numbers in order."""
     import torch
 
     places = sorted(int(match[1]) for name in state if (match := _HIDDEN.fullmatch(str(name))))
@@ -181,7 +186,7 @@ def _actor(path: Path, state: dict[str, Any]) -> Weights:
             plain = (
                 isinstance(tensor, torch.Tensor) and tensor.dtype is torch.float32 and not tensor.is_sparse
             )
-            # A view can announce more than it has.
+            # A view can have a larger shape than its storage.
             if not plain or tensor.ndim != dimensions or 4 * math.prod(tensor.shape) > MAX_FILE:
                 raise PolicyFileError(
                     f"{path}: expected an MlpPolicy, with float32 numbers of {dimensions} dimensions as "

@@ -1,9 +1,9 @@
 """Train a controller: `python -m agents.train --help`.
 
-The policy first learns to imitate a hand-designed controller, since plain PPO from scratch collapses to tiny
-populations: the price of evaluations is felt at once, their gain a dozen iterations later. PPO then goes on
-from there. Training is cut into chunks; everything random in a chunk is seeded from (run seed, chunk), so
-that a run that was stopped and resumed equals one that was not.
+The policy may first imitate a hand-designed controller (`--warm-start`), since PPO from scratch collapses to
+tiny populations: evaluations cost at once, but their gain comes a dozen iterations later. Training is divided
+into chunks. All random numbers of a chunk are seeded with (run seed, chunk), so that a run that was stopped
+and resumed equals one that was not. Example: `python -m agents.train --preset three-cases --seed 0`.
 """
 
 import argparse
@@ -20,26 +20,27 @@ from agents.training.config import TrainConfig
 from agents.training.presets import load_preset
 from agents.training.run import TrainingRun
 from swarm_gym.command import command
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
 
 
 @dataclass(frozen=True)
 class CommandLine:
-    """A training configuration, how many of it to run, and where."""
+    """A training configuration, further presets and seeds to run it with, and options of the backend."""
 
     config: tyro.conf.OmitArgPrefixes[TrainConfig]
     presets: tuple[str, ...] = ()
-    """Train with each of these presets instead of the one."""
+    """Presets to train with, one run each, instead of --preset, e.g. case1 case2; by default --preset."""
     seeds: tuple[int, ...] = ()
-    """Train with each of these seeds instead of the one."""
+    """Seeds to train with, one run each, instead of --seed, e.g. 0 1 2; by default --seed."""
     where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
 
 
 def read_command_line(arguments: Sequence[str] | None = None, preset: str | None = None) -> CommandLine:
-    """The configuration: that of a preset, or of the one that `--preset` says, changed by the other options.
+    """Return the configuration of a preset, by default of `--preset`, changed by the other options.
 
     Raises:
-        PresetError: for a preset that is missing or says what cannot be.
+        PresetError: for a preset that is missing or invalid.
     """
     if preset is None:
         finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
@@ -47,16 +48,16 @@ def read_command_line(arguments: Sequence[str] | None = None, preset: str | None
         preset = finder.parse_known_args(arguments)[0].preset
     loaded = load_preset(preset)
     given = tyro.cli(CommandLine, default=CommandLine(loaded), description=__doc__, args=arguments)
-    # A preset that is given as a file is called by the file's name.
+    # The name of a preset that is given as a file is the file's name.
     return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=loaded.preset))
 
 
 def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> list[TrainConfig]:
-    """The configurations of all runs that a command line asks for.
+    """Return the configurations of all runs of a command line.
 
     Raises:
-        PresetError: for a preset that is missing or says what cannot be.
-        ValueError: for a preset or a seed that is there twice.
+        PresetError: for a preset that is missing or invalid.
+        ValueError: for a repeated preset or seed.
     """
     configs = [given.config]
     if given.presets:
@@ -74,12 +75,12 @@ def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> 
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Train as the command line says."""
+    """Train with the options of the command line."""
     with command(
         RunFolderError,
         BackendError,
         MissingExtraError,
-        kept="--resume goes on from the last checkpoint, if there is one",
+        kept="--resume continues from the last checkpoint, if there is one",
     ):
         given = read_command_line(arguments)
         given.where.check()
@@ -89,7 +90,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             run_all(train, configs, given.where, controllers)
             return
         best = TrainingRun(given.config).run()
-    print(f"best policy by validation: {best}\nuse it as controller learned:{best}")
+    name = ControllerName.of("learned", str(best))
+    print(f"best policy by validation: {best}\nuse it as controller {name}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
 """Tune a hand-designed controller: `python -m agents.tune --help`.
 
-What is minimised is the mean over episodes of log(final gap) plus the price of the evaluations; the gap is
-the best fitness above mu times the straight line. Episodes have training scenarios and training seeds only.
-The budget is in environment steps, by default that of a training preset, so that tuned and learned
-controllers have cost the same. A run that was stopped and resumed equals one that was not.
+The objective is the mean over episodes of log(final gap) plus the price of the evaluations, to be minimised.
+The gap is the best fitness minus mu times the length of the straight line. Episodes have training scenarios
+and training seeds only. The budget is in environment steps, by default that of a training preset, so that
+tuned and learned controllers take the same effort. A run that was stopped and resumed equals one that was
+not. Example: `python -m agents.tune --what schedule --preset three-cases`.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 from agents.tuning.tuners import kind_defaults
 from swarm_gym.command import command
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
 
 FROM_PRESET = (
@@ -35,16 +37,16 @@ FROM_PRESET = (
 
 @dataclass(frozen=True)
 class CommandLine:
-    """A tuning configuration, how many of it to run, and where."""
+    """A tuning configuration, further seeds to run it with, and options of the backend."""
 
     config: tyro.conf.OmitArgPrefixes[TuneConfig]
     seeds: tuple[int, ...] = ()
-    """Tune with each of these seeds instead of the one."""
+    """Seeds to tune with, one run each, instead of --seed, e.g. 0 1 2; by default --seed."""
     where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
 
 
 def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
-    """The configuration: that of `--what` and `--preset`, changed by the other options."""
+    """Return the configuration of `--what` and `--preset`, changed by the other options."""
     finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     finder.add_argument("--what", default=TuneConfig.what)
     finder.add_argument("--preset", default=TuneConfig.preset)
@@ -56,18 +58,18 @@ def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Tune as the command line says."""
+    """Tune with the options of the command line."""
     with command(
         RunFolderError,
         BackendError,
         MissingExtraError,
-        kept="--resume goes on after the last round, if there is one",
+        kept="--resume continues after the last round, if there is one",
     ):
         given = read_command_line(arguments)
         given.where.check()
         if given.seeds and given.config.output:
             raise ValueError(
-                f"--output {given.config.output}: one file, and --seeds asks for several results"
+                f"--output {given.config.output}: one file cannot hold the several results of --seeds"
             )
         if given.seeds or given.where.elsewhere:
             configs = configs_of_seeds(given.config, given.seeds) if given.seeds else [given.config]
@@ -75,7 +77,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             return
         run = TuningRun(given.config)
         result = run.run()
-    print(f"tuned in {run.num_steps} steps: {result}\nuse it as controller {run.tuner.family}:{result}")
+    name = ControllerName.of(run.tuner.family, str(result))
+    print(f"tuned in {run.num_steps} steps: {result}\nuse it as controller {name}")
 
 
 if __name__ == "__main__":

@@ -1,295 +1,76 @@
-"""Suites: which controllers run on which scenarios, and what is made of the runs, as data.
+"""The catalogue of studies: suites, collections of suites, tables, figures and documents, each by its name.
 
-To add one, enter it in `SUITES`. To add a controller, enter its name in a tuple of `FITTED_TO_CASES`,
-`FITTED_TO_FIELDS` or `ABLATED`; training seeds of a recipe, `*training_seeds("learned:three-cases", 10)`, are
-reported on together (see `experiments.runs.groups`).
+They are collected from the folders of `experiments.studies`, so that a study is added by adding a folder. Its
+modules state what it has, all of it optional:
+
+* `suites.py`: SUITES, a tuple of suites, and COLLECTIONS, tuples of names of suites by the name that stands
+  for all of them.
+* `tables.py`: TABLES, functions of a suite and its outcomes that make tables, and DOCUMENTS, which show them.
+* `figures.py`: FIGURES, functions of what is stored that tell what can be drawn. This module is imported only
+  when a figure is drawn, since runs need no plotting library.
+
+A suite states by name which tables and figures are made of it, also those of another study.
 """
 
-import dataclasses
-from dataclasses import dataclass
+import pkgutil
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-from experiments.runs.suite import FRESH_SEEDS, Family, Suite
-from experiments.studies.brand_yu.suites import BRAND_YU
-from experiments.studies.iafsa.suites import IAFSA_PAPER
-from experiments.studies.moa.published import METHODS
-from experiments.studies.spsfa import parameters as spsfa_parameters
+from experiments import studies
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
+from experiments.tables import Table
+from experiments.tables.document import Document
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.scenarios import expand_name
 
-STUDY_TABLES = ("gaps", "differences", "duels", "front", "near-optimum")
-STUDY_FIGURES = ("profiles", "front", "decisions")
+if TYPE_CHECKING:
+    from experiments.plots.stored import FigureMaker
+
+TableMaker = Callable[[Suite, Outcomes], list[Table]]
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """Controllers fitted to the same scenarios, by what decides; nothing is listed that does not ship.
+def _modules(name: str) -> Iterator[ModuleType]:
+    """Import and yield the module of that name of every study that has one."""
+    for package in pkgutil.iter_modules(studies.__path__, f"{studies.__name__}."):
+        if package.ispkg and find_spec(f"{package.name}.{name}"):
+            yield import_module(f"{package.name}.{name}")
 
-    Attributes:
-        schedules: the paper's schedule with tuned parameters.
-        open_loops: size and phi as functions of the iteration.
-        open_loops_extended: the same of the extended action.
-        learned: policies that decide size and phi.
-        learned_extended: policies that decide the optimizer's parameters too.
+
+def _collect(module: str, registry: str) -> dict[str, Any]:
+    """Return the entries of a registry of all studies.
+
+    Raises:
+        ValueError: if two studies have an entry of the same name.
     """
-
-    schedules: tuple[str, ...] = ()
-    open_loops: tuple[str, ...] = ()
-    open_loops_extended: tuple[str, ...] = ()
-    learned: tuple[str, ...] = ()
-    learned_extended: tuple[str, ...] = ()
-
-    @property
-    def all_learned(self) -> tuple[str, ...]:
-        """Policies, whatever they decide."""
-        return self.learned + self.learned_extended
-
-    @property
-    def everything(self) -> tuple[str, ...]:
-        """All of them, what is learned first."""
-        return self.all_learned + self.schedules + self.open_loops + self.open_loops_extended
+    found: dict[str, Any] = {}
+    for stated in _modules(module):
+        entries = getattr(stated, registry, {})
+        if not isinstance(entries, Mapping):
+            entries = {entry.name: entry for entry in entries}
+        if twice := found.keys() & entries.keys():
+            raise ValueError(f"{stated.__name__}.{registry}: another study has {', '.join(sorted(twice))}")
+        found |= entries
+    return found
 
 
-def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
-    """Names of the policies of one recipe, as `learned:three-cases/0`; told each of the prices, if any."""
-    told = [f"@{price:g}" for price in prices] or [""]
-    return tuple(f"{recipe}/{k}{price}" for price in told for k in range(number))
+SUITES: dict[str, Suite] = _collect("suites", "SUITES")
+COLLECTIONS: dict[str, tuple[str, ...]] = _collect("suites", "COLLECTIONS")
+TABLES: dict[str, TableMaker] = _collect("tables", "TABLES")
+DOCUMENTS: dict[str, Document] = _collect("tables", "DOCUMENTS")
 
 
-def families_of(fitted: Fitted, *others: Family) -> tuple[Family, ...]:
-    """What is printed or needs no fitting, what was fitted, and other families; those that are empty not."""
-    families = (
-        Family("fixed sizes", FIXED_SIZES),
-        Family("schedules", (*SCHEDULES, *fitted.schedules)),
-        Family("open loops (size, φ)", fitted.open_loops),
-        Family("open loops (extended)", fitted.open_loops_extended),
-        Family("learned (size, φ)", fitted.learned),
-        Family("learned (extended)", fitted.learned_extended),
-        *others,
-    )
-    return tuple(family for family in families if family.controllers)
-
-
-def controllers_of(families: tuple[Family, ...]) -> tuple[str, ...]:
-    """The controllers of all families, and chance as the floor of every comparison."""
-    return (*(controller for family in families for controller in family.controllers), "random")
-
-
-CASES = ("case1", "case2", "case3")
-FIELDS = expand_name("random-fields:test:0-199")
-# Kinds of fields that no controller is fitted to.
-UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
-UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
-
-FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
-SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
-FITTED_TO_CASES = Fitted(
-    schedules=("tuned:three-cases",),
-    # Tuned at different prices of an evaluation, the cheapest last.
-    open_loops=("open-loop:three-cases@0.5", "open-loop:three-cases", "open-loop:three-cases@0.05"),
-    open_loops_extended=(
-        "open-loop:three-cases-extended@2",
-        "open-loop:three-cases-extended",
-        "open-loop:three-cases-extended@0.1",
-        "open-loop:three-cases-extended-13-knots@0.02",
-    ),
-    learned=(
-        *training_seeds("learned:three-cases", 10, 5, 1, 0.3),
-        *training_seeds("learned:three-cases-cheap", 3, 10),
-        "distilled:three-cases",
-    ),
-    learned_extended=(
-        *training_seeds("learned:three-cases-extended", 7, 2),
-        *training_seeds("learned:three-cases-extended-fine", 3),
-        *training_seeds("learned:three-cases-extended-deep", 2),
-        *training_seeds("learned:three-cases-extended-cheap", 5, 20, 3),
-    ),
-)
-FITTED_TO_FIELDS = Fitted(
-    schedules=("tuned:random-fields",),
-    open_loops=("open-loop:random-fields",),
-    open_loops_extended=("open-loop:random-fields-extended",),
-    learned=training_seeds("learned:random-fields", 5, 5, 1, 0.3),
-    learned_extended=training_seeds("learned:random-fields-extended", 5),
-)
-# At one price of those that they were trained for: what is compared beyond fronts.
-HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
-HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 7, 2)
-# Of what was fitted to fields, where no front is drawn: at one price.
-AT_ONE_PRICE = dataclasses.replace(FITTED_TO_FIELDS, learned=training_seeds("learned:random-fields", 5, 1))
-# Whose decisions the document shows.
-LOOKED_INTO = (
-    *HEADLINE_LEARNED,
-    "distilled:three-cases",
-    "tuned:three-cases",
-    "open-loop:three-cases",
-    *HEADLINE_EXTENDED,
-    *training_seeds("learned:three-cases-extended-fine", 3),
-    *training_seeds("learned:three-cases-extended-deep", 2),
-    "open-loop:three-cases-extended@0.1",
-)
-
-# What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
-# to the recipe.
-ABLATED = (
-    Family("constants", ("open-loop:three-cases-constant",)),
-    Family(
-        "learned on one case",
-        tuple(c for k in (1, 2, 3) for c in training_seeds(f"learned:case{k}", 3, 1)),
-    ),
-    Family("learned by PPO (size, φ)", training_seeds("learned:three-cases-ppo", 1)),
-    Family(
-        "recipes (extended)",
-        (
-            *training_seeds("learned:ablation-short", 3, 2),
-            *training_seeds("learned:ablation-from-start", 3, 2),
-            *(
-                policy
-                for recipe in (
-                    "one-price", "four-numbers", "log-reward",
-                    "ppo-residual", "ppo-paired", "ppo-imitation", "ppo-paced", "ppo-scratch", "recurrent",
-                )
-                for policy in training_seeds(f"learned:ablation-{recipe}", 3)
-            ),
-        ),
-    ),
-)  # fmt: skip
-# How far what was learned on few maps carries, and what was learned on many.
-FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
-FROM_FIELDS = Family("learned on fields", AT_ONE_PRICE.all_learned)
-
-HEADLINE_FAMILIES = families_of(FITTED_TO_CASES)
-ABLATION_FAMILIES = (
-    Family("open loops", ("open-loop:three-cases", "open-loop:three-cases-extended@0.1")),
-    Family("learned", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED)),
-    *ABLATED,
-    FROM_FIELDS,
-)
-FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
-UNSEEN_FAMILIES = families_of(AT_ONE_PRICE, FROM_CASES)
-
-# Learned controllers against the blind ones that they began with, and against the tuned schedule.
-HEADLINE_DUELS = (
-    *((f"learned:three-cases/*@{price}", "open-loop:three-cases") for price in ("5", "1", "0.3")),
-    *((f"learned:three-cases/*@{price}", "tuned:three-cases") for price in ("5", "1", "0.3")),
-    ("learned:three-cases/*@0.3", "open-loop:three-cases@0.05"),
-    ("learned:three-cases-cheap/*@10", "open-loop:three-cases@0.5"),
-    ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
-    ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended@0.1"),
-    ("learned:three-cases-extended-fine/*", "open-loop:three-cases-extended-13-knots@0.02"),
-    ("learned:three-cases-extended-deep/*", "open-loop:three-cases-extended-13-knots@0.02"),
-    ("learned:three-cases-extended-cheap/*@20", "open-loop:three-cases-extended"),
-    ("learned:three-cases-extended-cheap/*@3", "open-loop:three-cases-extended"),
-)
-FIELD_DUELS = (
-    *((f"learned:random-fields/*@{price}", "open-loop:random-fields") for price in ("5", "1", "0.3")),
-    *((f"learned:random-fields/*@{price}", "tuned:random-fields") for price in ("5", "1", "0.3")),
-    ("learned:random-fields-extended/*", "open-loop:random-fields-extended"),
-    ("learned:random-fields-extended/*", "tuned:random-fields"),
-)
-
-PAPER = Suite(
-    name="paper",
-    controllers=(*FIXED_SIZES, "spsfa", "spsfa-tip", "random", "learned:three-cases/0@1"),
-    scenarios=CASES,
-    num_seeds=20,
-    baseline="spsfa-tip",
-    snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
-    replayed=("spsfa-tip", "learned:three-cases/0@1", "fixed:80", "spsfa"),
-)
-
-PARAMETERS = Suite(
-    name="parameters",
-    controllers=spsfa_parameters.CONTROLLERS,
-    scenarios=(spsfa_parameters.SCENARIO,),
-    num_seeds=20,
-    baseline="spsfa-tip",
-    tables=("parameters",),
-    figures=("parameters",),
-)
-
-
-def _study(
-    name: str,
-    families: tuple[Family, ...],
-    scenarios: tuple[str, ...],
-    num_seeds: int,
-    seed_step: int = 0,
-    duels: tuple[tuple[str, str], ...] = (),
-    baseline: str = "spsfa-tip",
-) -> Suite:
-    """A suite of the study: families of controllers against the printed schedule, on fresh seeds."""
-    return Suite(
-        name=name,
-        controllers=controllers_of(families),
-        scenarios=scenarios,
-        num_seeds=num_seeds,
-        baseline=baseline,
-        duels=duels,
-        first_seed=FRESH_SEEDS,
-        seed_step=seed_step,
-        families=families,
-        tables=STUDY_TABLES,
-        figures=STUDY_FIGURES,
-    )
-
-
-HEADLINE = _study("headline", HEADLINE_FAMILIES, CASES, 200, duels=HEADLINE_DUELS)
-ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 100, baseline="open-loop:three-cases")
-# One seed per field, and each field another one.
-GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1, duels=FIELD_DUELS)
-OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
-
-# The first population is one of the MOA paper's 450 iterations.
-MOA_PAPER = Suite(
-    name="moa-paper",
-    controllers=tuple(f"{method}+fixed:65" for method in METHODS),
-    scenarios=expand_name("den400d:P1-P6"),
-    num_seeds=30,
-    baseline="multivariate+fixed:65",
-    # The number of control points was chosen on the seeds below.
-    first_seed=FRESH_SEEDS,
-    options={"encoding": "bezier", "iterations": 449},
-    tables=("moa",),
-    figures=("maps",),
-)
-
-# An obstacle closes the corridor that the population has settled in, in the middle of an episode.
-DYNAMIC = Suite(
-    name="dynamic",
-    controllers=(
-        *FIXED_SIZES,
-        "spsfa",
-        "spsfa-tip",
-        "tuned:three-cases",
-        "open-loop:three-cases",
-        *HEADLINE_LEARNED,
-        *HEADLINE_EXTENDED,
-        "random",
-    ),
-    scenarios=tuple(f"dynamic:{case}-gate@50" for case in CASES),
-    num_seeds=20,
-    baseline="spsfa-tip",
-    duels=(("learned:three-cases/*@1", "open-loop:three-cases"), ("spsfa-tip", "fixed:80")),
-    first_seed=FRESH_SEEDS,
-    tables=("recovery", "differences", "duels"),
-    figures=("recovery", "front"),
-)
-
-ALL = (
-    PAPER, HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION, PARAMETERS, MOA_PAPER, *IAFSA_PAPER,
-    *BRAND_YU, DYNAMIC,
-)  # fmt: skip
-SUITES = {suite.name: suite for suite in ALL}
-
-# Suites that one name stands for, each with options, seeds, tables and a database of its own.
-COLLECTIONS = {
-    "iafsa-paper": tuple(suite.name for suite in IAFSA_PAPER),
-    "brand-yu": tuple(suite.name for suite in BRAND_YU),
-}
+@cache
+def figures() -> "dict[str, FigureMaker]":
+    """Return the makers of figures by name; imports the plotting library."""
+    return _collect("figures", "FIGURES")
 
 
 def get_suite(name: str) -> Suite:
-    """The suite of that name.
+    """Return the suite of that name.
 
     Raises:
         UnknownNameError: if there is none.

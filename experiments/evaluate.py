@@ -1,8 +1,8 @@
 """Run a suite and write its tables and figures: `python -m experiments.evaluate --help`.
 
-Finished runs are kept in a database: a suite that was stopped goes on where it stopped, and one that is
-complete is not run again, only its tables and figures are written. With `--no-simulate` nothing is run at
-all: tables and figures come from the database, and where that lacks runs, they are named.
+A database keeps the finished runs. A suite that was stopped goes on where it stopped. A complete suite is not
+run again: only its tables and figures are written. With `--no-simulate` nothing is run at all. Tables and
+figures come from the database, and the command names the runs that are missing there.
 """
 
 import dataclasses
@@ -14,12 +14,11 @@ import tyro
 
 from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, get_suite
-from experiments.documents.page import write_collection_page, write_page
+from experiments.documents.page import make_tables, write_collection_page, write_page
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.runner import configuration, environment_configuration, refuse_missing, run_missing
 from experiments.runs.suite import Suite
-from experiments.tables import make_tables
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 
@@ -29,25 +28,30 @@ class EvaluateConfig:
     """Options of an evaluation."""
 
     suite: str = "paper"
-    """Which suite, or collection of suites."""
+    """Suite or collection of suites to run, e.g. paper, headline or iafsa-paper. A wrong name lists all."""
     seeds: int | None = None
-    """Seeds per controller and scenario; the suite's own number by default."""
+    """Number of seeds per controller and scenario, e.g. 20. By default the number that the suite states."""
     controllers: tuple[str, ...] = ()
-    """Controllers instead of the suite's."""
+    """Controllers to run instead of those of the suite, e.g. spsfa-tip fixed:60. By default the suite's."""
     output: Path = Path("results")
-    """Tables and figures go to <output>/<suite>, the database to <output>/<suite>.sqlite; those of the suites
-    of a collection to <output>/<collection>/<suite> and beside it."""
+    """Folder for results, by default results. Tables and figures of a suite go to <output>/<suite>, its
+    database to <output>/<suite>.sqlite. A collection has them in <output>/<collection>."""
     database: Path | None = None
-    """Another database file."""
+    """Database file, e.g. /scratch/paper.sqlite. By default <output>/<suite>.sqlite."""
     where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
     figures: bool = True
-    """Whether to draw figures."""
+    """Draw figures, as SVG and PNG (the default), or leave them out with --no-figures."""
     simulate: bool = True
-    """Whether runs that are missing are made, or refused."""
+    """Make runs that are missing (the default), or refuse to with --no-simulate."""
 
 
 def evaluate(config: EvaluateConfig) -> Path:
-    """Run what is missing, then write tables and figures; returns the page that shows them."""
+    """Make the runs that are missing, write tables and figures, and return the page that shows them.
+
+    Raises:
+        ResultsError: if there are too few seeds, or the database cannot be used or lacks runs.
+        UnknownNameError: if there is no such suite.
+    """
     if config.suite in COLLECTIONS:
         return _evaluate_collection(config)
     suite = get_suite(config.suite)
@@ -86,7 +90,7 @@ def evaluate(config: EvaluateConfig) -> Path:
 
 
 def _backend(suite: Suite, config: EvaluateConfig) -> Backend:
-    controllers = [contestant(name, suite.optimizer).controller for name in suite.controllers]
+    controllers = [entrant(name, suite.optimizer).controller for name in suite.controllers]
     return config.where.make(config.output, controllers)
 
 

@@ -1,4 +1,4 @@
-"""The picture at the top of the README: `python -m experiments.frame FILE`."""
+"""Draw the picture at the top of the README: `python -m experiments.frame FILE`."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,7 @@ from swarm_gym.env import SwarmEnv
 
 
 def main() -> None:
-    """Write one frame of a noisy, slowly shrinking swarm as PNG."""
+    """Write a PNG of a noisy swarm that slowly shrinks."""
     if len(sys.argv) != 2:
         sys.exit("usage: python -m experiments.frame FILE")
     env = SwarmEnv(scenario="case2", noise=8.0, initial_population_size=100, render_mode="rgb_array")

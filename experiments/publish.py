@@ -1,54 +1,182 @@
-"""Put results into the documents: `python -m experiments.publish SUITE_FOLDER BENCHMARK_FOLDER`.
+"""Put results into documents: `python -m experiments.publish DOCUMENT ...`.
 
-Copies a suite's page and the SVG figures to docs/results, and replaces the marked blocks of README.md and
-docs/performance.md by the suite's summary and the benchmark's tables: no number there is typed by hand.
+Fills the marked blocks of each document, such as `study` for docs/study.md, from the results that other
+commands wrote, and copies the figures that it shows to docs/results. If anything is missing, nothing is
+written. No number between the marks is typed by hand.
 """
 
-import shutil
-import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
-from experiments.documents.blocks import replace_block
+import tyro
+
+from agents.backends import BackendError
+from experiments import catalogue
+from experiments.documents.blocks import block_names, replace_block
+from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.runs.database import ResultsError
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
+from experiments.tables.document import Block, Document, ResultsFolder
+from swarm_gym.checks import look_up
 from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
 
-DOCS = Path("docs/results")
-README = Path("README.md")
-PERFORMANCE = Path("docs/performance.md")
+FIGURES = Path("docs/results")
+SUITE, BENCHMARK = "docs/paper", "benchmark"  # folders of the document `results`
 
 
-def publish(suite: Path, benchmark: Path) -> None:
-    """Copy page and figures, and fill the blocks of both documents.
-
-    Raises:
-        OSError: if something is missing.
-        ValueError: if a block or a group of the benchmark is missing.
-    """
-    machine, groups = read_folder(benchmark)
+def _speed(results: ResultsFolder) -> str:
+    """Return the few measurements that tell most, as a table."""
+    machine, groups = read_folder(results.path / BENCHMARK)
     missing = set(CAPTIONS) - set(groups)
     if missing:
-        raise ValueError(f"{benchmark}: {', '.join(sorted(missing))} was not measured")
-    speed = headline(machine, groups).markdown()
-    readme = README.read_text(encoding="utf-8")
-    readme = replace_block(readme, "results", (suite / "summary.md").read_text(encoding="utf-8"))
-    readme = replace_block(readme, "speed", speed)
-    performance = replace_block(PERFORMANCE.read_text(encoding="utf-8"), "headline", speed)
-    for name, measurements in groups.items():
-        performance = replace_block(performance, name, table(name, measurements).markdown())
-    DOCS.mkdir(parents=True, exist_ok=True)
-    for file in (suite / "README.md", *sorted(suite.glob("*.svg")), benchmark / "growth.svg"):
-        shutil.copyfile(file, DOCS / file.name)
-    write_atomically(README, readme)
-    write_atomically(PERFORMANCE, performance)
+        raise ValueError(f"{results.path / BENCHMARK}: {', '.join(sorted(missing))} was not measured")
+    return headline(machine, groups).markdown()
+
+
+def _measurements(group: str, results: ResultsFolder) -> str:
+    _, groups = read_folder(results.path / BENCHMARK)
+    return table(group, groups[group]).markdown()
+
+
+def _summary(results: ResultsFolder) -> str:
+    """Return the summary of the suite; its page and figures are shown beside."""
+    for file in (results.path / SUITE).glob("*.svg"):
+        results.show(f"{SUITE}/{file.name}")
+    results.show(f"{SUITE}/README.md")
+    results.show(f"{BENCHMARK}/growth.svg")
+    return results.text(f"{SUITE}/summary.md")
+
+
+PERFORMANCE_BLOCKS: Mapping[str, Block] = {
+    "headline": _speed,
+    **{name: partial(_measurements, name) for name in CAPTIONS},
+}
+# Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
+DOCUMENTS: dict[str, tuple[Document, ...]] = {
+    "results": (
+        Document(Path("README.md"), "", "", blocks={"results": _summary, "speed": _speed}),
+        Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
+    ),
+    **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
+    "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
+}
+
+
+@dataclass(frozen=True)
+class PublishConfig:
+    """Options of the command."""
+
+    documents: Annotated[tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="DOCUMENT")]
+    """Names of the documents to fill, e.g. moa for docs/moa-paper.md. A wrong name lists the valid ones."""
+    results: Path = Path("results")
+    """Folder that holds all results, by default results. The document moa takes results/docs/moa-paper."""
+    evaluate: bool = False
+    """First run the suite of each document, as `python -m experiments.evaluate` does, e.g. moa-paper for moa.
+    By default the results must be there. The documents results, study and scaling have no such suite."""
+
+
+@dataclass(frozen=True)
+class Filled:
+    """A document with its blocks filled, ready to be written.
+
+    Attributes:
+        document: the document.
+        text: its text.
+        figures: content of the files that it shows, by their names in its folder of figures.
+    """
+
+    document: Document
+    text: str
+    figures: dict[str, bytes]
+
+    def write(self) -> None:
+        """Write figures and document; delete figures that the document shows no more."""
+        folder = FIGURES / self.document.figures
+        for name, content in self.figures.items():
+            write_atomically(folder / name, content)
+        write_atomically(self.document.path, self.text)
+        for path in folder.glob("*.svg") if self.figures else ():
+            if path.name not in self.figures:
+                path.unlink()
+
+
+def publish(name: str, results: Path) -> None:
+    """Fill the blocks of the documents of a name and copy their figures.
+
+    Args:
+        name: key of `DOCUMENTS`.
+        results: folder that holds all results.
+
+    Raises:
+        UnknownNameError: if there is no such document.
+        OSError: if a table or figure is missing, or the document.
+        ValueError: if a block is missing or unknown, or a file is not as expected.
+    """
+    filled = [fill(document, results) for document in look_up("document", name, DOCUMENTS)]
+    for one in filled:
+        one.write()
+
+
+def evaluate_suite(name: str, results: Path) -> None:
+    """Run the suite of a document, as far as its runs are missing, and write its tables and figures.
+
+    Args:
+        name: key of `DOCUMENTS`.
+        results: folder that holds all results.
+
+    Raises:
+        ValueError: if the document has no suite.
+        ResultsError: if the database of the suite cannot be used.
+    """
+    for document in look_up("document", name, DOCUMENTS):
+        if not document.suite:
+            raise ValueError(f"--evaluate: {name} is not made from one suite; run `make docs-{name}`")
+        evaluate(EvaluateConfig(document.suite, output=(results / document.results).parent))
+
+
+def fill(document: Document, results: Path) -> Filled:
+    """Return a document with its blocks filled; nothing is written.
+
+    Raises:
+        OSError: if a table or figure is missing, or the document.
+        ValueError: if a block is missing or unknown, or a file is not as expected.
+    """
+    text = document.path.read_text(encoding="utf-8")
+    folder = ResultsFolder(results / document.results)
+    blocks = document.blocks
+    if blocks is None:
+        blocks = {name: partial(_file, f"{name}.md") for name in block_names(text)}
+        for file in sorted(folder.path.rglob("*.svg")):
+            folder.show(file.relative_to(folder.path).as_posix())
+    unknown = sorted(set(block_names(text)) - set(blocks))
+    if unknown:
+        raise ValueError(f"{document.path}: nothing is known of the blocks {', '.join(unknown)}")
+    for name, make in blocks.items():
+        text = replace_block(text, name, make(folder))
+    return Filled(document, text, folder.shown)
+
+
+def _file(name: str, results: ResultsFolder) -> str:
+    return results.text(name)
 
 
 def main() -> None:
-    """Publish what the command line names."""
-    if len(sys.argv) != 3:
-        sys.exit("usage: python -m experiments.publish SUITE_FOLDER BENCHMARK_FOLDER")
-    with command():
-        publish(Path(sys.argv[1]), Path(sys.argv[2]))
+    """Publish the documents that the command line names."""
+    config = tyro.cli(PublishConfig, description=__doc__)
+    with command(ResultsError, BackendError, MissingExtraError):
+        if not config.documents:
+            raise ValueError(f"no document is named; name some of {', '.join(DOCUMENTS)}")
+        for name in config.documents:
+            look_up("document", name, DOCUMENTS)
+        for name in config.documents:
+            if config.evaluate:
+                evaluate_suite(name, config.results)
+            publish(name, config.results)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
-"""Other readings of the paper, on one case with fixed sizes: `python -m experiments.readings --help`.
+"""Other readings of the SPSFA paper, on one case with fixed sizes: `python -m experiments.readings --help`.
 
-For cells of the paper's tables that the default readings do not meet: what the mean would be under others.
+The default reading of the SPSFA paper does not meet some cells of its tables. This command shows which mean
+other readings give.
 """
 
 import dataclasses
@@ -19,10 +20,11 @@ from experiments.runs.labels import label
 from experiments.statistics import summarise
 from experiments.studies.spsfa.published import FITNESS
 from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios import make_scenario, require_analytic
 
-# Name of the reading, its first population (y from, y to), and its options of the environment.
+# Name of the reading, range of y in its first population in map units, and its options of the environment.
 READINGS: list[tuple[str, tuple[float, float], dict[str, Any]]] = [
     ("default: y in [120, 480], 31 waypoints", (120, 480), {}),
     ("y in [100, 500]", (100, 500), {}),
@@ -40,19 +42,24 @@ class ReadingsConfig:
     """Options of the comparison."""
 
     case: str = "case3"
-    """Which case of the paper."""
+    """Case of the SPSFA paper to run on: case1, case2 or case3 (the default)."""
     seeds: int = 50
-    """Seeds per reading and size."""
+    """Number of seeds per reading and controller, by default 50, e.g. 20."""
     controllers: tuple[str, ...] = ("fixed:60", "fixed:80", "fixed:100")
-    """Controllers to run."""
+    """Controllers to run, by default the fixed sizes of the SPSFA paper, e.g. fixed:60 spsfa-tip."""
     output: Path = Path("results/readings.md")
-    """Where the table goes."""
+    """Markdown file that the table is written to, by default results/readings.md."""
 
 
 def compare_readings(config: ReadingsConfig) -> Table:
-    """Mean and minimum of the final fitness under every reading, below the paper's."""
-    printed = [FITNESS[config.case, controller] for controller in config.controllers]
-    rows = [("paper", *(f"{row.mean:.1f} ({row.minimum:.1f})" for row in printed))]
+    """Return mean and minimum of the final fitness under every reading, below those of the SPSFA paper."""
+    published = [FITNESS[config.case, controller] for controller in config.controllers]
+    rows: list[tuple[Entry, ...]] = [
+        (
+            "paper",
+            *(Cell.of("{value:.1f} ({minimum:.1f})", value=p.mean, minimum=p.minimum) for p in published),
+        )
+    ]
     for name, (low, high), options in tqdm(READINGS, unit="reading", desc=config.case):
         scenario = require_analytic(make_scenario(config.case))
         y = scenario.start[1]
@@ -62,7 +69,13 @@ def compare_readings(config: ReadingsConfig) -> Table:
             episodes = run_episodes(make_controller(controller), scenario, TEST[: config.seeds], **options)
             found = summarise(np.asarray(episodes.final_fitness))
             cells.append(
-                f"{found.mean:.1f} [{found.interval[0]:.1f}, {found.interval[1]:.1f}] ({found.minimum:.1f})"
+                Cell.of(
+                    "{value:.1f} [{low:.1f}, {high:.1f}] ({minimum:.1f})",
+                    value=found.mean,
+                    low=found.interval[0],
+                    high=found.interval[1],
+                    minimum=found.minimum,
+                )
             )
         rows.append((name, *cells))
     return Table(
@@ -74,7 +87,7 @@ def compare_readings(config: ReadingsConfig) -> Table:
 
 
 def main() -> None:
-    """Compare as the command line says, print and store."""
+    """Compare readings as the command line says; print and store the table."""
     config = tyro.cli(ReadingsConfig, description=__doc__)
     table = compare_readings(config)
     write_atomically(config.output, table.markdown())

@@ -1,9 +1,9 @@
-"""An example: Ray Tune searches hyperparameters of a preset, `python -m experiments.with_ray_tune --help`.
+"""Search hyperparameters of a preset with Ray Tune, an example: `python -m experiments.with_ray_tune --help`.
 
-For those who tune there; needs the extra `ray-tune`. A trial is a training run in a folder of its own,
-`<runs>/<trial>`. It is made longer from rung to rung of ASHA (L. Li et al., "A system for massively parallel
-hyperparameter tuning", MLSys 2020), which ends those that are behind; a run that is made longer goes on from
-its checkpoint, and so does one whose node was lost.
+It needs the extra `ray-tune`. A trial is a training run in a folder of its own, `<runs>/<trial>`. From rung
+to rung of ASHA (L. Li et al., "A system for massively parallel hyperparameter tuning", MLSys 2020), runs are
+prolonged, and the worse ones are stopped. A run that is prolonged, or whose node was lost, resumes from its
+checkpoint.
 """
 
 import contextlib
@@ -33,25 +33,25 @@ class SearchConfig:
     """Options of a search."""
 
     preset: str = "three-cases-ppo"
-    """What is searched around."""
+    """Training preset whose hyperparameters are searched."""
     trials: int = 16
-    """How many points of the space are tried."""
+    """Number of trials; each is a random point of the search space."""
     rungs: int = 4
-    """How often trials are compared, and the worse ones ended."""
+    """Number of times that trials are compared and the worse ones stopped."""
     total_steps: int = 640_000
-    """Environment steps of a trial that is never ended."""
+    """Environment steps of a trial that is never stopped early."""
     runs: Path = Path("runs/ray-tune")
-    """Where runs are kept; all nodes have to see it."""
+    """Folder of the training runs; all nodes must be able to read and write it."""
     address: str | None = None
-    """Of a Ray cluster; by default Ray is started on this machine."""
+    """Address of a Ray cluster, e.g. 10.0.0.1:6379; by default Ray is started on this machine."""
     jobs: int = 0
-    """How many trials at a time; 0 for as many as there are processors."""
+    """Number of trials at a time; 0 for one per processor."""
     seed: int = 0
-    """Seed of the points; trainings have that of the preset."""
+    """Seed of the search; trainings have the seed of the preset."""
 
 
 def train_in_rungs(values: Mapping[str, Any], preset: TrainConfig, config: SearchConfig) -> None:
-    """A trial: the preset with these values, reported after every rung."""
+    """Train the preset with other values, as one trial; report its validation after every rung."""
     from ray import tune
 
     name = tune.get_context().get_trial_id()
@@ -65,12 +65,12 @@ def train_in_rungs(values: Mapping[str, Any], preset: TrainConfig, config: Searc
 
 
 def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
-    """The best policy of all trials by its validation, and the values that it was trained with.
+    """Return the policy file of the best trial by validation, and the values that it was trained with.
 
     Raises:
         MissingExtraError: if Ray Tune is missing.
-        BackendError: if the cluster cannot be used, or no trial came to its first rung.
-        ValueError: for an option that cannot be.
+        BackendError: if the cluster cannot be used, or if no trial reached its first rung.
+        ValueError: if an option has a value out of its range.
     """
     for name in ("trials", "rungs", "total_steps"):
         if getattr(config, name) < 1:
@@ -89,9 +89,9 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
         "log_std": tune.uniform(-2.5, -0.8),
         "clip_range": tune.uniform(0.1, 0.3),
     }
-    os.environ["RAY_CHDIR_TO_TRIAL_DIR"] = "0"  # workers stay where code and maps are
+    os.environ["RAY_CHDIR_TO_TRIAL_DIR"] = "0"  # workers stay in the folder with code and maps
     with closing(where.make(runs, controllers)) as backend:
-        backend.workers()  # connects, and brings them code and maps
+        backend.workers()  # connects, and sends code and maps to the workers
         tuner = tune.Tuner(
             tune.with_parameters(train_in_rungs, preset=preset, config=replace(config, runs=runs)),
             param_space=space,
@@ -112,13 +112,13 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
         try:
             best = tuner.fit().get_best_result()
         except RuntimeError as error:
-            raise BackendError(f"no trial came to its first rung: {error}") from error
+            raise BackendError(f"no trial reached its first rung: {error}") from error
     trial = (best.metrics or {})["trial_id"]
     return config.runs / trial / "best.safetensors", best.config or {}
 
 
 def main() -> None:
-    """Search as the command line says."""
+    """Carry out the search that the command line asks for."""
     config = tyro.cli(SearchConfig, description=__doc__)
     with command(MissingExtraError, BackendError):
         policy, values = search(config)

@@ -1,7 +1,19 @@
-"""Actions: how a controller states the next population size and repair degree, and further decisions.
+"""Actions: the numbers by which a controller decides population size, repair degree and more.
 
-A layout is a list of decisions, each one number of the action: population size, repair degree and, in the
-extended layouts, those parameters of the optimizer that may change at every iteration.
+A layout is a list of decisions, each one number of the action:
+
+| layout | dtype | population size | repair degree phi | parameters of the optimizer |
+|---|---|---|---|---|
+| `natural` | float64 | members | in [0, 1] | fixed |
+| `normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | fixed |
+| `paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | fixed |
+| `extended` | float64 | members | in [0, 1] | in their own units |
+| `extended-normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
+| `extended-paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
+
+Extended layouts have one number for each parameter of the optimizer that may change at every iteration. A
+paced size asks for 6^a times the population size at which `max_evaluations` would just last, for a in [-1,
+1].
 """
 
 from abc import ABC, abstractmethod
@@ -20,28 +32,33 @@ from swarm_gym.simulation import Decisions, Simulation
 
 Floats = NDArray[np.float64]
 
-# How far a paced action can depart from the size at which the budget would last: by this factor.
+# Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
 
 
 class Scale(ABC):
-    """How one decision is written as a number of an action."""
+    """The scale on which one decision is written as a number of an action.
+
+    Attributes:
+        low: smallest number of the action.
+        high: largest number of the action.
+    """
 
     low: float
     high: float
 
     @abstractmethod
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:
-        """Numbers (B,) that ask for these values (B,), up to the bounds of the action."""
+        """Return the numbers (B,) that ask for these values (B,); they may exceed `low` and `high`."""
 
     @abstractmethod
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:
-        """Values (B,) that these numbers (B,) ask for."""
+        """Return the values (B,) that these numbers (B,) ask for."""
 
 
 @dataclass(frozen=True)
 class AsItIs(Scale):
-    """A number in its own unit."""
+    """The scale of a number in its own unit."""
 
     low: float
     high: float
@@ -55,7 +72,7 @@ class AsItIs(Scale):
 
 @dataclass(frozen=True)
 class Linear(Scale):
-    """[smallest, largest] scaled to [-1, 1]."""
+    """The scale that maps [smallest, largest] linearly to [-1, 1]."""
 
     smallest: float
     largest: float
@@ -71,7 +88,7 @@ class Linear(Scale):
 
 @dataclass(frozen=True)
 class Logarithmic(Scale):
-    """The logarithm of [smallest, largest], both positive, scaled to [-1, 1]."""
+    """The scale that maps the logarithm of [smallest, largest], both positive, to [-1, 1]."""
 
     smallest: float
     largest: float
@@ -80,7 +97,7 @@ class Logarithmic(Scale):
 
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
         spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
-        positive = np.maximum(values, self.smallest)  # a parameter may be 0 where no action decides it
+        positive = np.maximum(values, self.smallest)  # the default of a parameter may be 0
         return 2.0 * (np.log(positive) - np.log(self.smallest)) / spread - 1.0
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
@@ -89,10 +106,10 @@ class Logarithmic(Scale):
 
 @dataclass(frozen=True)
 class Paced(Scale):
-    """The population size relative to the one at which the evaluation budget would just last.
+    """The scale of population sizes relative to the one at which the evaluation budget would just last.
 
-    A number a in [-1, 1] asks for PACE_SPREAD^a times that size. The budget is never exceeded, and what is
-    not spent now is there for later iterations.
+    A number a in [-1, 1] asks for PACE_SPREAD^a times that size. The budget is never exceeded, and
+    evaluations that are not spent now remain for later iterations.
     """
 
     low: float = -1.0
@@ -100,7 +117,9 @@ class Paced(Scale):
 
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: D102
         if simulation is None:
-            raise SettingError("paced actions depend on the evaluations that are left")
+            raise SettingError(
+                "paced actions depend on the remaining evaluations: encode them with a simulation"
+            )
         return np.log(values / self._lasting(simulation)) / np.log(PACE_SPREAD)
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
@@ -111,13 +130,13 @@ class Paced(Scale):
 
 
 class Action:
-    """A layout of actions.
+    """A layout of actions, for one environment.
 
     Attributes:
-        name: of the layout.
-        labels: what each number decides.
-        scales: how each number is read.
-        space: of one swarm's action, shape (number of decisions,).
+        name: name of the layout, as in the option `action`.
+        labels: decision that each number stands for.
+        scales: scale of each number.
+        space: space of one swarm's action, shape (number of decisions,).
     """
 
     def __init__(
@@ -142,21 +161,22 @@ class Action:
         return Box(low, high, dtype=self._dtype)
 
     def encode(self, decided: Floats, simulation: Simulation | None = None) -> NDArray:
-        """Actions (B, k) that come nearest to asking for what is decided; paced ones need the simulation.
+        """Return the actions (B, k) that come closest to asking for these decisions.
 
         Args:
-            decided: (B, k) in the layout `extended`, or (B, 2) in `natural`: then the optimizer's parameters
-                stay as they are.
-            simulation: of the B swarms.
+            decided: (B, k) values in the layout `extended`, or (B, 2) in `natural`; then the optimizer's
+                parameters keep their defaults.
+            simulation: simulation of the B swarms, which paced layouts need.
 
         Raises:
-            ActionError: if more is decided than the layout has numbers for.
+            ActionError: if there are more decisions than the layout has numbers.
+            SettingError: if a paced layout is encoded without a simulation.
         """
         missing = len(self.scales) - decided.shape[1]
         if missing < 0:
             raise ActionError(
-                f"{decided.shape[1]} decisions cannot be said in the layout {self.name!r} "
-                f"({', '.join(self.labels)})"
+                f"got {decided.shape[1]} decisions, but the action layout {self.name!r} has only "
+                f"{len(self.scales)} numbers ({', '.join(self.labels)})"
             )
         wanted = np.concatenate([decided, np.tile(self._defaults, (len(decided), 1))[:, :missing]], axis=1)
         numbers = [
@@ -166,12 +186,12 @@ class Action:
         return np.clip(np.stack(numbers, axis=1), space.low, space.high).astype(self._dtype)
 
     def decode(self, actions: object, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
-        """What actions (B, k) ask for; sizes are rounded to nearest.
+        """Return the decisions that actions (B, k) ask for; sizes are rounded to the nearest integer.
 
         Only the chosen rows, (B,), have to be valid.
 
         Raises:
-            ActionError: for a wrong type or shape, a number that is not finite or out of bounds.
+            ActionError: for a wrong type or shape, or a number that is not finite or out of bounds.
         """
         values = self._read(actions, chosen)
         decided = [
@@ -190,7 +210,7 @@ class Action:
         space = self.space
         try:
             given = np.asarray(actions)
-        except Exception as error:  # of an object that makes an array of itself, anything may come
+        except Exception as error:  # an object that converts itself to an array can raise anything
             raise ActionError(f"an action must be numbers, got {shown(actions)}") from error
         if given.dtype.kind not in "fiu":
             raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
@@ -199,9 +219,9 @@ class Action:
                 f"an action must have shape {space.shape} ({', '.join(self.labels)}), one per swarm, "
                 f"{len(chosen)} in all; got {given.shape}"
             )
-        with np.errstate(over="ignore"):  # infinite then, and refused
+        with np.errstate(over="ignore"):  # becomes infinite, which is refused below
             values = given.astype(np.float64)
-        valid = (values >= space.low) & (values <= space.high)  # not a number is neither
+        valid = (values >= space.low) & (values <= space.high)  # False for NaN
         if not valid.all():
             wrong = chosen & ~valid.all(axis=1)
             if wrong.any():
@@ -216,18 +236,17 @@ class Action:
 
 @dataclass(frozen=True)
 class Layout:
-    """What a layout of actions is made of; `make_action` fills in the settings.
+    """The parts of a layout of actions; `make_action` fills in the settings.
 
     Attributes:
-        size: `natural` (members), `logarithmic` or `paced` (both in [-1, 1]).
-        extended: whether the optimizer's own parameters are decided too.
+        size: scale of the population size: `natural` (members), `logarithmic` or `paced` (both in [-1, 1]).
+        extended: whether the action decides parameters of the optimizer, too.
     """
 
     size: str
     extended: bool
 
 
-# natural: units as they are, float64. normalised and paced: [-1, 1], float32, for networks.
 ACTIONS: dict[str, Layout] = {
     "natural": Layout("natural", False),
     "normalised": Layout("logarithmic", False),
@@ -239,11 +258,12 @@ ACTIONS: dict[str, Layout] = {
 
 
 def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
-    """The action layout that the settings name, for an optimizer.
+    """Return the layout of actions that the settings name, for an optimizer.
 
     Raises:
-        UnknownNameError: if there is none of that name.
-        SettingError: if the layout asks for what the settings or the optimizer lack.
+        UnknownNameError: if there is no layout of that name.
+        SettingError: if the layout needs an evaluation budget that is not set, or parameters that the
+            optimizer does not have.
     """
     layout = look_up("action layout", settings.action, ACTIONS)
     if layout.size == "paced" and settings.max_evaluations is None:
@@ -261,7 +281,10 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     }
     decided = optimizer.decided_knobs() if layout.extended else {}
     if layout.extended and not decided:
-        raise SettingError(f"action {settings.action!r}: optimizer {optimizer.name!r} decides nothing more")
+        raise SettingError(
+            f"action {settings.action!r}: optimizer {optimizer.name!r} has no parameters to decide; choose a "
+            "layout that is not extended"
+        )
     names = list(optimizer.knobs)
     for place, knob in decided.items():
         if knob.decided is not None:

@@ -1,7 +1,7 @@
-"""A batch of swarms as a decision process: actions in, observations, rewards and information out.
+"""A batch of swarms as a decision process: actions in; observations, rewards and infos out.
 
-Both environments are thin shells around this class, so that one swarm alone and one of many go through the
-same arithmetic.
+Both environments are thin shells around `SwarmBatch`, so that one swarm and many go through the same
+arithmetic.
 """
 
 from collections.abc import Mapping
@@ -24,12 +24,13 @@ Floats = NDArray[np.float64]
 
 
 class SwarmBatch:
-    """B swarms behind the action, observation and reward that the settings name.
+    """A batch of B swarms behind the action, observation and reward that the settings name.
 
     Attributes:
+        settings: options of the environment.
         simulation: the swarms themselves.
-        action_space: of one swarm.
-        observation_space: of one swarm.
+        action_space: space of one swarm's action.
+        observation_space: space of one swarm's observation.
     """
 
     def __init__(
@@ -59,16 +60,29 @@ class SwarmBatch:
         generators: list[np.random.Generator],
         options: Mapping[str, Any] | None,
     ) -> None:
-        """Begin episodes in the chosen swarms, seeded from their generators, one per swarm."""
+        """Begin episodes in the chosen swarms, seeded from their generators.
+
+        Args:
+            chosen: (B,) swarms that begin an episode.
+            generators: one generator per swarm.
+            options: options of `reset`, see `Simulation.reset`.
+        """
         seeds = [episode_seed(generators[row]) for row in np.flatnonzero(chosen)]
         self.simulation.reset(chosen, seeds, options)
 
     def step(self, chosen: Flags, actions: object) -> tuple[Floats, Flags]:
-        """Advance the chosen swarms; returns rewards and whether their episodes ended, each (B,).
+        """Advance the chosen swarms by one iteration.
+
+        Args:
+            chosen: (B,) swarms to advance.
+            actions: (B, number of decisions); only the chosen rows have to be valid.
+
+        Returns:
+            Rewards (B,), 0 where a swarm is not chosen, and whether the episodes ended (B,).
 
         Raises:
             ActionError: for an action that is not in the action space.
-            StepOrderError: if a chosen swarm has no episode under way.
+            StepOrderError: if no episode of a chosen swarm is under way.
         """
         simulation = self.simulation
         idle = chosen & ~simulation.running
@@ -95,14 +109,14 @@ class SwarmBatch:
         return np.where(chosen, reward, 0.0), ended
 
     def observe(self) -> NDArray:
-        """Observations of all swarms, (B, k), a new array."""
+        """Return the observations of all swarms, (B, k), a new array."""
         space = self.observation_space
         return np.minimum(np.maximum(self._observation.observe(self.simulation), space.low), space.high)
 
     def info(self) -> dict[str, NDArray]:
-        """Information on all swarms, arrays with a leading axis of length B, new at each call.
+        """Return infos on all swarms: new arrays whose first axis has length B.
 
-        `robot`, (B, 2), and `driven`, (B,), are there where robots drive. `optimality_gap` is NaN where the
+        `robot`, (B, 2), and `driven`, (B,), are there if robots drive. `optimality_gap` is NaN where the
         optimum is unknown or the episode goes on.
         """
         simulation, swarms = self.simulation, self.simulation.swarms
@@ -124,5 +138,5 @@ class SwarmBatch:
 
 
 def episode_seed(generator: np.random.Generator) -> np.random.SeedSequence:
-    """The seed of the next episode of a swarm; advances the generator."""
+    """Return the seed of the next episode of a swarm; advances the generator."""
     return np.random.SeedSequence(generator.integers(0, 2**32, size=8).tolist())

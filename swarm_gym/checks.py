@@ -1,4 +1,4 @@
-"""Checks of numbers and names that come from a user."""
+"""Checks of numbers and names that users give."""
 
 from collections.abc import Mapping
 from typing import TypeVar
@@ -12,7 +12,7 @@ Entry = TypeVar("Entry")
 
 
 def require_number(name: str, value: object, low: float, high: float) -> None:
-    """Refuse what is not a number in [low, high]; NaN is in no interval.
+    """Raise an error if a value is not a number in [low, high]; NaN lies in no interval.
 
     Raises:
         SettingError: with name, value and interval.
@@ -24,7 +24,7 @@ def require_number(name: str, value: object, low: float, high: float) -> None:
 
 
 def require_integer(name: str, value: object, low: int, high: int = 10**9) -> None:
-    """Refuse what is not an integer in [low, high].
+    """Raise an error if a value is not an integer in [low, high].
 
     Raises:
         SettingError: with name, value and interval.
@@ -36,10 +36,15 @@ def require_integer(name: str, value: object, low: int, high: int = 10**9) -> No
 
 
 def look_up(kind: str, name: object, registry: Mapping[str, Entry]) -> Entry:
-    """The entry of that name.
+    """Return the entry of a name in a registry.
+
+    Args:
+        kind: kind of the entries, for messages.
+        name: name to look up.
+        registry: entries by name.
 
     Raises:
-        UnknownNameError: if there is none; the message lists the valid names.
+        UnknownNameError: if there is no entry of that name; the message lists the valid names.
     """
     if not isinstance(name, str) or name not in registry:
         raise UnknownNameError(kind, name, registry)
@@ -47,10 +52,10 @@ def look_up(kind: str, name: object, registry: Mapping[str, Entry]) -> Entry:
 
 
 def refuse_negative_seed(seed: object) -> None:
-    """Refuse a seed below 0, as Gymnasium does, which would show all of its digits.
+    """Raise an error for a negative seed, as Gymnasium does, but with a shortened message.
 
     Raises:
-        gymnasium.error.Error: if it is.
+        gymnasium.error.Error: if the seed is negative.
     """
     if isinstance(seed, int) and seed < 0:
         raise gymnasium.error.Error(f"seed must be a natural number, got {shown(seed)}")

@@ -1,4 +1,4 @@
-"""How commands end: whatever ends them, one line says so, and the exit status tells it to scripts."""
+"""The end of commands: any interruption or expected error becomes one line and an exit status."""
 
 import os
 import signal
@@ -8,31 +8,31 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-# As shells report a process that a signal ended.
+# Exit statuses of shells for processes that a signal ended.
 INTERRUPTED = 128 + signal.SIGINT
 TERMINATED = 128 + signal.SIGTERM
 
 
 class _Terminated(BaseException):
-    """SIGTERM has come; no `except Exception` shall stop it."""
+    """The arrival of SIGTERM; a `BaseException`, so that no `except Exception` stops it."""
 
 
 @contextmanager
 def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
-    """Carry out a command: what ends it early becomes a line on standard error and an exit status.
+    """Run a command; turn errors and signals into a line on standard error and an exit status.
 
-    | what ends it | exit status |
+    | end | exit status |
     |---|---|
-    | `OSError` (a full disk, a folder that is read only), `ValueError`, one of `errors` | 1 |
+    | `OSError` (a full disk, a read-only folder), `ValueError`, one of `errors` | 1 |
     | Ctrl-C | 130 |
-    | SIGTERM, as batch systems send it before they kill | 143 |
+    | SIGTERM, which batch systems send before they kill | 143 |
 
     After Ctrl-C and SIGTERM files are closed and worker processes end, as after an error. Any other exception
-    is a mistake in the program and comes with its traceback.
+    is a mistake in the program and is raised with its traceback.
 
     Args:
-        errors: more exceptions that say what is wrong by themselves.
-        kept: for the message: what an interrupted command has kept, and how one goes on.
+        errors: further exceptions whose messages are sufficient for users.
+        kept: for the message: what an interrupted command has kept, and how to continue.
     """
     expected: tuple[type[Exception], ...] = (OSError, ValueError, *errors)
     with _raising_on_sigterm():
@@ -56,12 +56,12 @@ def _end(what: str, kept: str, status: int) -> NoReturn:
 @contextmanager
 def _raising_on_sigterm() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
-        yield  # Python lets no other thread handle signals
+        yield  # in Python only the main thread handles signals
         return
     process = os.getpid()
 
     def terminate(*_: Any) -> None:
-        if os.getpid() != process:  # a copy of this process has no command to end
+        if os.getpid() != process:  # a forked copy of this process must not run the command's clean-up
             os._exit(TERMINATED)
         raise _Terminated
 

@@ -1,4 +1,4 @@
-"""One swarm as a Gymnasium environment."""
+"""The environment of a single swarm, for `gymnasium.make`."""
 
 from typing import Any
 
@@ -16,51 +16,77 @@ RENDER_MODES = ("human", "rgb_array")
 
 
 class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
-    """A swarm optimizer on a path-planning scenario, or on a test function; one step is one iteration.
+    """A swarm optimizer on a path-planning scenario or a test function; one step is one iteration.
 
-    Between two iterations a controller sees how badly the population collides, and decides how large the
-    next population is and how strongly infeasible paths are repaired.
+    Between two iterations a controller observes how strongly the paths of the population collide with
+    obstacles. It decides the size of the next population, and how strongly infeasible paths are repaired.
 
-    | action (`natural`, float64) | from | to |
+        env = gymnasium.make("swarm_gym/Firefly-v0", scenario="case1", iterations=100)
+        observation, info = env.reset(seed=0)
+        observation, reward, terminated, truncated, info = env.step(np.array([60.0, 0.5]))
+
+    **Action**, layout `natural`: float64, shape (2,), or (2 + number of decided parameters,) if extended.
+
+    | number | from | to |
     |---|---|---|
-    | next population size, rounded to nearest | min_population_size | max_population_size |
+    | size of the next population, rounded to an integer | min_population_size | max_population_size |
     | repair degree phi; 0 is no repair | 0 | 1 |
-    | with `extended`: each of the optimizer's parameters that has a range `Knob.decided` | low | high |
+    | layout `extended`: each parameter of the optimizer that may change at every iteration | low | high |
 
-    The layouts `normalised` and `extended-normalised` ask for the same in [-1, 1], float32: sizes and
-    parameters in the logarithm. In `paced` and `extended-paced` the size is relative to the one at which
-    `max_evaluations` would just last.
+    Other layouts have numbers in [-1, 1], float32, for networks; see `swarm_gym.action`.
 
-    | observation (`paper`, float64) | from | to |
+    **Observation**, layout `paper`: float64, shape (4,), the numbers that the schedule of the SPSFA paper
+    uses; E(P) is its eq. 7.
+
+    | number | from | to |
     |---|---|---|
-    | population collision E(P) = k mean + (1 - k) std, map units | 0 | a bound of the scenario |
-    | mean degree of collision, map units | 0 | same |
-    | standard deviation of the degree of collision, map units | 0 | same |
+    | population collision E(P) = k mean + (1 - k) std, map units; k is `mean_weight` | 0 | bound of the map |
+    | mean degree of collision of the members, map units | 0 | bound of the map |
+    | standard deviation of the degree of collision, map units | 0 | bound of the map |
     | iteration | 0 | iterations |
 
-    Other layouts, scaled for networks, are in `swarm_gym.observation`; `paper+rich` is one after the other.
+    Other layouts are scaled to float32 for networks; `paper+rich` joins two of them. See
+    `swarm_gym.observation`.
 
-    Reward (`progress`): log(gap before / gap after) - price * evaluations / reference_evaluations, with
-    gap = best fitness so far - its lower bound: mu * straight line, on grid maps the straight line.
+    **Reward**, `progress`: log(gap before / gap after) - price * evaluations / reference_evaluations. The gap
+    is the best fitness so far minus a lower bound; the evaluations are those of this step. See
+    `swarm_gym.reward`.
 
-    On test functions nothing collides: E(P) is 0 throughout, all members are feasible, and the repair degree
-    changes nothing. The lower bound is 0, and so is the optimum; see docs/scenarios.md.
+    **Episode**: `reset` evaluates the first population; its E(P) is the first observation. The seed
+    determines the scenario and all random numbers. Options of `reset` are `scenario`,
+    `initial_population_size` and `initial_population`. The episode terminates after `iterations` steps, or
+    when `max_evaluations` are spent; it is never truncated.
 
-    The episode is terminated after `iterations` steps, or when `max_evaluations` are spent. `reset` evaluates
-    the first population: its E(P) is the first observation. Its seed fixes scenario and trajectory; its
-    options are `scenario`, `initial_population_size` and `initial_population`.
+    **Info**:
 
-    `info`: best_fitness, best_collision, best_path (k, 2), evaluations, population_size, feasible_share,
-    repair_degree, scenario; where robots drive, robot (2,), the place, and driven, the length; and at the end
-    optimality_gap, where the optimum is known. On a test function the path is the vector in parallel
-    coordinates.
+    | key | value |
+    |---|---|
+    | `best_fitness` | best fitness so far; smaller is better |
+    | `best_collision` | degree of collision of the best path so far, map units |
+    | `best_path` | best path so far, (k, 2), map units |
+    | `evaluations` | evaluations in this episode |
+    | `population_size` | size of the population |
+    | `feasible_share` | fraction of the members that do not collide |
+    | `repair_degree` | repair degree of the last iteration; 0 after `reset` |
+    | `scenario` | name of the scenario |
+    | `robot`, `driven` | if the robot drives: its position (2,) and the length of its drives, map units |
+    | `optimality_gap` | at the end of an episode with a known optimum: (best fitness - optimum) / optimum |
+
+    **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree
+    changes nothing. The optimum and the lower bound are 0, and `optimality_gap` is the best fitness.
+    `best_path` is the decision vector in parallel coordinates. See docs/scenarios.md.
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
-        render_mode: None, "human" (a window, whose keys its title says) or "rgb_array".
-        render_width: of frames, in pixels, within `swarm_gym.rendering.WIDTHS`.
-        render_height: likewise, within `swarm_gym.rendering.HEIGHTS`.
-        options: see `swarm_gym.settings.Settings`, and the parameters of the optimizer.
+        render_mode: None, "human" (a window, whose title explains its keys) or "rgb_array".
+        render_width: width of rendered frames in pixels, within `swarm_gym.rendering.WIDTHS`.
+        render_height: height of rendered frames in pixels, within `swarm_gym.rendering.HEIGHTS`.
+        options: options of `swarm_gym.settings.Settings` and parameters of the optimizer, by name.
+
+    Raises:
+        UnknownNameError: for an option, optimizer, scenario, layout or reward that does not exist.
+        SettingError: for a value that an option cannot have.
+        ScenarioError: for the name of a scenario that is malformed, or whose map is missing.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 20}  # noqa: RUF012
@@ -92,20 +118,26 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     @property
     def simulation(self) -> Any:
-        """The `Simulation` inside, a batch of one: population, history, problem."""
+        """The `Simulation` in this environment, a batch of one swarm: population, history and problem."""
         return self._batch.simulation
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray, dict[str, Any]]:
-        """Begin an episode; see the class for the options.
+        """Begin an episode and return the first observation and info.
+
+        Args:
+            seed: natural number that determines the scenario and all random numbers of this episode and the
+                following ones; None goes on with the present random generator.
+            options: `scenario`, the name of one of this environment's scenarios; `initial_population_size`;
+                or `initial_population`, decision vectors, shape (members, dimension), in map units.
 
         Raises:
-            UnknownNameError: for an option or scenario that is not there.
+            UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
-            gymnasium.error.Error: for a seed that is no natural number.
+            gymnasium.error.Error: for a seed that is not a natural number.
         """
-        self._batch.simulation.read_options(options)  # before anything is drawn
+        self._batch.simulation.read_options(options)  # raises errors before a random number is drawn
         refuse_negative_seed(seed)
         super().reset(seed=seed)
         self._batch.reset(ALL, [self.np_random], options)
@@ -113,20 +145,26 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         return self._batch.observe()[0], self._info()
 
     def step(self, action: NDArray) -> tuple[NDArray, float, bool, bool, dict[str, Any]]:
-        """Resize the population, advance it by one iteration with this repair degree.
+        """Resize the population and advance it by one iteration with this repair degree.
+
+        Args:
+            action: numbers in the layout of the option `action`, shape (number of decisions,).
+
+        Returns:
+            Observation, reward, whether the episode has terminated, False for truncated, and info.
 
         Raises:
             ActionError: if the action is not in the action space.
-            StepOrderError: before the first `reset` and after the end of an episode.
+            StepOrderError: before the first `reset`, or after the end of an episode.
         """
         reward, ended = self._batch.step(ALL, _as_batch(action))
         self._show()
         return self._batch.observe()[0], float(reward[0]), bool(ended[0]), False, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The current frame, (render_height, render_width, 3), in mode "rgb_array".
+        """Return the current frame, (render_height, render_width, 3) uint8, in mode "rgb_array"; else None.
 
-        In mode "human" `reset` and `step` show each picture; here the window only reacts to its user.
+        In mode "human", `reset` and `step` show each frame; here the window only reacts to its user.
         """
         if self.render_mode == "human":
             self._get_renderer().respond()
@@ -135,7 +173,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         return self._get_renderer().frame(Scene.of(self._batch.simulation))
 
     def close(self) -> None:
-        """Close the window, if there is one."""
+        """Close the window if it is open."""
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
@@ -156,12 +194,12 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         return info
 
     def __getstate__(self) -> dict[str, Any]:
-        # A window stays where it was opened; the copy opens its own.
+        # A copy opens its own window.
         return {**self.__dict__, "_renderer": None}
 
 
 def _as_batch(action: object) -> object:
     try:
         return np.asarray(action)[None]
-    except Exception:  # which the check of actions meets again, and reports
+    except Exception:  # the check of actions raises it again, and reports it
         return action

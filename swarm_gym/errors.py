@@ -1,60 +1,60 @@
-"""The errors of this package; each names the value, what was expected and where it came from."""
+"""The errors of this package; every message names the value, what was expected and where it came from."""
 
 import reprlib
 from collections.abc import Iterable
 from typing import Any
 
-# A message shows what was wrong, and need not be longer than a screen.
+# Limits of the values in messages, so that a message is not longer than a screen.
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxlist, _SHORT.maxtuple, _SHORT.maxdict = 3, 12, 12, 6
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 400
 
 
 def shown(value: object) -> str:
-    """A value for a message, shortened where it is long; of any object."""
+    """Return any object as text for a message, shortened where it is long."""
     try:
         return _SHORT.repr(value)
-    except Exception:  # an integer of thousands of digits, or whatever a foreign object does
+    except Exception:  # an integer has thousands of digits, or an object's repr fails
         return f"<{type(value).__name__}>"
 
 
 class SwarmGymError(Exception):
-    """Base class of every error that swarm_gym raises on purpose; workers can send any of them."""
+    """Base class of the errors that swarm_gym raises on purpose; workers can send any of them."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _received, (type(self), self.args), self.__dict__
 
 
 def _received(kind: type[SwarmGymError], args: tuple[Any, ...]) -> SwarmGymError:
-    # Its message is there already, which its own arguments were for.
+    # The message is complete, so the constructor that composes it is not called again.
     return kind.__new__(kind, *args)
 
 
 class ScenarioError(SwarmGymError, ValueError):
-    """A scenario is not a well-formed planning task."""
+    """A scenario that is not a well-formed task."""
 
 
 class UnknownNameError(SwarmGymError, ValueError):
-    """A name is not in its registry."""
+    """A name that is not in its registry."""
 
     def __init__(self, kind: str, name: object, valid: Iterable[str]):
         super().__init__(f"unknown {kind} {shown(name)}; valid: {', '.join(sorted(valid))}")
 
 
 class SettingError(SwarmGymError, ValueError):
-    """An option of an environment has a value it cannot have."""
+    """A value that an option of an environment cannot have."""
 
 
 class ActionError(SwarmGymError, ValueError):
-    """An action is not an element of the action space."""
+    """An action that is not an element of the action space."""
 
 
 class StepOrderError(SwarmGymError, RuntimeError):
-    """`step` was called when there was no episode to advance."""
+    """A call of `step` when no episode is under way."""
 
 
 class MissingExtraError(SwarmGymError, ImportError):
-    """A library is needed that only an extra of this package installs."""
+    """A library that is needed but missing; an extra of this package installs it."""
 
     def __init__(self, purpose: str, library: str, extra: str):
         super().__init__(f"{purpose} needs {library}: run `pip install 'swarm_gym[{extra}]'`")

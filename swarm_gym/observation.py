@@ -1,8 +1,18 @@
-"""Observations: what a controller sees of a swarm.
+"""Observations: the numbers by which a controller sees a swarm.
 
-A layout is a list of features. The paper's four numbers come in map units and iterations, unscaled, so that
-its schedule can be computed from them exactly. The layouts for networks are scaled by fixed numbers: there
-are no running statistics to save or to lose.
+A layout is a list of features, and every layout begins with three numbers about collision and the iteration:
+
+| layout | dtype | features |
+|---|---|---|
+| `paper` | float64 | E(P), mean and standard deviation of the collision in map units; iteration |
+| `scaled` | float32 | logarithms of the first three; fraction of the iterations done |
+| `extended` | float32 | `scaled`, and size, feasible share, best fitness, change of E(P), evaluations |
+| `rich` | float32 | `extended`, and a logarithmic clock, recent progress, diversity, share of the budget |
+| `priced` | float32 | `rich`, and the price of evaluations in this episode |
+
+`paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
+layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names
+joined by `+`, such as `paper+rich`, stand for several layouts one after the other.
 """
 
 from collections.abc import Callable
@@ -17,43 +27,56 @@ from swarm_gym.simulation import HISTORY, Simulation
 
 Floats = NDArray[np.float64]
 
-ITERATION = 3  # column of every layout: the iteration, or its share of all; 0 at the beginning only
-RECENT = 5  # iterations over which progress is looked back on
+ITERATION = 3  # column of every layout with the iteration, or its fraction of all; 0 only at the beginning
+RECENT = 5  # number of iterations over which recent progress is measured
 
 
 @dataclass(frozen=True)
 class Feature:
-    """One number per swarm, with finite bounds."""
+    """One number per swarm, with finite bounds.
+
+    Attributes:
+        name: description of the number.
+        values: function that returns the numbers of all swarms, shape (B,).
+        high: function that returns the upper bound.
+        low: lower bound.
+    """
 
     name: str
-    values: Callable[[Simulation], Floats]  # to shape (B,)
+    values: Callable[[Simulation], Floats]
     high: Callable[[Simulation], float]
     low: float = 0.0
 
 
 @dataclass(frozen=True)
 class Observation:
-    """A named list of features."""
+    """A layout of observations: a named list of features.
+
+    Attributes:
+        name: name of the layout, as in the option `observation`.
+        features: features, in the order of the numbers.
+        dtype: type of the numbers.
+    """
 
     name: str
     features: tuple[Feature, ...]
     dtype: type[np.floating]
 
     def space(self, simulation: Simulation) -> Box:
-        """The space of one swarm's observation, shape (number of features,)."""
+        """Return the space of one swarm's observation, shape (number of features,)."""
         low = np.array([feature.low for feature in self.features], dtype=self.dtype)
         high = np.array([feature.high(simulation) for feature in self.features], dtype=self.dtype)
         return Box(low, high, dtype=self.dtype)
 
     def observe(self, simulation: Simulation) -> NDArray:
-        """Observations (B, number of features), a new array, up to rounding inside the bounds."""
+        """Return new observations (B, number of features), up to rounding inside the bounds."""
         out = np.empty((simulation.num_swarms, len(self.features)), dtype=self.dtype)
         for column, feature in enumerate(self.features):
             out[:, column] = feature.values(simulation)
         return out
 
     def __reduce__(self) -> tuple[Callable[[str], "Observation"], tuple[str]]:
-        # Pickled by name: features are functions.
+        # Layouts are pickled by name, since features are functions.
         return make_observation, (self.name,)
 
 
@@ -74,13 +97,16 @@ def _log_bound(simulation: Simulation) -> float:
 
 
 def _log_extent(simulation: Simulation) -> float:
-    """Bound of the scaled diversity: no member is farther from the mean than the workspace is wide."""
+    """Return the bound of the scaled diversity.
+
+    No member is farther from the mean than the workspace is wide.
+    """
     extents = [np.linalg.norm(np.subtract(*problem.bounds)) for problem in simulation.problems]
     return float(np.log1p(max(extents))) / 8.0
 
 
 def _log_progress(simulation: Simulation) -> Floats:
-    """(B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
+    """Return (B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
     rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - RECENT, 0)
     before = simulation.gap_of(simulation.history[rows, then, HISTORY.index("best_fitness")])
     now = simulation.gap()
@@ -88,14 +114,17 @@ def _log_progress(simulation: Simulation) -> Floats:
 
 
 def _log_relative_fitness(simulation: Simulation) -> Floats:
-    """(B,) log(best fitness / lower bound); log(1 + best fitness) where that is 0, of test functions."""
+    """Return (B,) log(best fitness / lower bound).
+
+    For test functions, whose lower bound is 0, it is log(1 + best fitness).
+    """
     numbers = simulation.swarms.problem
     bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
     return np.log((simulation.swarms.best_fitness + (unit - bound)) / unit)
 
 
 def _spent(simulation: Simulation) -> Floats:
-    """(B,) share of the budget that is spent; 0 without a budget."""
+    """Return (B,) the fraction of the evaluation budget that is spent; 0 without a budget."""
     if simulation.settings.max_evaluations is None:
         return np.zeros(simulation.num_swarms)
     return simulation.swarms.evaluations / simulation.settings.max_evaluations
@@ -176,10 +205,10 @@ OBSERVATIONS: dict[str, Observation] = {
 
 
 def make_observation(name: str) -> Observation:
-    """The observation layout of that name; names joined by + are layouts one after the other.
+    """Return the layout of a name; names joined by `+` are layouts one after the other.
 
     Raises:
-        UnknownNameError: if there is none.
+        UnknownNameError: if there is no layout of that name.
     """
     parts = [look_up("observation layout", part, OBSERVATIONS) for part in str(name).split("+")]
     if len(parts) == 1:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel, merged_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, load, store
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
@@ -101,26 +101,26 @@ class Workspace(NamedTuple):
     noise: Floats  # (C,)
 
 
-@inner_kernel
+@kernel
 def make_workspace(num_columns: int) -> Workspace:
     """Scratch arrays for positions of C columns."""
     return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def is_spent(swarms: Swarms, b: int) -> bool:
     """Whether swarm `b` may evaluate nothing more."""
     return swarms.evaluations[b] >= swarms.budget[b]
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def copy_position(position: Floats, other: Floats) -> None:
     """Let another array, (C,), hold the same position."""
     for k in range(0, position.shape[0], NUM_LANES):
         store(other, k, load(position, k))
 
 
-@merged_kernel
+@kernel(inline="early")
 def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
     fitness, collision = evaluate(table, work.path)
@@ -133,7 +133,7 @@ def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tupl
     return fitness, collision
 
 
-@merged_kernel
+@kernel(inline="early")
 def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Workspace) -> None:
     """Evaluate `work.path` as `evaluate_path` does, and make it that member."""
     swarms.fitness[b, member], swarms.collision[b, member] = evaluate_path(swarms, b, table, work)
@@ -141,7 +141,7 @@ def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Wor
         swarms.positions[b, member, k] = work.path[k + 1]
 
 
-@inner_kernel
+@kernel
 def add_members(
     swarms: Swarms,
     b: int,
@@ -161,7 +161,7 @@ def add_members(
         swarms.size[b] += 1
 
 
-@inner_kernel
+@kernel
 def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: int) -> None:
     """Evaluate the first `count` positions as they stand, as the members of swarm `b`, which is empty."""
     for i in range(count):
@@ -171,7 +171,7 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
     swarms.size[b] = count
 
 
-@inner_kernel
+@kernel
 def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
     """Evaluate the members of swarm `b` anew, in order; the best so far is the best of them afterwards.
 
@@ -183,7 +183,7 @@ def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -
     adopt_members(swarms, b, table, work, min(swarms.size[b], left))
 
 
-@inner_kernel
+@kernel
 def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floats) -> float:
     """Fitness of a remembered position, (C,), which may be the best so far; infinite if nothing is left."""
     if is_spent(swarms, b):
@@ -194,7 +194,7 @@ def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floa
     return fitness
 
 
-@inner_kernel
+@kernel
 def clear(swarms: Swarms, b: int) -> None:
     """Swarm `b` without members, evaluations or a best path."""
     swarms.size[b] = 0
@@ -203,7 +203,7 @@ def clear(swarms: Swarms, b: int) -> None:
     swarms.best_collision[b] = math.inf
 
 
-@merged_kernel
+@kernel(inline="early")
 def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Grow or shrink swarm `b` to `new_size` members."""
     if new_size > swarms.size[b]:
@@ -212,14 +212,14 @@ def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int)
         shrink(swarms, b, new_size)
 
 
-@inner_kernel
+@kernel
 def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
     """Add members uniform in the box that the population spans (eq. 12)."""
     lower, upper = span(swarms.positions[b], swarms.size[b], table)
     add_members(swarms, b, table, work, new_size - swarms.size[b], lower, upper)
 
 
-@inner_kernel
+@kernel
 def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
     """Lower and upper corner, (C,) each, of the box that the first `count` positions, (M, C), span.
 
@@ -237,7 +237,7 @@ def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
     return lower, upper
 
 
-@inner_kernel
+@kernel
 def shrink(swarms: Swarms, b: int, new_size: int) -> None:
     """Delete infeasible members, worst collision first, then feasible ones, worst fitness first.
 
@@ -267,7 +267,7 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
     swarms.size[b] = new_size
 
 
-@inner_kernel
+@kernel
 def outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
     """Whether a member would be kept and another one deleted, if one had to go; not if they are equal."""
     feasible = collision <= FEASIBILITY_TOLERANCE
@@ -279,7 +279,7 @@ def outlives(fitness: float, collision: float, other_fitness: float, other_colli
     return collision < other_collision
 
 
-@inner_kernel
+@kernel
 def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     """Population collision evaluation E(P) = k mean + (1 - k) std (eq. 7) into `swarms.summary`.
 
@@ -305,7 +305,7 @@ def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
     summary[4] = _diversity(swarms.positions[b], size)
 
 
-@inner_kernel
+@kernel
 def _diversity(positions: Floats, size: int) -> float:
     squares = 0.0
     for k in range(positions.shape[1]):

@@ -1,4 +1,4 @@
-"""Names of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`."""
+"""Ids of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`."""
 
 import gymnasium
 
@@ -7,7 +7,7 @@ from swarm_gym.optimizers import OPTIMIZERS
 
 
 def environment_id(optimizer: str) -> str:
-    """The id of an optimizer's environment.
+    """Return the id of an optimizer's environment, e.g. `swarm_gym/Firefly-v0` for `firefly`.
 
     Raises:
         UnknownNameError: if there is no optimizer of that name.

@@ -1,7 +1,16 @@
 """Rewards: what a controller is paid for one iteration.
 
-The gap is the best fitness so far above a lower bound that is always known: mu times the straight line from
-start to target; on grid maps the straight line; of test functions 0.
+| name | reward of one iteration |
+|---|---|
+| `progress` | log(gap before / gap after) - cost |
+| `final` | log(initial gap / final gap) at the end, minus the cost of every step |
+| `final-gap` | -log(final gap) at the end, minus the cost of every step |
+| `optimality` | -100 * optimality gap at the end, minus the cost of every step |
+
+The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
+times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
+functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
+fitness - optimum) / optimum, see `swarm_gym.reference`.
 """
 
 from collections.abc import Callable
@@ -16,14 +25,23 @@ Floats = NDArray[np.float64]
 
 
 class Transition(NamedTuple):
-    """One iteration of B swarms; every array has shape (B,)."""
+    """One iteration of B swarms; every array has shape (B,).
 
-    initial_gap: Floats  # as if the map had been what it is when the iteration is done
+    Attributes:
+        initial_gap: gap of the first population, as if the map had always been the present one.
+        gap_before: gap before the iteration.
+        gap_after: gap after the iteration, before any event on the map.
+        cost: price of the evaluations of the iteration.
+        ended: whether the episode ended with the iteration.
+        optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
+            call it.
+    """
+
+    initial_gap: Floats
     gap_before: Floats
-    gap_after: Floats  # before anything happens on the map
-    cost: Floats  # price of the evaluations spent
+    gap_after: Floats
+    cost: Floats
     ended: NDArray[np.bool_]
-    # Best fitness so far above the known optimum, relative to it; called by the reward that needs it.
     optimality_gap: Callable[[], Floats]
 
 
@@ -31,27 +49,33 @@ Reward = Callable[[Transition], Floats]
 
 
 def progress(transition: Transition) -> Floats:
-    """log(gap before / gap after) - cost: progress on a logarithmic scale minus the price paid."""
+    """Return log(gap before / gap after) - cost: progress on a logarithmic scale minus the price paid."""
     return np.log(transition.gap_before / transition.gap_after) - transition.cost
 
 
 def final(transition: Transition) -> Floats:
-    """The same sum paid at the end: log(initial gap / final gap) then, minus the cost at every step."""
+    """Return log(initial gap / final gap) at the end and 0 before it, minus the cost of every step.
+
+    Over an episode the sum is that of `progress`.
+    """
     gain = np.log(transition.initial_gap / transition.gap_after)
     return np.where(transition.ended, gain, 0.0) - transition.cost
 
 
 def optimality(transition: Transition) -> Floats:
-    """The optimality gap in percent, paid at the end with a minus, minus the cost at every step.
+    """Return minus the optimality gap in percent at the end and 0 before it, minus the cost of every step.
 
-    What studies report; unlike the logarithm it counts the rare run that fails by how far it fails. Of a test
-    function it is a hundred times the best value.
+    This is the measure that studies report. Unlike a logarithm, it weighs a rare failure by its size. For a
+    test function it is a hundred times the best value.
     """
     return np.where(transition.ended, -100.0 * transition.optimality_gap(), 0.0) - transition.cost
 
 
 def final_gap(transition: Transition) -> Floats:
-    """-log(final gap) at the end, gaps in map units, minus the cost at every step: comparable to others'."""
+    """Return -log(final gap) at the end and 0 before it, minus the cost of every step.
+
+    Gaps are in map units, so rewards of several episodes on one scenario are comparable.
+    """
     return np.where(transition.ended, -np.log(transition.gap_after), 0.0) - transition.cost
 
 
@@ -61,14 +85,14 @@ REWARDS: dict[str, Reward] = {
     "final-gap": final_gap,
     "optimality": optimality,
 }
-# Rewards that only scenarios with a known optimum have.
+# Rewards that need a scenario whose optimum is known.
 NEED_AN_OPTIMUM = ("optimality",)
 
 
 def make_reward(name: str) -> Reward:
-    """The reward function of that name.
+    """Return the reward function of a name.
 
     Raises:
-        UnknownNameError: if there is none.
+        UnknownNameError: if there is no reward of that name.
     """
     return look_up("reward", name, REWARDS)

@@ -1,8 +1,8 @@
-"""Robots that drive along what a simulation has found for them so far, while it goes on planning.
+"""Robots that drive along the best path so far, while the swarm goes on planning.
 
-After some iterations (`Drive`) the robot of a swarm drives a piece of the best path so far, if nothing is in
-the way on it; else it waits. From then on the swarm plans from where the robot is: it has a problem of its
-own, to which what the optimizer remembers is carried over.
+After some iterations (`Drive`) the robot of a swarm drives a piece of the best path so far, if the piece is
+free of obstacles; otherwise it waits. From then on the swarm plans from the robot's position. The swarm then
+has a problem of its own, and the memory of the optimizer is carried over to that problem.
 """
 
 from collections.abc import Iterator
@@ -22,31 +22,31 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-# Share of its length by which a path may be longer than what is driven, and the robot is at the target.
+# Relative excess of a path's length over the distance of a drive up to which the robot reaches the target.
 ARRIVAL = 1e-9
 
 
 class Robots:
-    """The robots of B swarms; of those that do not drive, where they stand.
+    """The robots of B swarms; a robot that does not drive stays at the start.
 
     Attributes:
-        places: (B, 2) where they are, in map coordinates.
-        driven: (B,) how far they have driven in this episode, in map units.
-        ways: of each the points, (x, y), that it has passed, from the start to where it is.
+        places: (B, 2) positions of the robots, in map coordinates.
+        driven: (B,) distances that they have driven in this episode, in map units.
+        trajectories: for each robot the points, (x, y), that it has passed, from the start to its position.
     """
 
     def __init__(self, worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms):
         self._worlds, self._optimizer, self._swarms = worlds, optimizer, swarms
         num_swarms = len(swarms.size)
-        self._world = np.zeros(num_swarms, dtype=np.int64)  # number of the world in force
-        # Of every world: after which iteration they drive first, 0 for never; how often, and how far.
+        self._world = np.zeros(num_swarms, dtype=np.int64)  # index of the world in force
+        # For every world: iteration of the first drive, 0 for never; iterations between drives; distance.
         scenario_of = np.searchsorted(worlds.first, np.arange(worlds.num_worlds), side="right") - 1
         drives = [drive_of(scenario) for scenario in settings.scenarios]
         numbers = [(drive.first, drive.every, drive.distance) if drive else (0, 1, 0.0) for drive in drives]
         self._first, self._every, self._distance = np.array(numbers)[scenario_of].T
         self.places = np.zeros((num_swarms, 2))
         self.driven = np.zeros(num_swarms)
-        self.ways: list[list[Point]] = [[] for _ in range(num_swarms)]
+        self.trajectories: list[list[Point]] = [[] for _ in range(num_swarms)]
 
     def begin(self, rows: Integers) -> None:
         """Put the robots of swarms that begin episodes at the starts."""
@@ -54,12 +54,13 @@ class Robots:
         self.driven[rows] = 0.0
         for row in rows.tolist():
             start = self._problem(row).scenario.start
-            self.places[row], self.ways[row] = start, [start]
+            self.places[row], self.trajectories[row] = start, [start]
 
     def enter_next_worlds(self, due: Flags) -> Flags:
-        """Let these swarms go on in the next worlds; (B,) those that do.
+        """Move these swarms on to their next worlds; return those that have moved on, (B,).
 
-        What would come down on a robot, or cut it off, waits until the robot has driven on.
+        A world in which the robot would be inside an obstacle, or cut off, waits until the robot has driven
+        on.
         """
         entered = due.copy()
         for row in np.flatnonzero(due).tolist():
@@ -68,7 +69,7 @@ class Robots:
                 self._swarms.problem[row] = world
             else:
                 try:
-                    problem = self._problem(row, world).begun_at(self.ways[row][-1])
+                    problem = self._problem(row, world).begun_at(self.trajectories[row][-1])
                 except ScenarioError:
                     entered[row] = False
                     continue
@@ -77,7 +78,11 @@ class Robots:
         return entered
 
     def drive(self, going: Flags) -> Flags:
-        """Let these robots drive where it is time to and nothing is in the way; (B,) those that plan on."""
+        """Drive the robots of these swarms, (B,), where it is time to and nothing is in the way.
+
+        Returns:
+            (B,) swarms that have a new problem, since their robots have driven and not reached the target.
+        """
         moved, iteration, world = np.zeros_like(going), self._swarms.iteration, self._world
         since = iteration - self._first[world]
         due = going & (self._first[world] > 0) & (since >= 0) & (since % self._every[world] == 0)
@@ -88,12 +93,12 @@ class Robots:
                 continue
             piece, arrives = found
             if arrives:
-                # Nothing is left to be planned: the episode ends.
+                # The robot is at the target, so the episode ends.
                 self._swarms.budget[row] = self._swarms.evaluations[row]
             else:
                 try:
                     there = problem.begun_at(tuple(piece[-1].tolist()))
-                except ScenarioError:  # it would stop at the edge of a blocked cell
+                except ScenarioError:  # the robot would stop at the edge of a blocked cell
                     continue
                 for vectors in self._optimizer.decision_vectors(self._swarms, row, problem.dimension):
                     vectors[...] = there.carried_over(vectors, problem)
@@ -103,24 +108,24 @@ class Robots:
                 moved[row] = True
             self.places[row] = piece[-1]
             self.driven[row] += _length(piece)
-            self.ways[row] += [(x, y) for x, y in piece[1:].tolist()]
+            self.trajectories[row] += [(x, y) for x, y in piece[1:].tolist()]
         return moved
 
     def copy_rows(self, rows: Integers) -> None:
-        """Make the robot of swarm i a copy of that of swarm rows[i], which the swarm is already."""
+        """Make the robot of swarm i a copy of that of swarm rows[i]; the swarms were copied before."""
         problems = list(self._worlds.problems)
         for array in (self._world, self.places, self.driven):
             array[...] = array[rows]
-        self.ways = [list(self.ways[row]) for row in rows]
+        self.trajectories = [list(self.trajectories[row]) for row in rows]
         for row, number in enumerate(self._swarms.problem.tolist()):
             if number >= self._worlds.num_worlds:
                 self._give(row, problems[number], int(self._world[row]))
 
     def _free_piece(self, row: int, problem: MapProblem, distance: float) -> tuple[Floats, bool] | None:
-        """The piece of the best path so far that a robot drives, see `piece_of`; None if it is not free.
+        """Return the piece of the best path so far to drive, see `piece_of`; None if it is not free.
 
-        Best paths are best by their fitness and often graze something by less than a map unit, so they are
-        repaired once where they are not free.
+        Best paths have the best fitness and often graze obstacles by less than a map unit. A path that is not
+        free is therefore repaired once.
         """
         for path in self._paths(row, problem):
             piece, arrives = piece_of(path, distance)
@@ -137,7 +142,7 @@ class Robots:
         yield problem.points(problem.repaired(best, 1.0))
 
     def _cut_walk(self, row: int, driven: Floats, there: WalkProblem) -> None:
-        """Let the best walk so far begin where the robot is; its next point is one in another cell."""
+        """Let the best walk so far begin at the robot's position; its next point lies in another cell."""
         grid, left = there.scenario.map, self._swarms.best_walk_points(row)[len(driven) - 1 :].copy()
         here = grid.cell_of(there.scenario.start)
         while len(left) and grid.cell_of(left[0]) == here:
@@ -146,13 +151,13 @@ class Robots:
         self._swarms.best_walk_points(row)[:] = np.vstack([there.scenario.start, left])
 
     def _problem(self, row: int, number: int | None = None) -> MapProblem:
-        """The problem of a swarm, or that of a world."""
+        """Return the problem of a swarm, or that of a world."""
         problem = self._worlds.problems[self._swarms.problem[row] if number is None else number]
         assert isinstance(problem, MapProblem)
         return problem
 
     def _give(self, row: int, problem: MapProblem, world: int) -> None:
-        """Let a swarm work on a problem of its own, in that world."""
+        """Give a swarm a problem of its own, in that world."""
         number = self._worlds.num_worlds + row
         self._worlds.replace(number, problem, world)
         self._swarms.problem[row] = number
@@ -161,23 +166,23 @@ class Robots:
 def make_robots(
     worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms
 ) -> Robots | None:
-    """The robots of a simulation, if any of its scenarios lets them drive.
+    """Return the robots of a simulation, or None if no scenario lets them drive.
 
     Raises:
-        SettingError: if nothing is found that they could drive along.
+        SettingError: if the optimizer moves the robot itself and so plans no path to drive along.
     """
     if not any(map(drive_of, settings.scenarios)):
         return None
     if optimizer.is_on_its_way:
         raise SettingError(
-            f"scenario {settings.scenarios[0].name!r}: the robot of {optimizer.name} goes its own way, and "
-            "drives along no other"
+            f"scenario {settings.scenarios[0].name!r}: optimizer {optimizer.name} moves the robot itself, so "
+            "that it cannot drive; choose another optimizer or a scenario without a drive"
         )
     return Robots(worlds, settings, optimizer, swarms)
 
 
 def piece_of(path: Floats, distance: float) -> tuple[Floats, bool]:
-    """The first piece, (j, 2), of a polyline, (k, 2), that is so long; and whether that is all of it."""
+    """Return the first piece, (j, 2), of a polyline, (k, 2), of that length, and whether it is all."""
     ends = np.cumsum(np.hypot(*np.diff(path, axis=0).T))
     if ends[-1] <= distance * (1.0 + ARRIVAL):
         return path, True

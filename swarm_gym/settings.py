@@ -1,4 +1,4 @@
-"""The options of an environment: one documented dataclass for single and vector environments."""
+"""The options of environments: one dataclass for single and vector environments."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
@@ -27,33 +27,40 @@ from swarm_gym.scenarios import (
 
 @dataclass(frozen=True)
 class Settings:
-    """What an environment is about. Lengths are in map units.
+    """The options of an environment; lengths are in map units.
+
+    Letters such as mu, g_max and E(P) are those of the SPSFA paper, see `swarm_gym.scenarios.papers.spsfa`.
 
     Attributes:
-        scenario: a name, a `Scenario`, or a list of these, of which each episode draws one by its seed;
-            a name with a range of numbers stands for all of them. All are of one kind.
-        encoding: how decision vectors are read: "waypoints", on grid maps also "bezier", or "walk" as points
-            that a walk over free cells has come to; by default the first of `Optimizer.encodings`. Test
+        scenario: name of a scenario, a scenario, or a list of these; a name with a range of numbers stands
+            for all of them. Each episode draws one of the scenarios by its seed. All must be of one kind.
+        encoding: how decision vectors are read: "waypoints"; on grid maps also "bezier"; or "walk", as points
+            that a walk over free cells has reached. The default is the first of `Optimizer.encodings`. Test
             functions take vectors as they are.
-        num_waypoints: n, the number of waypoints of a path.
-        num_control_points: of a Bezier curve, without start and target.
-        length_weight: mu in (0, 1], the weight of the length in the fitness on analytic maps.
-        penalty: lambda, the fitness that each infeasible sample of a path costs on grid maps; of a walk,
-            each cell's length of the blocked way.
-        cell_size: side of the cells that analytic maps are made of for walks.
-        iterations: g_max, the length of an episode.
-        initial_population_size: PS(0).
-        min_population_size: smallest size that an action can ask for.
-        max_population_size: largest one; memory grows with it.
+        num_waypoints: n, number of waypoints of a path, at least 1.
+        num_control_points: number of control points of a Bezier curve, without start and target, at least 1.
+        length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
+        penalty: lambda, at least 0: the fitness that each infeasible sample of a path costs on grid maps, or
+            each cell's length of the blocked part of a walk.
+        cell_size: side of the cells that analytic maps are converted to for walks.
+        iterations: g_max, number of steps of an episode, at least 1.
+        initial_population_size: PS(0), size of the first population, within the two limits below.
+        min_population_size: smallest population size that an action can ask for.
+        max_population_size: largest population size that an action can ask for; memory grows with it.
         mean_weight: k in [0, 1] of E(P) = k mean + (1 - k) std.
         action: layout of actions, a name in `swarm_gym.action.ACTIONS`.
-        observation: layout of observations, a name in `swarm_gym.observation.OBSERVATIONS`.
+        observation: layout of observations, a name in `swarm_gym.observation.OBSERVATIONS`, or several joined
+            by `+`.
         reward: a name in `swarm_gym.reward.REWARDS`.
-        price: what `reference_evaluations` evaluations cost, in units of the reward; or (low, high), both
-            positive, between which each episode draws it by its seed, uniformly in the logarithm.
-        reference_evaluations: see `price`.
+        price: cost of `reference_evaluations` evaluations, in units of the reward, at least 0; or (low,
+            high), both positive: then each episode draws the price by its seed, uniformly in the logarithm.
+        reference_evaluations: number of evaluations that `price` refers to, at least 1.
         max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
         knobs: parameters of the optimizer by name, where they differ from its defaults.
+
+    Raises:
+        UnknownNameError: for an encoding that does not exist.
+        SettingError: for a value that an option cannot have.
     """
 
     scenario: str | AnyScenario | tuple[str | AnyScenario, ...] = "case1"
@@ -90,11 +97,11 @@ class Settings:
 
     @classmethod
     def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, Any]) -> "Settings":
-        """Settings from keyword options; parameters of the optimizer are options like the others.
+        """Return settings from keyword options; parameters of the optimizer are options like the others.
 
         Raises:
-            UnknownNameError: for an option that does not exist; the message lists those that do.
-            SettingError: for a value that an option cannot have.
+            UnknownNameError: for an option that does not exist; the message lists the valid ones.
+            SettingError: for a value that an option cannot have, or an option that would change nothing.
         """
         own = {f.name for f in fields(cls)} - {"knobs"}
         for name in options:
@@ -118,26 +125,26 @@ class Settings:
         """The scenarios that episodes draw from.
 
         Raises:
-            SettingError: if there is none.
+            SettingError: if the list of scenarios is empty.
         """
         given = self.scenario if isinstance(self.scenario, tuple) else (self.scenario,)
         scenarios = tuple(scenario for name in given for scenario in make_scenarios(name))
         if not scenarios:
-            raise SettingError("scenario: the list of scenarios is empty")
+            raise SettingError("scenario: expected at least one scenario, got an empty list")
         return scenarios
 
     @cached_property
     def worlds(self) -> tuple[World, ...]:
-        """The worlds of one of these scenarios after the other; episodes begin in those of iteration 0."""
+        """The worlds of all scenarios, one scenario after the other; episodes begin with iteration 0."""
         return tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
 
     def problems(self) -> list[Problem]:
-        """The problems of all worlds of these scenarios, all of one kind and dimension.
+        """Return the problems of all worlds, which are of one kind and dimension.
 
         Raises:
-            SettingError: if there is none, if they differ in kind or dimension, or if the encoding needs
-                another kind.
-            ScenarioError: if a map cannot be made of cells of this size.
+            SettingError: if there is no scenario, if problems differ in kind or dimension, or if the encoding
+                needs another kind of map.
+            ScenarioError: if a map cannot be converted to cells of this size.
         """
         scenarios = [world.scenario for world in self.worlds]
         first, kind = scenarios[0], _kind_of(scenarios[0])
@@ -146,8 +153,8 @@ class Settings:
                 raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
         if self.encoding not in kind.options:
             raise SettingError(
-                f"encoding {self.encoding!r} is for {_names_of_kinds(self.encoding)}; scenario "
-                f"{first.name!r} is one of the {kind.name}"
+                f"encoding {self.encoding!r} needs {_names_of_kinds(self.encoding)}, but scenario "
+                f"{first.name!r} is one of the {kind.name}; choose another encoding or scenario"
             )
         problems = [kind.problem(self, scenario) for scenario in scenarios]
         dimension = problems[0].dimension
@@ -159,18 +166,18 @@ class Settings:
         return problems
 
     def _refuse_unused(self, given: Iterable[str]) -> None:
-        """Refuse options that say something about another kind of scenario or encoding."""
+        """Raise an error if an option has no effect on this kind of scenario or encoding."""
         kind = _kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
             if not any(name in options for options in kind.options.values()):
-                raise SettingError(f"option {name!r} says nothing about {kind.name}; it would change nothing")
+                raise SettingError(f"option {name!r} has no effect on {kind.name}; remove it")
             if name not in kind.options.get(self.encoding, (name,)):
                 raise SettingError(
-                    f"option {name!r} says nothing about encoding {self.encoding!r}; it would change nothing"
+                    f"option {name!r} has no effect with encoding {self.encoding!r}; remove it"
                 )
 
     def draw_price(self, generator: np.random.Generator) -> float:
-        """The price of an episode."""
+        """Draw the price of an episode."""
         if not isinstance(self.price, tuple):
             return self.price
         low, high = np.log(self.price)
@@ -189,7 +196,11 @@ class Settings:
             raise SettingError(f"price: (low, high) needs low < high, got {self.price!r}")
 
     def check_population_size(self, name: str, value: object) -> None:
-        """Refuse what is not a population size inside the limits."""
+        """Raise an error if a value is not a population size within the limits.
+
+        Raises:
+            SettingError: if it is not.
+        """
         require_integer(name, value, self.min_population_size, self.max_population_size)
 
 
@@ -214,12 +225,12 @@ def _function_problem(settings: Settings, scenario: FunctionScenario) -> Problem
 
 
 class Kind(NamedTuple):
-    """What the settings say about scenarios of one class.
+    """A kind of scenario: the class, and what the settings do with it.
 
     Attributes:
-        name: of such scenarios, in messages.
-        problem: makes the problem of one of them.
-        options: by the encodings that it has, those that say something about the problem.
+        name: name of such scenarios, in messages.
+        problem: function that makes the problem of a scenario.
+        options: options that have an effect on the problem, by encoding.
     """
 
     name: str
@@ -263,15 +274,15 @@ def _kind_of(scenario: StaticScenario) -> Kind:
 
 def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object, other: object) -> str:
     return (
-        f"scenario: {first.name!r} and {second.name!r} cannot be in one environment: they are of different "
-        f"{what}, {one} and {other}"
+        f"scenario: {first.name!r} and {second.name!r} cannot be in one environment, since they are of "
+        f"different {what}, {one} and {other}; make an environment for each"
     )
 
 
 def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
-    """The problem of an environment of that scenario and these options of `Settings`.
+    """Return the problem of an environment of that scenario and these options of `Settings`.
 
-    Where the map changes, that is the problem at the end of an episode, of which its results are.
+    If the map changes, this is the problem at the end of an episode, which results refer to.
 
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.

@@ -1,4 +1,4 @@
-"""Swarms in time: episodes of an optimizer, many at once, on one or several problems."""
+"""Episodes of an optimizer: many swarms at once, on one or several problems."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
-from swarm_gym.compiler.jit import announce_compilation
+from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
@@ -37,7 +37,7 @@ HISTORY = (
 
 
 class Decisions(NamedTuple):
-    """What is decided for one iteration of B swarms."""
+    """The decisions on one iteration of B swarms."""
 
     sizes: Integers  # (B,) population sizes
     repair_degrees: Floats  # (B,) phi in [0, 1]
@@ -45,25 +45,25 @@ class Decisions(NamedTuple):
 
 
 class Simulation:
-    """B swarms of one optimizer, advanced one iteration at a time.
+    """A simulation of B swarms of one optimizer, advanced one iteration at a time.
 
-    A swarm's trajectory depends on its seed and decisions alone: not on B, the other swarms or the number
-    of threads. All public arrays have B as their first axis and are changed in place.
+    The result of a swarm depends only on its seed and decisions: not on B, the other swarms or the number of
+    threads. All public arrays have B as their first axis and are changed in place.
 
     Attributes:
-        worlds: of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and `optima`
-            are theirs.
-        robots: those that drive while they are planned for; None if none does.
+        worlds: problems of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and
+            `optima` are its attributes, too.
+        robots: robots that drive during planning; None if no robot does.
         dimension: length of a decision vector.
-        swarms: the state that the kernels work on.
+        swarms: state that the kernels work on.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
-        columns: what is recorded of every iteration: `HISTORY`, then the optimizer's parameters.
+        columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters.
         history: (B, iterations + 1, number of columns) the record.
         knobs: (B, number of knobs) parameters of the optimizer where no action decides them.
         initial_gap: (B,) best fitness of the first population above the lower bound; where the map has
             changed since, times what that did to the gap.
-        price: (B,) what `reference_evaluations` evaluations cost in this episode.
+        price: (B,) cost of `reference_evaluations` evaluations in this episode.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Simulation:
 
     @property
     def num_swarms(self) -> int:
-        """B."""
+        """Number of swarms, B."""
         return len(self.iteration)
 
     def reset(
@@ -120,13 +120,13 @@ class Simulation:
         """Begin new episodes in the chosen swarms.
 
         Args:
-            chosen: (B,) which swarms.
-            seeds: one per chosen swarm; it fixes the scenario and the trajectory.
-            options: `scenario` (one of this environment's, by name), `initial_population_size`, or
+            chosen: (B,) swarms that begin an episode.
+            seeds: one seed per chosen swarm; it determines the scenario and all random numbers.
+            options: `scenario` (the name of one of this environment's), `initial_population_size`, or
                 `initial_population` (decision vectors, shape (members, dimension), in map units).
 
         Raises:
-            UnknownNameError: for an option or scenario that is not there.
+            UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
         """
         size, population, scenario = self.read_options(options)
@@ -156,10 +156,10 @@ class Simulation:
         self.initial_gap[rows] = self.gap()[rows]
 
     def step(self, chosen: Flags, decisions: Decisions) -> Floats:
-        """Advance the chosen swarms by one iteration as decided; then happens on their maps what follows it.
+        """Advance the chosen swarms by one iteration as decided, and apply the events that follow it.
 
         Returns:
-            (B,) the gap that the iteration led to, before anything happened.
+            (B,) the gap after the iteration, before any event.
         """
         self.advance(chosen, decisions)
         rows = np.flatnonzero(chosen)
@@ -173,13 +173,13 @@ class Simulation:
         return reached
 
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
-        """The compiled part of a step."""
+        """Run the compiled part of a step."""
         self.optimizer.step(
             self.swarms, self.worlds.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
         )
 
     def _let_happen(self, going: Flags) -> None:
-        """What follows the iteration that these swarms, (B,), have done: events, and then robots drive."""
+        """Apply what follows the iteration that these swarms, (B,), have done: events, then drives."""
         before, next_event = self.gap(), self.worlds.next_event[self.swarms.problem]
         changed = going & (next_event > 0) & (next_event <= self.iteration)
         if self.robots is not None:
@@ -192,7 +192,12 @@ class Simulation:
             self._re_evaluate(self.robots.drive(going & ~self._ended()), before)
 
     def _re_evaluate(self, changed: Flags, before: Floats) -> None:
-        """Evaluate anew what swarms remember whose problems have changed, (B,), and the gaps before, (B,)."""
+        """Evaluate the memory of swarms whose problems have changed, (B,), again.
+
+        Args:
+            changed: (B,) swarms whose problems have changed.
+            before: (B,) gaps before the change.
+        """
         if changed.any():
             mean_weight, num_threads = self.settings.mean_weight, self.num_threads
             self.optimizer.re_evaluate(self.swarms, self.worlds.tables, changed, mean_weight, num_threads)
@@ -202,7 +207,7 @@ class Simulation:
         return (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
 
     def copy_rows(self, rows: Integers) -> None:
-        """Make swarm i, for every i of the B, a copy of swarm rows[i]: state, random stream and record."""
+        """Make swarm i, for every i, a copy of swarm rows[i]: state, random stream and record."""
         state = (self.running, self.history, self.initial_gap, self.price)
         for array in (*self.swarms, *state):
             array[...] = array[rows]
@@ -210,30 +215,30 @@ class Simulation:
             self.robots.copy_rows(rows)
 
     def pace(self) -> Floats:
-        """(B,) evaluations for each iteration that is left, where the budget is spread evenly over them."""
+        """Return (B,) evaluations per remaining iteration if the budget is spread evenly over them."""
         left = np.maximum(self.settings.iterations - self.iteration, 1)
         return (self.swarms.budget - self.swarms.evaluations) / left
 
     def gap(self) -> Floats:
-        """(B,) best fitness so far above the lower bound; kept positive, so that it has a logarithm."""
+        """Return (B,) best fitness so far minus the lower bound; positive, so that it has a logarithm."""
         return self.gap_of(self.swarms.best_fitness)
 
     def gap_of(self, fitness: Floats) -> Floats:
-        """(B,) the same of another fitness of each swarm, (B,)."""
+        """Return (B,) gaps of other fitness values (B,): fitness minus the lower bound, kept positive."""
         bound, unit = self.lower_bounds[self.swarms.problem], self.gap_units[self.swarms.problem]
         return np.maximum(fitness - bound, 1e-9 * unit)
 
     def optimality_gap(self) -> Floats:
-        """(B,) best fitness so far above the known optimum, relative to it; NaN where it is unknown.
+        """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
 
-        Where the optimum is 0, that of a test function, it is not relative.
+        If the optimum is 0, as for test functions, it is the best fitness itself.
         """
         return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
 
     def best_paths(self) -> Floats:
-        """(B, k, 2) best paths so far in map coordinates; without a map, see `Problem.points`.
+        """Return (B, k, 2) best paths so far in map coordinates; for test functions, see `Problem.points`.
 
-        A walk stays at the target once it is there.
+        A walk that has reached the target stays there.
         """
         if self.swarms.walk.shape[1] > 0:
             return self._best_walks()
@@ -241,7 +246,7 @@ class Simulation:
         return self.worlds.points(vectors, numbers)
 
     def best_path(self, row: int) -> Floats:
-        """(k, 2) the best path so far of a swarm, which ends where it is at the target."""
+        """Return (k, 2) the best path so far of a swarm; a walk ends when it has reached the target."""
         if self.swarms.walk.shape[1] > 0:
             return self.swarms.best_way(row, self._targets[self.swarms.problem[row]])
         return self.problem_of(row).points(self.best_position(row))
@@ -255,25 +260,28 @@ class Simulation:
 
     @cached_property
     def _targets(self) -> Floats:
-        """(number of problems, 2) where walks lead to."""
+        """(number of problems, 2) targets of walks."""
         return np.array([problem.points(np.zeros(2))[-1] for problem in self.problems])
 
     def positions(self, row: int) -> Floats:
-        """Positions of the living members of a swarm, (size, dimension), a view."""
+        """Return the positions of the living members of a swarm, (size, dimension), a view."""
         return self.swarms.positions[row, : self.swarms.size[row], : self.dimension]
 
     def best_position(self, row: int) -> Floats:
-        """Best position so far of a swarm, (dimension,), a view."""
+        """Return the best position so far of a swarm, (dimension,), a view."""
         return self.swarms.best_position[row, : self.dimension]
 
-    def way(self, row: int) -> Floats:
-        """(k, 2) where the robot of a swarm has gone, in map coordinates; empty where it only plans."""
+    def trajectory(self, row: int) -> Floats:
+        """Return (k, 2) the points that the robot of a swarm has passed, in map coordinates.
+
+        It is empty if the robot only plans.
+        """
         if self.robots is not None:
-            return np.array(self.robots.ways[row]).reshape(-1, 2)
+            return np.array(self.robots.trajectories[row]).reshape(-1, 2)
         return self.swarms.walk[row, : self.swarms.walked[row]].copy()
 
     def problem_of(self, row: int) -> Problem:
-        """The problem that a swarm works on."""
+        """Return the problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
     def _record(self, rows: Integers, repair_degrees: Floats, knobs: Floats) -> None:
@@ -289,15 +297,15 @@ class Simulation:
         self.history[rows, self.iteration[rows]] = record[rows]
 
     def read_options(self, options: Mapping[str, Any] | None) -> tuple[int, Floats | None, int | None]:
-        """Size and content of the first population, and the number of the scenario, where they are given.
+        """Return size and content of the first population and the number of the scenario; None if not given.
 
         Raises:
-            UnknownNameError: for an option or scenario that is not there.
+            UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
         """
         options = {} if options is None else options
         if not isinstance(options, Mapping):
-            raise SettingError(f"options must be a mapping, got {shown(options)}")
+            raise SettingError(f"options must be a mapping from names to values, got {shown(options)}")
         for name in options:
             if name not in RESET_OPTIONS:
                 raise UnknownNameError("reset option", name, RESET_OPTIONS)
@@ -312,29 +320,35 @@ class Simulation:
         if "initial_population" in options:
             if not self.optimizer.adopts:
                 raise SettingError(
-                    f"initial_population: {self.optimizer.name} has members of its own making only"
+                    f"initial_population: {self.optimizer.name} makes its first population itself; use "
+                    "initial_population_size"
                 )
             if "initial_population_size" in options:
-                raise SettingError("initial_population and initial_population_size exclude each other")
+                raise SettingError("expected initial_population or initial_population_size, got both")
             population = self._read_population(options["initial_population"])
             size = len(population)
         self.settings.check_population_size("initial_population_size", size)
         budget = self.settings.max_evaluations
         if budget is not None and size > budget:
-            raise SettingError(f"initial_population_size {size} exceeds the evaluation budget {budget}")
+            raise SettingError(
+                f"initial_population_size must be at most max_evaluations, {budget}, got {size}"
+            )
         return int(size), population, scenario
 
     def _read_population(self, population: object) -> Floats:
         n = self.dimension
         try:
-            with np.errstate(over="ignore"):  # infinite then, and refused
+            with np.errstate(over="ignore"):  # becomes infinite, which is refused below
                 array = np.asarray(population, dtype=np.float64)
-        except Exception as error:  # of an object that makes an array of itself, anything may come
+        except Exception as error:  # an object that converts itself to an array can raise anything
             raise SettingError(f"initial_population must be numbers, got {shown(population)}") from error
         if array.ndim != 2 or array.shape[1] != n:
             raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
         lower, upper = self.worlds.common_bounds
         lower, upper = lower[:n], upper[:n]
         if not ((array >= lower) & (array <= upper)).all():
-            raise SettingError("initial_population must be finite and inside the bounds of decision vectors")
+            raise SettingError(
+                "initial_population must be finite and inside the bounds of decision vectors, got values "
+                f"from {array.min():g} to {array.max():g}"
+            )
         return array

@@ -1,6 +1,7 @@
-"""Swarms spread over threads, for kernels that release the interpreter lock.
+"""Threads for swarms: kernels release the interpreter lock, so parts of a batch run in parallel.
 
-Threads of Python and not Numba's: nothing is compiled twice for them, and none spins while there is no work.
+These are Python's threads and not Numba's: kernels need not be compiled for them again, and an idle thread
+does not spin.
 """
 
 import os
@@ -15,11 +16,16 @@ Flags = NDArray[np.bool_]
 
 
 def spread(run: Callable[[Flags], None], chosen: Flags, num_threads: int) -> None:
-    """Call `run` with the swarms that are chosen, (B,), or with parts of them in that many threads.
+    """Call `run` with the chosen swarms, (B,), or with parts of them in up to `num_threads` threads.
 
-    The calling thread takes part, and all are done when it returns.
+    The calling thread takes part. All parts are done when the function returns.
+
+    Args:
+        run: function of a boolean array (B,) of swarms.
+        chosen: (B,) swarms to run.
+        num_threads: number of threads, the calling one included.
     """
-    if min(num_threads, len(chosen)) < 2:  # at every step of a single environment
+    if min(num_threads, len(chosen)) < 2:  # the fast path of a single environment, at every step
         run(chosen)
         return
     rows = np.flatnonzero(chosen)
@@ -41,5 +47,5 @@ def spread(run: Callable[[Flags], None], chosen: Flags, num_threads: int) -> Non
 
 @cache
 def _pool(process: int, num_threads: int) -> ThreadPoolExecutor:  # noqa: ARG001
-    # One per process, since threads do not outlive a fork.
+    # Each process has its own pool, since threads do not survive a fork.
     return ThreadPoolExecutor(num_threads, thread_name_prefix="swarm_gym")

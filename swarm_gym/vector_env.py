@@ -1,4 +1,4 @@
-"""Many swarms as one Gymnasium vector environment, advanced in one compiled call."""
+"""The environment of many swarms, for `gymnasium.make_vec`; all advance in one compiled call."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -17,20 +17,31 @@ Flags = NDArray[np.bool_]
 
 
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
-    """`num_envs` swarms; sub-environment i equals a `SwarmEnv` reset with seed + i, bit for bit.
+    """A vector of `num_envs` swarms; swarm i equals a `SwarmEnv` with seed + i, bit for bit.
 
-    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`, and the conventions (infos
-    with `_key` masks, `final_obs` and `final_info`, `options["reset_mask"]`) those of
-    `gymnasium.vector.SyncVectorEnv`.
+    Spaces, rewards, endings and options are those of `swarm_gym.env.SwarmEnv`. The conventions are those of
+    `gymnasium.vector.SyncVectorEnv`: infos with `_key` masks, `final_obs` and `final_info`, and
+    `options["reset_mask"]`.
+
+        envs = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=64, scenario="random-fields:train:0-511")
+        observations, infos = envs.reset(seed=0)
+        observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
 
     Args:
-        num_envs: number of swarms.
+        num_envs: number of swarms B.
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
-        autoreset_mode: what happens to a swarm whose episode ended; an `AutoresetMode` or its value.
-        num_threads: threads to spread the swarms over; None takes all that Numba has.
-        render_mode: must be None; render a `SwarmEnv` with the same seed.
+        autoreset_mode: an `AutoresetMode` or its value; it decides when a swarm begins the next episode after
+            its episode ended.
+        num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
+        render_mode: must be None; to see a swarm, render a `SwarmEnv` with the same seed.
         max_episode_steps: must be None; the option `iterations` ends an episode.
-        options: see `swarm_gym.settings.Settings`, and the parameters of the optimizer.
+        options: options of `swarm_gym.settings.Settings` and parameters of the optimizer, by name.
+
+    Raises:
+        UnknownNameError: for an option, optimizer, scenario, layout, reward or autoreset mode that does not
+            exist.
+        SettingError: for a value that an option cannot have.
+        ScenarioError: for the name of a scenario that is malformed, or whose map is missing.
     """
 
     def __init__(
@@ -46,12 +57,12 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     ):
         if render_mode is not None:
             raise SettingError(
-                f"render_mode {render_mode!r}: a vector of swarms is not rendered; "
+                f"render_mode must be None for a vector of swarms, got {render_mode!r}; "
                 "render a single environment with the same seed"
             )
         if max_episode_steps is not None:
             raise SettingError(
-                f"max_episode_steps {max_episode_steps!r}: use the option `iterations` instead"
+                f"max_episode_steps must be None, got {max_episode_steps!r}; use the option iterations"
             )
         try:
             self._autoreset_mode = AutoresetMode(autoreset_mode)
@@ -75,7 +86,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
     @property
     def simulation(self) -> Any:
-        """The `Simulation` inside: populations, histories, problems."""
+        """The `Simulation` in this environment: populations, histories and problems."""
         return self._batch.simulation
 
     def reset(
@@ -84,23 +95,27 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         seed: int | list[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[NDArray, dict[str, Any]]:
-        """Begin episodes, in all swarms or in those of the boolean array `options["reset_mask"]`.
+        """Begin episodes in all swarms, or in those of the boolean array `options["reset_mask"]`.
 
         Args:
-            seed: of the first swarm, the others count up from it; or a list with one seed per swarm.
-            options: as for `SwarmEnv.reset`, for all swarms, and `reset_mask`.
+            seed: seed of the first swarm, from which those of the other swarms count up; or a list with one
+                seed per swarm, where None keeps the swarm's random generator.
+            options: options of `SwarmEnv.reset`, for all swarms, and `reset_mask`, bool of shape (B,).
+
+        Returns:
+            Observations, shape (B, k), and infos.
 
         Raises:
-            UnknownNameError: for an option or scenario that is not there.
-            SettingError: for a value that an option cannot have, or no seeds.
-            gymnasium.error.Error: for a seed that is no natural number.
+            UnknownNameError: for an option or scenario that does not exist.
+            SettingError: for a value that an option cannot have, or malformed seeds.
+            gymnasium.error.Error: for a seed that is not a natural number.
         """
         mask = None
         if isinstance(options, Mapping):
             mask, options = options.get("reset_mask"), {k: v for k, v in options.items() if k != "reset_mask"}
         chosen = self._read_mask(mask)
         self._batch.simulation.read_options(options)
-        # All are refused before one is taken over.
+        # All seeds are checked before one is used.
         generators = [
             _make_generator(one) if one is not None and chosen[row] else self._generators[row]
             for row, one in enumerate(self._read_seeds(seed))
@@ -111,7 +126,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return self._batch.observe(), self._infos(chosen)
 
     def step(self, actions: NDArray) -> tuple[NDArray, NDArray, Flags, Flags, dict[str, Any]]:
-        """Advance every swarm by one iteration; swarms whose episode ended follow the autoreset mode.
+        """Advance every swarm by one iteration; swarms whose episode has ended follow the autoreset mode.
+
+        Args:
+            actions: one action per swarm, shape (B, number of decisions).
+
+        Returns:
+            Observations (B, k), rewards (B,), which episodes have terminated (B,), False for truncated (B,),
+            and infos.
 
         Raises:
             ActionError: if an action is not in the action space.
@@ -142,14 +164,16 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return self._batch.observe(), rewards, terminated, truncated, infos
 
     def step_running(self, actions: NDArray, chosen: Flags | None = None) -> tuple[NDArray, NDArray, Flags]:
-        """As `step`, but swarms whose episode has ended rest: for whole episodes side by side.
+        """Advance the swarms whose episode is under way, so that whole episodes run side by side.
 
         Args:
-            actions: one per swarm; those of resting swarms are not read.
-            chosen: (B,) the swarms that do not rest anyway; all by default.
+            actions: one action per swarm, shape (B, number of decisions); those of resting swarms are not
+                read.
+            chosen: (B,) swarms to advance if their episode is under way; None chooses all.
 
         Returns:
-            observations, rewards (0 where a swarm rests), and which episodes have ended by now.
+            Observations (B, k), rewards (B,), 0 for resting swarms, and which episodes have ended so far
+            (B,).
 
         Raises:
             ActionError: if the action of a running swarm is not in the action space.
@@ -161,17 +185,23 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return self._batch.observe(), rewards, self._ended.copy()
 
     def copy_swarms(self, rows: NDArray[np.int64]) -> NDArray:
-        """Make swarm i, for every i, a copy of swarm rows[i], to go on differently from the same state.
+        """Make swarm i, for every i, a copy of swarm rows[i], to continue differently from the same state.
 
-        Copies go on alike, down to their random numbers, as long as their actions are alike; what the next
-        episodes draw from is not copied. Returns the observations.
+        Copies develop identically, down to their random numbers, as long as their actions are identical. The
+        random generators of later episodes are not copied.
+
+        Args:
+            rows: (B,) numbers of the swarms to copy.
+
+        Returns:
+            Observations, shape (B, k).
         """
         self.simulation.copy_rows(rows)
         self._ended = self._ended[rows]
         return self._batch.observe()
 
     def _infos(self, rows: Flags) -> dict[str, Any]:
-        """Infos of these swarms; the entries of the others are zero or None, and masked."""
+        """Return the infos of these swarms; entries of the others are zero or None, and masked."""
         infos: dict[str, Any] = {}
         everyone = bool(rows.all())
         for name, values in self._batch.info().items():

@@ -1,6 +1,7 @@
 """Compile all kernels into the cache: `python -m swarm_gym.warm_up`.
 
-For images and worker processes, and before several processes start that would all compile the same.
+Run it when building images, on workers, and before several processes start that would compile the same
+kernels.
 """
 
 import logging
@@ -19,7 +20,7 @@ from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 
 OPTIONS: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 8}
-# The same kernels do for every grid map and encoding; walks have one kind of table on all maps.
+# All grid maps and encodings share their kernels. Walks have the same problem table on all maps.
 GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
 
 
@@ -28,13 +29,13 @@ def _say_nothing(what: str) -> None:
 
 
 def warm_up(num_processes: int = 1, report: Callable[[str], None] = _say_nothing) -> None:
-    """Compile, or load from the cache, what environments of all optimizers run on maps of both kinds.
+    """Compile, or load from the cache, the kernels of all optimizers for analytic maps and grid maps.
 
     Args:
-        num_processes: in how many processes; with one, in this one.
-        report: is called with what is ready, again and again.
+        num_processes: number of processes to compile in; with 1, this process compiles.
+        report: function that is called with the name of each environment when it is ready.
     """
-    # Those with most to compile are the last.
+    # The optimizers with most to compile come last in the registry.
     tasks = [(name, options) for name in reversed(OPTIMIZERS) for options in _kinds_of_maps(name)]
     if num_processes == 1:
         for name, options in tasks:
@@ -44,30 +45,35 @@ def warm_up(num_processes: int = 1, report: Callable[[str], None] = _say_nothing
         try:
             for future in as_completed([pool.submit(_warm_up_kind, *task) for task in tasks]):
                 report(future.result())
-        except BaseException:  # else all that is not compiled yet would be, first
+        except BaseException:  # otherwise the pool would finish all its tasks first
             for child in active_children():
                 child.terminate()
             raise
 
 
 def warm_up_single(optimizer: str, **options: Any) -> None:
-    """The same for single environments of one optimizer with these options, by default on an analytic map."""
+    """Compile, or load from the cache, the kernels of single environments of one optimizer.
+
+    Args:
+        optimizer: name of the optimizer.
+        options: options of the environment; by default it has an analytic map.
+    """
     _run(gymnasium.make(environment_id(optimizer), **OPTIONS, **options), np.array([6.0, 1.0]))
 
 
 def _hush() -> None:
-    """Let this process not warn that compiling takes long; other warnings come."""
+    """Suppress the warning that compiling takes long in this process; other warnings remain."""
     logging.getLogger("swarm_gym").addFilter(lambda record: not record.getMessage().startswith("compiling "))
 
 
 def _warm_up_kind(optimizer: str, options: dict[str, Any]) -> str:
-    """The same; what is ready then."""
+    """Compile the kernels of one kind of environment; return what is ready then."""
     warm_up_single(optimizer, **options)
     return f"{optimizer} on grid maps" if options else optimizer
 
 
 def _kinds_of_maps(optimizer: str) -> list[dict[str, Any]]:
-    """Options of environments that have kernels of their own each."""
+    """Return the options of one environment for each set of kernels of an optimizer."""
     return [{}, GRID] if GRID["encoding"] in get_optimizer(optimizer).encodings else [{}]
 
 
@@ -81,10 +87,10 @@ def _run(env: Any, actions: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Warm up, in as many processes as there are processors, and say how long it took."""
+    """Compile in as many processes as there are processors, and print how long it took."""
     begin = time.perf_counter()
     print("compiling the kernels, once per version of the sources ...", flush=True)
-    with command(kept="what was compiled is kept"):
+    with command(kept="compiled kernels are kept"):
         warm_up(numba.config.NUMBA_NUM_THREADS, lambda what: print(f"  {what}", flush=True))
     print(f"ready after {time.perf_counter() - begin:.1f} s")
 

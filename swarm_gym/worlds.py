@@ -1,4 +1,4 @@
-"""The problems that the swarms of a simulation work on, stacked as the kernels read them."""
+"""The problems that the swarms of a simulation work on, stacked in arrays for the kernels."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +14,21 @@ Floats = NDArray[np.float64]
 
 
 class Worlds:
-    """Problems of all worlds of the scenarios, one scenario after the other.
+    """The problems of all worlds of the scenarios, one scenario after the other.
 
-    Where robots drive, one for each swarm follows, which is replaced by that from where its robot is.
+    A world is a fixed map, and the iteration after which it is in force, see `swarm_gym.scenarios.World`. If
+    robots drive, one more problem follows for each swarm. It is replaced by the problem from the robot's
+    present position.
 
     Attributes:
-        problems: what `Swarms.problem` counts.
-        num_worlds: how many of these are worlds.
-        first: (scenarios,) where those of the scenarios begin.
-        next_event: (problems,) the iteration after which the next world comes into force; 0 if none does.
-        lower_bounds: (problems,) see `Problem`.
-        gap_units: (problems,) likewise.
+        problems: list of problems; `Swarms.problem` has their indices.
+        num_worlds: number of problems that are worlds; they are the first ones.
+        first: (scenarios,) index of the first world of each scenario.
+        next_event: (problems,) iteration after which the next world is in force; 0 if there is none.
+        lower_bounds: (problems,) `Problem.lower_bound`.
+        gap_units: (problems,) `Problem.gap_unit`.
         optima: (problems,) known optima, else NaN.
-        tables: stacked.
+        tables: problem tables of all problems, stacked.
     """
 
     def __init__(self, settings: Settings, num_swarms: int):
@@ -45,12 +47,12 @@ class Worlds:
 
     @property
     def ever_change(self) -> bool:
-        """Whether anything happens in any of them."""
+        """True if any of the scenarios changes during an episode."""
         return bool(self.next_event.any())
 
     @property
     def collision_bound(self) -> float:
-        """A degree of collision that no path can exceed in any of them, in map units."""
+        """Degree of collision that no path can exceed in any of the worlds, in map units."""
         bounds = [problem.collision_bound for problem in self.problems]
         if len(self.problems) > self.num_worlds:
             bounds += [p.collision_bound_anywhere for p in self.problems if isinstance(p, MapProblem)]
@@ -58,40 +60,43 @@ class Worlds:
 
     @property
     def common_bounds(self) -> tuple[Floats, Floats]:
-        """Bounds, (C,) each, of the decision vectors that lie inside those of every world."""
+        """Bounds, (C,) each, of the decision vectors that lie inside the bounds of every world."""
         lower, upper = self.tables.lower[: self.num_worlds], self.tables.upper[: self.num_worlds]
         return lower.max(axis=0), upper.min(axis=0)
 
     @property
     def scenario_names(self) -> list[str]:
-        """What episodes draw from."""
+        """Names of the scenarios that episodes draw from."""
         return [self.problems[number].scenario.name for number in self.first]
 
     def require_optima(self, purpose: str) -> None:
-        """Refuse scenarios whose optimum is not known.
+        """Raise an error if the optimum of a scenario is not known.
 
         Raises:
-            SettingError: naming the first of them.
+            SettingError: naming the first of these scenarios.
         """
         if len(self.problems) > self.num_worlds:
-            raise SettingError(f"{purpose} needs optima, which are not known for robots on their way")
+            raise SettingError(
+                f"{purpose} needs optima, which are unknown for robots that drive; "
+                "choose a scenario without a drive"
+            )
         for problem, optimum in zip(self.problems, self.optima, strict=True):
             if np.isnan(optimum):
                 raise SettingError(
                     f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "
-                    f"see swarm_gym.reference.ensure_optima"
+                    f"compute it with swarm_gym.reference.ensure_optima"
                 )
 
     def points(self, vectors: Floats, numbers: NDArray[np.int64]) -> Floats:
-        """Decision vectors (B, dimension) of the problems of these numbers, (B,), as paths, (B, k, 2)."""
+        """Return decision vectors (B, dimension) of the problems of these numbers (B,) as paths (B, k, 2)."""
         if len(self.problems) == 1:
             return self.problems[0].points(vectors)
-        # One problem after the other, then in the order of the vectors again.
+        # Convert the vectors of one problem after the other, then restore their order.
         found = [self.problems[number].points(vectors[numbers == number]) for number in np.unique(numbers)]
         return np.concatenate(found)[np.argsort(np.argsort(numbers, kind="stable"))]
 
     def replace(self, number: int, problem: Problem, world: int) -> None:
-        """Let a problem of the same kind and dimension, in that world, take the place of another one."""
+        """Replace a problem by another one of the same kind and dimension, in that world."""
         self.problems[number] = problem
         self.next_event[number] = self.next_event[world]
         self.lower_bounds[number] = problem.lower_bound

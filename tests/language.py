@@ -35,7 +35,7 @@ def fragment(text: str, openings: tuple[str, ...]) -> str | None:
 
 def long_sentence(text: str) -> str | None:
     """Return the beginning of the first sentence that has too many words, or None if there is none."""
-    for paragraph in re.split(r"\n\s*\n|\n\s*[*-] |\n {4,}", text):
+    for paragraph in re.split(r"\n\s*\n|\n\s*[*|-]|\n {4,}", text):
         for sentence in re.split(r"(?<=[.;:!?])\s+", paragraph):
             words = sentence.split()
             if len(words) > MOST_WORDS:

@@ -1,4 +1,4 @@
-"""Backends: where evaluations, trainings and tunings are carried out."""
+"""Backends that run evaluations, trainings and tunings: processes of this machine, Ray, Slurm."""
 
 from agents.backends.backend import Backend, BackendError, Task, WorkLostError
 from agents.backends.options import BackendOptions

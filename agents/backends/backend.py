@@ -1,23 +1,23 @@
-"""What carries out units of work: in processes of this machine, or of others."""
+"""The interface of backends, which run units of work in processes of this machine or of others."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-MOST_LOSSES = 3  # of a unit, before it is given up
+MOST_LOSSES = 3  # number of times that a unit of work may be lost before it is given up
 
-# More processes, not more threads of each, make use of more cores; see also agents.training.learners.ppo.
+# More processes use more cores, not more threads of each process; see also agents.training.learners.ppo.
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
 
 
 class BackendError(RuntimeError):
-    """A backend cannot be used, or gives up; the message says why."""
+    """An error of a backend, which cannot be used or gives up; the message states the reason."""
 
 
 class WorkLostError(BackendError):
-    """Worker processes were killed again and again: what has no result was given up, or not begun."""
+    """Worker processes were killed repeatedly; units without a result were given up or not begun."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -27,19 +27,20 @@ class WorkLostError(BackendError):
 
 
 class GivenUp:
-    """Counts what was lost so often that it is given up; the rest is carried out nonetheless.
+    """A counter of units that were given up since they were lost repeatedly; the other units still run.
 
-    Where the fault lies with none of it, as when all machines lack memory, nothing succeeds in between.
+    If the units are not to blame, as when all machines lack memory, no unit succeeds in between, and the
+    whole work ends.
     """
 
     def __init__(self) -> None:
         self._in_all = self._in_a_row = 0
 
     def add(self) -> None:
-        """A unit, or a few, were given up.
+        """Count a unit, or a job of several units, that was given up.
 
         Raises:
-            WorkLostError: if too many were, with nothing that succeeded in between.
+            WorkLostError: if `MOST_LOSSES` were given up in a row.
         """
         self._in_all += 1
         self._in_a_row += 1
@@ -47,27 +48,27 @@ class GivenUp:
             raise WorkLostError
 
     def succeeded(self) -> None:
-        """A unit has succeeded."""
+        """Record that a unit succeeded."""
         self._in_a_row = 0
 
     def end(self) -> None:
-        """All others have ended.
+        """End the work after all other units.
 
         Raises:
-            WorkLostError: if anything was given up.
+            WorkLostError: if any unit was given up.
         """
         if self._in_all:
             raise WorkLostError
 
 
 class Outcome(NamedTuple):
-    """What became of a unit: a result, or an error that its work raised."""
+    """The outcome of a unit of work: a result, or the error that it raised."""
 
     result: Any
     error: Exception | None = None
 
     def get(self) -> Any:
-        """The result.
+        """Return the result.
 
         Raises:
             Exception: the error, if there is one.
@@ -78,22 +79,22 @@ class Outcome(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What is done with each unit of work.
+    """A function that is called for each unit of work.
 
     Attributes:
-        function: of a module that workers can import; called as `function(unit, *common)`.
-        common: arguments that are the same for all units.
+        function: function of a module that workers can import, called as `function(unit, *common)`.
+        common: further arguments, the same for all units.
     """
 
     function: Callable[..., Any]
     common: tuple[Any, ...] = ()
 
     def __call__(self, unit: Any) -> Any:
-        """What becomes of a unit."""
+        """Return the result of a unit."""
         return self.function(unit, *self.common)
 
     def outcomes(self, units: Sequence[Any]) -> list[Outcome]:
-        """What becomes of several, one after the other; nothing is done after an error."""
+        """Run several units one after the other and return their outcomes, up to the first error."""
         found = []
         for unit in units:
             try:
@@ -105,10 +106,10 @@ class Task(NamedTuple):
 
 
 class Backend(ABC):
-    """Carries out units of work, several at a time, in processes that do one after the other.
+    """A pool of worker processes; each runs one unit of work at a time.
 
-    What is lost with a process or a machine is carried out again, so that work may be done more than once;
-    its result comes once.
+    Units that are lost with a process or a machine are retried. A unit may therefore run more than once, but
+    its result is yielded once.
 
     Attributes:
         on_this_machine: whether all workers are processes of this machine.
@@ -118,7 +119,7 @@ class Backend(ABC):
 
     @abstractmethod
     def workers(self) -> int:
-        """How many units can be under way at a time, as far as that is known.
+        """Return the number of units that can run at a time, as far as it is known.
 
         Raises:
             BackendError: if the backend cannot be used.
@@ -126,16 +127,16 @@ class Backend(ABC):
 
     @abstractmethod
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """Carry out a task for each of some units.
+        """Run a task for each unit.
 
         Yields:
-            The number of a unit and its result, as they end.
+            The index of a unit and its result, in the order in which units end.
 
         Raises:
-            WorkLostError: if workers are killed again and again: at the end, where others succeed.
+            WorkLostError: if workers are killed repeatedly; raised at the end if other units succeed.
             BackendError: if the backend cannot be used.
-            Exception: whatever the task raises; no result comes after that.
+            Exception: the error of a task; no result is yielded after it.
         """
 
-    def close(self) -> None:  # noqa: B027, since not every backend has something to let go of
-        """Let go of workers."""
+    def close(self) -> None:  # noqa: B027, since not every backend has something to release
+        """Release the workers."""

@@ -1,4 +1,4 @@
-"""Processes of this machine, by joblib."""
+"""A backend of processes on this machine, by joblib."""
 
 import gc
 import multiprocessing
@@ -15,10 +15,10 @@ from agents.backends.backend import MOST_LOSSES, Backend, Task, WorkLostError
 
 
 class LocalBackend(Backend):
-    """A pool of processes; a single one is this one.
+    """A pool of processes; a pool of one is this process itself.
 
     Args:
-        jobs: how many processes; 0 for as many as there are cores.
+        jobs: number of processes; 0 is the number of cores.
     """
 
     on_this_machine = True
@@ -27,15 +27,15 @@ class LocalBackend(Backend):
         self._jobs = jobs or cpu_count()
 
     def workers(self) -> int:
-        """As many as there are processes."""
+        """Return the number of processes."""
         return self._jobs
 
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """See `Backend`. When one process is killed, all units that are under way are lost."""
+        """Run units as described in `Backend`; if a process is killed, all running units are retried."""
         left = dict(enumerate(units))
         losses = 0
         while left:
-            # A copy: what is left changes while these are taken.
+            # A copy, since `left` changes while the calls are taken.
             calls = (delayed(_numbered)(number, task, unit) for number, unit in [*left.items()])
             try:
                 for number, result in self._parallel()(calls):
@@ -46,7 +46,7 @@ class LocalBackend(Backend):
                 losses += 1
                 if losses == MOST_LOSSES:
                     raise WorkLostError from error
-                tqdm.write("a worker process was killed; what was under way is done again")
+                tqdm.write("a worker process was killed; the running units are retried")
 
     def _parallel(self) -> Parallel:
         # One thread per process, see agents.training.learners.ppo.
@@ -63,10 +63,10 @@ def _numbered(number: int, task: Task, unit: Any) -> tuple[int, Any]:
 
 @cache
 def _begin_worker() -> None:
-    """What a process of the pool does before its first unit."""
+    """Prepare a process of the pool before its first unit."""
     if multiprocessing.parent_process() is None:
         return
-    # Ctrl-C comes to all processes of a command; this one is ended by the first, and says nothing itself.
+    # Ctrl-C reaches all processes of a command; the first one ends its workers, which print nothing.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Loky's workers collect garbage every second: 5 % of their time, if all modules are searched for it.
+    # Loky's workers collect garbage every second, which takes 5 % of their time if all modules are searched.
     gc.freeze()

@@ -1,4 +1,4 @@
-"""Many training or tuning runs by one command, of several presets and seeds, carried out by a backend."""
+"""Many training or tuning runs by one command, with several presets and seeds, on a backend."""
 
 import contextlib
 import dataclasses
@@ -15,21 +15,31 @@ from agents.training.run import TrainingRun
 from agents.tuning.config import TuneConfig
 from agents.tuning.run import TuningRun
 
-# Where a machine is lost, file servers may hold its locks for a while: NFS for 90 seconds.
-PATIENCE = 180.0
+LOCK_TIMEOUT = 180.0  # seconds; file servers may hold the locks of a lost machine for a while, NFS for 90
 
 Config = TypeVar("Config", TrainConfig, TuneConfig)
 
 
 class Finished(NamedTuple):
-    """A run that came to its end: the file of what it made, and that in a few words."""
+    """A run that ended without an error.
+
+    Attributes:
+        result: file of the result.
+        summary: result in a few words.
+    """
 
     result: Path
     summary: str
 
 
 class RunOutcome(NamedTuple):
-    """What became of a run: what it made, or an error."""
+    """The outcome of a run: its result, or an error.
+
+    Attributes:
+        folder: folder of the run.
+        finished: result; None after an error.
+        error: message of the error.
+    """
 
     folder: Path
     finished: Finished | None
@@ -42,10 +52,10 @@ class RunOutcome(NamedTuple):
 
 
 def configs_of_seeds(config: Config, seeds: Sequence[int]) -> list[Config]:
-    """One configuration per seed; a run that has a name lies in <runs>/<name>/<seed>.
+    """Return one configuration per seed; the folder of a named run is <runs>/<name>/<seed>.
 
     Raises:
-        ValueError: for a seed that is there twice.
+        ValueError: for a repeated seed.
     """
     if len(set(seeds)) < len(seeds):
         raise ValueError(f"--seeds: each one once, got {' '.join(map(str, seeds))}")
@@ -62,13 +72,13 @@ def run_all(
     where: BackendOptions,
     controllers: Iterable[str] = (),
 ) -> None:
-    """Carry out runs where options say, and tell of each when it ends.
+    """Run configurations on the backend of the options, and print each outcome when it is known.
 
     Args:
         work: `train` or `tune`.
-        configs: of the runs.
-        where: the options.
-        controllers: names of those that the runs make.
+        configs: configurations of the runs.
+        where: options of the backend.
+        controllers: names of controllers that the runs make.
 
     Raises:
         RunFolderError: at the end, if runs failed.
@@ -80,35 +90,35 @@ def run_all(
             print(outcome, flush=True)
             failed += outcome.finished is None
     if failed:
-        raise RunFolderError(f"{failed} of {len(configs)} runs failed; --resume goes on with these")
+        raise RunFolderError(f"{failed} of {len(configs)} runs failed; --resume continues them")
 
 
 def carry_out(
     work: Callable[[Config], Finished], configs: Sequence[Config], backend: Backend
 ) -> Iterator[RunOutcome]:
-    """Carry out runs; yields their outcomes as they end.
+    """Run configurations on a backend; yield outcomes as runs end.
 
-    With `resume`, runs go on where they were stopped, and those that never began begin; else what has begun
-    is refused. An error ends its own run only, and what is lost with a process goes on from its last
-    checkpoint.
+    With `resume`, runs continue from their last checkpoint, and those that never began begin. Without it,
+    runs that have begun are refused. An error ends only its own run, and a run that is lost with a process
+    continues from its last checkpoint.
 
     Args:
         work: `train` or `tune`.
-        configs: of the runs, whose folders all workers see.
-        backend: what carries them out.
+        configs: configurations of the runs, whose folders all workers see.
+        backend: backend of the runs.
     """
     left = []
     for config in configs:
         if not config.resume and is_begun(config.folder):
-            yield RunOutcome(config.folder, None, "it holds a run already; --resume goes on with it")
+            yield RunOutcome(config.folder, None, "it holds a run already; --resume continues it")
         else:
             config.runs.mkdir(parents=True, exist_ok=True)
             left.append(config)
     there = [_seen_from_anywhere(config) for config in left]
-    patience = 0.0 if backend.on_this_machine else PATIENCE
+    lock_timeout = 0.0 if backend.on_this_machine else LOCK_TIMEOUT
     ended = set()
     try:
-        for number, outcome in backend.run(Task(_run, (work, patience)), there):
+        for number, outcome in backend.run(Task(_run, (work, lock_timeout)), there):
             ended.add(number)
             yield outcome._replace(folder=left[number].folder)
     except WorkLostError as error:
@@ -118,25 +128,25 @@ def carry_out(
 
 
 def train(config: TrainConfig) -> Finished:
-    """A training run."""
+    """Run a training and return its result."""
     run = TrainingRun(config)
     return Finished(run.run(), f"best validation return {run.best_return:.4f}")
 
 
 def tune(config: TuneConfig) -> Finished:
-    """A tuning run."""
+    """Run a tuning and return its result."""
     run = TuningRun(config)
     return Finished(run.run(), f"{run.num_steps} steps")
 
 
-def _run(config: Config, work: Callable[[Config], Finished], patience: float) -> RunOutcome:
+def _run(config: Config, work: Callable[[Config], Finished], lock_timeout: float) -> RunOutcome:
     if not config.runs.is_dir():
         return RunOutcome(
-            config.folder, None, f"{config.runs} is not seen by all machines, as --runs has to be"
+            config.folder, None, f"{config.runs} is missing on a worker; --runs must be seen by all machines"
         )
-    end = time.monotonic() + patience
+    end = time.monotonic() + lock_timeout
     while True:
-        # Begun by the command that this one resumes, or by a process that was lost.
+        # The command that this one resumes, or a process that was lost, may have begun the run.
         config = dataclasses.replace(config, resume=is_begun(config.folder))
         try:
             with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
@@ -148,7 +158,7 @@ def _run(config: Config, work: Callable[[Config], Finished], patience: float) ->
 
 
 def _seen_from_anywhere(config: Config) -> Config:
-    """The same run for a process that is in another folder."""
+    """Return the same configuration for a process in another working directory."""
     config = dataclasses.replace(config, runs=config.runs.absolute())
     if isinstance(config, TuneConfig) and config.output:
         return dataclasses.replace(config, output=config.output.absolute())

@@ -1,4 +1,4 @@
-"""The options that say where work is carried out: a part of the command lines that have work for many."""
+"""The options of commands that choose a backend."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,23 +16,23 @@ from agents.backends.slurm import SlurmBackend
 
 @dataclass(frozen=True)
 class BackendOptions:
-    """Where work is carried out."""
+    """The options of a backend."""
 
     backend: Literal["local", "ray", "slurm"] = "local"
-    """Processes of this machine, a Ray cluster (extra `ray`), or Slurm jobs (extra `slurm`)."""
+    """Workers to use: processes of this machine, Ray (extra ray), or Slurm jobs (extra slurm)."""
     address: str | None = None
-    """Of a Ray cluster, as `ray.init` takes it; by default, Ray is started on this machine. Of Slurm, a
-    partition; `local` runs its jobs on this machine."""
+    """Address of a Ray cluster, e.g. auto or ray://head:10001; by default Ray is started on this machine. For
+    Slurm, the partition; local runs the jobs on this machine."""
     jobs: Annotated[int, tyro.conf.arg(metavar="N")] = 0
-    """How many processes, or Slurm jobs, at a time; 0 takes all cores, but Slurm has to be told."""
+    """Number of processes, or of Slurm jobs in the queue at a time; 0 is all cores, and invalid for Slurm."""
 
     @property
     def elsewhere(self) -> bool:
-        """Whether work is carried out by anything but processes of this command."""
+        """True if work runs anywhere but in processes of this command."""
         return self.backend != "local"
 
     def check(self) -> None:
-        """Refuse options that cannot be.
+        """Raise an error for invalid options.
 
         Raises:
             ValueError: naming the option.
@@ -40,19 +40,19 @@ class BackendOptions:
         if self.jobs < 0:
             raise ValueError(f"--jobs must be positive, or 0 for all cores, got {self.jobs}")
         if self.address is not None and not self.elsewhere:
-            raise ValueError(f"--address {self.address}: --backend {self.backend} has none")
+            raise ValueError(f"--address {self.address}: --backend {self.backend} has no address")
 
     def make(self, folder: Path, controllers: Iterable[str] = ()) -> Backend:
-        """The backend.
+        """Return the backend.
 
         Args:
-            folder: which all workers see, for what it needs there.
-            controllers: names of those that workers make, whose files they need.
+            folder: folder that all workers see, for files of the backend.
+            controllers: names of the controllers that workers make; their files are packed for the workers.
 
         Raises:
-            MissingExtraError: if its library is missing.
-            BackendError: if it cannot be used.
-            ValueError: for options that cannot be.
+            MissingExtraError: if the library of the backend is missing.
+            BackendError: if the backend cannot be used.
+            ValueError: for invalid options.
         """
         self.check()
         if self.backend == "ray":

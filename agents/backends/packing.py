@@ -1,4 +1,4 @@
-"""What workers on other machines need to have: our code, the maps, and the files that names lead to."""
+"""Packing of files that workers on other machines need: the code, the maps and the files of controllers."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -7,6 +7,7 @@ from pathlib import Path
 from agents.backends.backend import BackendError
 from agents.runs.provenance import COMMIT, git_commit
 from swarm_gym.controllers.learned.policy_file import SUFFIX, load_policy
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.scenarios.formats.data_files import DATA, data_folder
 
 PACKAGES = ("swarm_gym", "agents", "experiments")
@@ -15,17 +16,17 @@ LEFT_BEHIND = ["**/__pycache__"]
 
 
 def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
-    """Make a folder which, once workers are in it, is to them what this one is here; it has links only.
+    """Fill a folder with links, so that workers inside it find the same files as this process does here.
 
     Args:
-        folder: an empty one.
-        files: brought along where their paths are relative; others have to lead to the same files everywhere.
+        folder: an empty folder.
+        files: files to pack if their paths are relative; absolute paths must be valid on all machines.
 
     Returns:
-        What has to be set in the environment of the workers.
+        Environment variables to set for the workers.
 
     Raises:
-        BackendError: for a relative path that cannot be the same there.
+        BackendError: for a relative path that cannot be valid in the folder.
     """
     for package in PACKAGES:
         (folder / package).symlink_to(Path(__file__).parents[2] / package)
@@ -39,8 +40,8 @@ def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
             continue
         if goes_up or file.parts[0] in linked:
             raise BackendError(
-                f"{file} is not brought to other machines: give a path that they all see, or one below this "
-                f"folder and none of {', '.join(sorted(linked))}"
+                f"{file} is not copied to other machines: give a path that they all see, or one below this "
+                f"folder, outside of {', '.join(sorted(linked))}"
             )
         place.parent.mkdir(parents=True, exist_ok=True)
         place.symlink_to(file.resolve())
@@ -48,16 +49,15 @@ def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
 
 
 def files_of(controllers: Iterable[str]) -> Iterator[Path]:
-    """The files that names of controllers lead to by a path: policies and what they correct, open loops.
+    """Yield the files that names of controllers give as paths, and those of the bases of policies.
 
     Raises:
         PolicyFileError: if a policy is damaged.
     """
-    for name in controllers:
-        _, _, argument = name.partition(":")
-        without_price, _, _ = argument.rpartition("@")
-        for path in (argument, without_price):
+    for controller in controllers:
+        name = ControllerName.parse(controller)
+        for path in dict.fromkeys((name.argument, name.without_price.argument)):
             if path and os.path.isfile(path):
                 yield Path(path)
                 if path.endswith(SUFFIX):
-                    yield from files_of([load_policy(Path(path))[1].get("base", "none")])
+                    yield from files_of([load_policy(Path(path))[1]["base"]])

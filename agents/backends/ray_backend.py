@@ -1,4 +1,4 @@
-"""Processes of a Ray cluster, or of Ray on this machine."""
+"""A backend of processes of a Ray cluster, or of Ray on this machine."""
 
 import logging
 import math
@@ -28,24 +28,25 @@ from agents.backends.backend import (
 from agents.backends.packing import LEFT_BEHIND, pack
 from swarm_gym.errors import MissingExtraError
 
-AHEAD = 2  # Ray tasks that wait for each that is under way, so that no worker waits for this process
+AHEAD = 2  # waiting Ray tasks per running one, so that no worker waits for this process
 
-# A Ray task takes several milliseconds of processors; while many short units are left, it carries out a few.
+# A Ray task costs several milliseconds; while many short units are left, a task has up to `MOST_UNITS`.
 MOST_UNITS = 5
 TASKS_PER_WORKER = 16
 TASK_SECONDS = 5.0
-PATIENCE = 10.0  # seconds, after which it is asked again how many processors there are
+POLL_INTERVAL = 10.0  # seconds between two counts of the cluster's processors
+CONNECT_TIMEOUT = 10.0  # seconds for an answer of the cluster's address
 
 
 class RayBackend(Backend):
-    """Ray tasks of one processor each; what is lost with a process or a node, Ray does again.
+    """Ray tasks of one processor each; Ray retries tasks that are lost with a process or a node.
 
     Ray is started, or connected to, when there is work.
 
     Args:
-        address: of a cluster, as `ray.init` takes it; None starts Ray on this machine.
-        jobs: how many units at a time; 0 for as many as there are processors.
-        files: what the nodes of a cluster need besides code and maps, see `agents.backends.packing`.
+        address: address of a cluster, as `ray.init` takes it; None starts Ray on this machine.
+        jobs: number of units at a time; 0 is the number of processors.
+        files: files that the nodes of a cluster need besides code and maps, see `agents.backends.packing`.
 
     Raises:
         MissingExtraError: if Ray is missing.
@@ -66,20 +67,20 @@ class RayBackend(Backend):
         self._counted = -math.inf
 
     def workers(self) -> int:
-        """As many as were asked for, or as there are processors now."""
+        """Return the number of requested units at a time, or the current number of processors."""
         self._connect()
         return self._jobs or max(1, self._processors())
 
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """See `Backend`."""
-        tasks = TASKS_PER_WORKER * self.workers()  # which connects
+        """Run units as described in `Backend`."""
+        tasks = TASKS_PER_WORKER * self.workers()  # connects to Ray
         ray = self._ray
         carry_out = ray.remote(num_cpus=1, max_retries=MOST_LOSSES - 1)(_carry_out)
         shared = ray.put(task)
         left = list(range(len(units)))[::-1]
         under_way: dict[Any, list[int]] = {}
         given_up = GivenUp()
-        at_once = 1  # as many units as are carried out in TASK_SECONDS
+        at_once = 1  # number of units that take about TASK_SECONDS
         try:
             while left or under_way:
                 while left and len(under_way) < self._most_under_way():
@@ -90,7 +91,7 @@ class RayBackend(Backend):
                     try:
                         outcomes, seconds = self._told(reference)
                     except WorkLostError:
-                        tqdm.write("a task was lost again and again, and is given up")
+                        tqdm.write(f"a task was lost {MOST_LOSSES} times; it is given up")
                         given_up.add()
                         continue
                     given_up.succeeded()
@@ -103,7 +104,7 @@ class RayBackend(Backend):
                 ray.cancel(reference, force=True)
 
     def close(self) -> None:
-        """Leave the cluster, or end it where it was started here."""
+        """Disconnect from the cluster, or stop it if it was started here."""
         if self._connected:
             self._ray.shutdown()
             self._connected = False
@@ -113,9 +114,9 @@ class RayBackend(Backend):
             return
         here = self._address is None
         _require_answer(self._address)
-        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # of a cluster, whoever started it decides
-        os.environ.setdefault("RAY_task_oom_retries", str(MOST_LOSSES - 1))  # not for ever
-        os.environ.setdefault("RAY_IGNORE_UNHANDLED_ERRORS", "1")  # the first one is raised, and all end
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # applies to a Ray that is started here
+        os.environ.setdefault("RAY_task_oom_retries", str(MOST_LOSSES - 1))  # the default is no limit
+        os.environ.setdefault("RAY_IGNORE_UNHANDLED_ERRORS", "1")  # the first error is raised and ends all
         with TemporaryDirectory(prefix="swarm_gym") as folder, _own_signals():
             environment: dict[str, Any] = {"env_vars": ONE_THREAD}
             if not here:
@@ -134,7 +135,7 @@ class RayBackend(Backend):
                     log_to_driver=False,
                     logging_level=logging.ERROR,
                 )
-            # Nobody there, another version, too much luggage: Ray raises errors of any class.
+            # No cluster there, another version, a working directory that is too large: errors of any class.
             except Exception as error:
                 where = "" if here else f" --address {self._address}"
                 raise BackendError(f"--backend ray{where}: {error}") from error
@@ -144,10 +145,10 @@ class RayBackend(Backend):
         return int(self._ray.cluster_resources().get("CPU", 0))
 
     def _most_under_way(self) -> int:
-        """How many tasks are handed to Ray at a time; asks the cluster now and then, which may grow."""
+        """Return the number of tasks to hand to Ray at a time; a cluster may grow, and is counted again."""
         if self._jobs and self._address:
             return self._jobs
-        if time.monotonic() - self._counted > PATIENCE:
+        if time.monotonic() - self._counted > POLL_INTERVAL:
             processors = self._processors()
             if not processors and self._counted < 0:
                 tqdm.write("the Ray cluster has no processors; waiting for some")
@@ -156,9 +157,9 @@ class RayBackend(Backend):
         return self._room
 
     def _ended(self, references: list[Any]) -> list[Any]:
-        """All that have ended, once one has, or nothing after a while."""
+        """Wait for one task to end and return all that have ended; an empty list after `POLL_INTERVAL`."""
         with _own_exceptions():
-            ended, _ = self._ray.wait(references, timeout=PATIENCE)
+            ended, _ = self._ray.wait(references, timeout=POLL_INTERVAL)
             if ended:
                 ended, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
             return ended
@@ -168,10 +169,10 @@ class RayBackend(Backend):
         try:
             with _own_exceptions():
                 return self._ray.get(reference)
-        except errors.RayTaskError as error:  # what it tells cannot be packed
+        except errors.RayTaskError as error:  # its outcome cannot be pickled
             raise error.cause from error
         except errors.RuntimeEnvSetupError as error:
-            raise BackendError(f"--backend ray: a node could not make ready ({error})") from error
+            raise BackendError(f"--backend ray: a node could not set up its environment ({error})") from error
         except (
             errors.WorkerCrashedError,
             errors.NodeDiedError,
@@ -184,22 +185,22 @@ class RayBackend(Backend):
 
 
 def _require_answer(address: str | None) -> None:
-    """Refuse an address where nobody listens, which Ray itself would try for minutes.
+    """Raise an error for an address without a listener, which Ray itself would try for minutes.
 
     Raises:
-        BackendError: if nobody does.
+        BackendError: if nothing answers at the address.
     """
     host, colon, port = (address or "").removeprefix("ray://").rpartition(":")
     if not colon or not port.isdigit():
         return
     try:
-        socket.create_connection((host.strip("[]"), int(port)), PATIENCE).close()
+        socket.create_connection((host.strip("[]"), int(port)), CONNECT_TIMEOUT).close()
     except (OSError, OverflowError) as error:
         raise BackendError(f"--backend ray --address {address}: nobody answers there ({error})") from error
 
 
 def _carry_out(task: Task, units: list[Any]) -> tuple[list[Outcome], float]:
-    """What becomes of units, and how many seconds that took."""
+    """Return the outcomes of units, and the seconds that they took."""
     begin = time.perf_counter()
     outcomes = task.outcomes(units)
     return outcomes, time.perf_counter() - begin
@@ -207,7 +208,7 @@ def _carry_out(task: Task, units: list[Any]) -> tuple[list[Outcome], float]:
 
 @contextmanager
 def _own_exceptions() -> Iterator[None]:
-    """Raise what the handler of a signal raised while Ray waited, and not the error that Ray makes of it."""
+    """Re-raise the exception of a signal handler that Ray, while waiting, wrapped in a SystemError."""
     try:
         yield
     except SystemError as error:
@@ -216,7 +217,7 @@ def _own_exceptions() -> Iterator[None]:
 
 @contextmanager
 def _own_signals() -> Iterator[None]:
-    """Keep the handler of SIGTERM, which Ray replaces: how commands end is said elsewhere."""
+    """Restore the handler of SIGTERM, which Ray replaces: `swarm_gym.command` defines how commands end."""
     mine = signal.getsignal(signal.SIGTERM)
     yield
     if threading.current_thread() is threading.main_thread():

@@ -1,4 +1,4 @@
-"""Jobs of a Slurm cluster, by submitit; or, to try things out, the same in processes of this machine."""
+"""A backend of Slurm jobs, by submitit; for trials, the jobs can be processes of this machine."""
 
 import math
 import signal
@@ -24,26 +24,27 @@ from agents.backends.backend import (
 from swarm_gym.errors import MissingExtraError
 
 HERE = "local"
-ROUNDS = 4  # jobs that come after one another in each place of the queue, lest one long job ends last
-MINUTES = 24 * 60  # of a job, unless SBATCH_TIMELIMIT says otherwise
-PATIENCE = 1.0  # seconds between two looks at the jobs
-PREEMPTED = "PREEMPTED"  # which submitit takes for the state of a job that goes on; it may be its last one
+ROUNDS = 4  # jobs that follow one another in each place of the queue, so that no single long job ends last
+MINUTES = 24 * 60  # time limit of a job, unless SBATCH_TIMELIMIT sets another one
+POLL_INTERVAL = 1.0  # seconds between two checks of the jobs
+PREEMPTED = "PREEMPTED"  # submitit takes this for the state of a running job, but it may be the last one
 
 
 class SlurmBackend(Backend):
-    """Slurm jobs of one processor each, which see this file system and the Python that this process is.
+    """Slurm jobs of one processor each, which see this file system and use the Python of this process.
 
-    What Slurm wants to know else (account, time limit, memory) it is told by its own variables, `SBATCH_*`.
+    Slurm reads further settings (account, time limit, memory) from its own environment variables, `SBATCH_*`.
 
     Args:
-        partition: of the cluster; None for its default, "local" for processes of this machine.
-        jobs: how many jobs are in the queue at a time.
-        folder: for what jobs are told and tell; deleted where all went well.
+        partition: partition of the cluster; None is its default, "local" is processes of this machine.
+        jobs: number of jobs in the queue at a time.
+        folder: folder for inputs and results of jobs; its files are deleted when jobs succeed.
 
     Raises:
         MissingExtraError: if submitit is missing.
-        BackendError: if there is no Slurm, or none with accounting: only `sacct` tells of killed jobs.
-        ValueError: if it is not said how many jobs.
+        BackendError: if there is no Slurm, or Slurm has no accounting, without which killed jobs are not
+            reported.
+        ValueError: if the number of jobs is missing.
     """
 
     def __init__(self, partition: str | None, jobs: int, folder: Path):
@@ -52,7 +53,7 @@ class SlurmBackend(Backend):
         except ImportError as error:
             raise MissingExtraError("--backend slurm", "submitit", "slurm") from error
         if jobs < 1:
-            raise ValueError("--backend slurm: say by --jobs how many jobs are in the queue at a time")
+            raise ValueError("--backend slurm: give the number of jobs in the queue at a time by --jobs")
         self._submitit = submitit
         self._jobs = jobs
         self._folder = folder.absolute()
@@ -60,7 +61,7 @@ class SlurmBackend(Backend):
         try:
             self._executor = submitit.AutoExecutor(self._folder, cluster)
         except RuntimeError as error:
-            raise BackendError(f"--backend slurm: {error} `--address {HERE}` does without") from error
+            raise BackendError(f"--backend slurm: {error} `--address {HERE}` needs no Slurm") from error
         if cluster == "slurm":
             _require_accounting()
         setup = [f"export {name}={value}" for name, value in ONE_THREAD.items()]
@@ -73,11 +74,11 @@ class SlurmBackend(Backend):
         )
 
     def workers(self) -> int:
-        """As many as there are jobs at a time."""
+        """Return the number of jobs at a time."""
         return self._jobs
 
     def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """See `Backend`; a job carries out several units, and their results come when it ends."""
+        """Run units as described in `Backend`; a job has several units, whose results come when it ends."""
         size = math.ceil(len(units) / (ROUNDS * self._jobs)) or 1
         numbers = range(len(units))
         left = [numbers[first : first + size] for first in numbers[::size]][::-1]
@@ -92,17 +93,17 @@ class SlurmBackend(Backend):
                     except BackendError:
                         if not under_way:
                             raise
-                        break  # an account may have as many jobs as it may, one of which is about to end
+                        break  # the account may have reached its limit of jobs; one of them will end
                     under_way[job] = left.pop()
-                time.sleep(PATIENCE)
+                time.sleep(POLL_INTERVAL)
                 for job in [job for job in under_way if job.done() or job.state == PREEMPTED]:
                     numbers = under_way.pop(job)
                     outcomes = self._outcomes(job)
                     if outcomes is None:
-                        job.cancel(check=False)  # Slurm begins some of them again, as when a node fails
-                        losses[numbers] += job.state != PREEMPTED  # for which its work is not to blame
+                        job.cancel(check=False)  # Slurm restarts some jobs itself, as when a node fails
+                        losses[numbers] += job.state != PREEMPTED  # preemption is not the work's fault
                         again = losses[numbers] < MOST_LOSSES
-                        then = "done again" if again else "given up"
+                        then = "retried" if again else "given up"
                         tqdm.write(f"job {job.job_id} was lost ({job.state}); its work is {then}")
                         if again:
                             left.append(numbers)
@@ -118,7 +119,7 @@ class SlurmBackend(Backend):
                 job.cancel(check=False)
 
     def close(self) -> None:
-        """Delete the folder, if nothing is left in it but links to what is deleted."""
+        """Delete the folder if only links to deleted files are left in it."""
         for link in self._folder.glob(".submission_file_*"):
             if not link.exists():
                 link.unlink(missing_ok=True)
@@ -132,12 +133,12 @@ class SlurmBackend(Backend):
             raise BackendError(f"--backend slurm: a job was refused ({error})") from error
 
     def _outcomes(self, job: Any) -> list[Outcome] | None:
-        """What a job that has ended tells, or nothing, if it was killed."""
-        if not job.done():  # but preempted
+        """Return the outcomes of an ended job, or None if it was killed."""
+        if not job.done():  # it was preempted
             return None
         try:
             outcomes = job.result()
-        except self._submitit.core.utils.FailedJobError as error:  # a kind of the other one
+        except self._submitit.core.utils.FailedJobError as error:  # a subclass of UncompletedJobError
             raise BackendError(f"--backend slurm: {error}") from error
         except self._submitit.core.utils.UncompletedJobError:
             return None
@@ -162,8 +163,8 @@ def _require_accounting() -> None:
 
 
 def _carry_out(task: Task, units: list[Any]) -> list[Outcome]:
-    # Submitit has a job begin again, without end, where SBATCH_TIMELIMIT is less than what it was told.
+    # Submitit restarts a job for ever if SBATCH_TIMELIMIT is below the limit that submitit knows.
     signal.signal(signal.SIGUSR2, signal.SIG_IGN)
-    # Nor does it heed SIGTERM: what is cancelled would keep its processor and the lock of its run.
+    # Submitit ignores SIGTERM: a cancelled job would keep its processor and the lock of its run.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     return task.outcomes(units)

@@ -1,1 +1,1 @@
-"""Controllers at work: rollouts, observers, masked inputs and rules fitted to decisions."""
+"""Episodes of controllers: rollouts, observers that decide in the same states, and masked inputs."""

@@ -1,4 +1,4 @@
-"""Controllers that do not see some of their inputs: these follow their mean course over the iterations."""
+"""Masked controllers: some of their inputs are replaced by the mean of these inputs at the same iteration."""
 
 import copy
 from collections.abc import Sequence
@@ -6,11 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller, Floats
-from swarm_gym.controllers.wrapper import Wrapper
+from swarm_gym.controllers.controller import Controller, Floats, Wrapper
 from swarm_gym.observation import make_observation
 
-# Inputs that are the iteration in other words: at a given iteration there is nothing in them to be blind for.
+# Inputs that are functions of the iteration: masking them changes nothing.
 CLOCKS = (
     "iteration",
     "share of the iterations done",
@@ -18,16 +17,16 @@ CLOCKS = (
 )
 
 
-class Blinded(Wrapper):
-    """A controller, with some of its inputs replaced by what they are on average at the same iteration.
+class Masked(Wrapper):
+    """A controller with some of its inputs replaced by their means at the same iteration.
 
-    Where a controller corrects another one, inputs of both are among the observation's columns, those of the
-    other one first.
+    If the controller corrects another one, the columns of the observation are the inputs of the other one and
+    then its own.
 
     Args:
-        controller: what decides; a copy of it, since it may have a memory.
-        courses: (T, k) of its observation, by iteration; later iterations see the last row.
-        columns: of the observation that are replaced.
+        controller: controller to mask; a copy of it decides, since it may have a memory.
+        courses: (T, k) mean observations by iteration; later iterations use the last row.
+        columns: columns of the observation that are replaced.
     """
 
     def __init__(self, controller: Controller, courses: Floats, columns: Sequence[int]):
@@ -36,7 +35,7 @@ class Blinded(Wrapper):
         self._columns = list(columns)
 
     def act(self, observations: NDArray) -> NDArray:
-        """What is decided without these inputs."""
+        """Return the decisions of the controller on masked observations."""
         seen = observations.copy()
         course = self._courses[min(self._iteration, len(self._courses) - 1)]
         seen[:, self._columns] = course[self._columns]
@@ -45,18 +44,18 @@ class Blinded(Wrapper):
 
 
 def mean_courses(seen: NDArray, running: NDArray[np.bool_]) -> Floats:
-    """(T, k) mean of observations (T, B, k) at each iteration, over the episodes that were running then."""
+    """Return the (T, k) means of observations (T, B, k) at each iteration, over running episodes (T, B)."""
     counts = np.maximum(running.sum(axis=1), 1)[:, None]
     return np.where(running[..., None], seen, 0.0).sum(axis=1, dtype=np.float64) / counts
 
 
 def input_names(controller: Controller) -> list[str]:
-    """Names of what a controller sees, no two alike.
+    """Return unique names of a controller's inputs.
 
-    What its base sees is marked so; a name that joined layouts repeat is numbered.
+    Inputs of its base are marked "(base)"; names that occur in several joined layouts are numbered.
 
     Raises:
-        UnknownNameError: if it sees a layout that there is not.
+        UnknownNameError: if its observation layout does not exist.
     """
     of_base = len(_features(controller.corrects)) if controller.corrects else 0
     names = [
@@ -69,7 +68,7 @@ def input_names(controller: Controller) -> list[str]:
 
 
 def clock_columns(controller: Controller) -> list[int]:
-    """Which of these are the iteration."""
+    """Return the columns of a controller's observation that are functions of the iteration."""
     return [column for column, name in enumerate(_features(controller)) if name in CLOCKS]
 
 

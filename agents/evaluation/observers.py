@@ -1,4 +1,4 @@
-"""Episodes of one controller, and what others would have decided in the states that it visits."""
+"""Episodes of one controller, with the decisions of other controllers, the observers, in the same states."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.evaluation.rollout import drive, swarms_for
+from agents.evaluation.rollout import run_swarms, swarms_for
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation
@@ -20,15 +20,15 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Watched:
-    """B episodes of T iterations at most.
+    """B episodes of at most T iterations.
 
     Attributes:
-        seen: (T, B, k) what was seen before each iteration, in the layout that was asked for.
-        decided: one (T, B, d) per watcher: population size, phi, and further decisions in natural units, as
-            they are carried out, before rounding.
-        running: (T, B) whether the episode was under way; entries of others mean nothing.
-        gap: (B,) final optimality gap, (fitness - optimum) / optimum; NaN where the optimum is unknown.
-        evaluations: (B,) calls of the cost function.
+        seen: (T, B, k) observations before each iteration, in the requested layout.
+        decided: one array (T, B, d) per observer: population size, phi and further decisions in natural
+            units, clipped, before rounding.
+        running: (T, B) True while an episode runs; other entries of `seen` and `decided` mean nothing.
+        gap: (B,) final optimality gap, (fitness - optimum) / optimum; NaN if the optimum is unknown.
+        evaluations: (B,) number of calls of the cost function.
         returns: (B,) sum of the rewards.
     """
 
@@ -41,8 +41,8 @@ class Watched:
 
 
 def watch(
-    driver: Controller,
-    watchers: Sequence[Controller],
+    controller: Controller,
+    observers: Sequence[Controller],
     scenarios: Sequence[str],
     seeds: range,
     observation: str = "rich",
@@ -50,34 +50,34 @@ def watch(
     num_threads: int = 1,
     **options: Any,
 ) -> Watched:
-    """Run one episode per seed, side by side, as `driver` decides.
+    """Run one episode per seed, side by side, with a controller, and record what observers would decide.
 
     Args:
-        driver: its decisions are carried out.
-        watchers: asked in every state, each with its own observation layout. An evaluation budget that they
-            need has to be the driver's too.
-        scenarios: names that each episode draws from.
+        controller: controller whose decisions are carried out.
+        observers: controllers that decide in every state, each with its own observation layout. An
+            evaluation budget that they need has to be that of `controller` too.
+        scenarios: names of scenarios that each episode draws from.
         seeds: consecutive seeds, one per episode.
-        observation: layout of what is kept of the states.
+        observation: layout of the observations that are recorded.
         optimizer: name of the optimizer.
-        num_threads: that swarms are spread over; results do not depend on it.
+        num_threads: number of threads; results do not depend on it.
         options: further options of the environment.
     """
     options = {**options, "scenario": list(scenarios), "num_threads": num_threads}
-    swarms = swarms_for(driver, len(seeds), optimizer, **options)
+    swarms = swarms_for(controller, len(seeds), optimizer, **options)
     simulation = swarms.simulation
-    eyes = [_Eye(controller, simulation) for controller in watchers]
-    keeper = _View(observation, simulation)
-    for controller in watchers:
-        controller.reset(len(seeds), seeds.start)
+    eyes = [_Eye(observer, simulation) for observer in observers]
+    recorded = _View(observation, simulation)
+    for observer in observers:
+        observer.reset(len(seeds), seeds.start)
     seen, running, decided = [], [], []
 
     def look() -> None:
-        seen.append(keeper.observe())
+        seen.append(recorded.observe())
         running.append(simulation.running.copy())
         decided.append([eye.decide() for eye in eyes])
 
-    returns = drive(driver, swarms, seeds, look)
+    returns = run_swarms(controller, swarms, seeds, look)
     return Watched(
         np.array(seen),
         tuple(np.array(of_one) for of_one in zip(*decided, strict=True)),
@@ -89,7 +89,7 @@ def watch(
 
 
 class _Eye:
-    """A controller that watches a simulation."""
+    """An observer of a simulation: a controller with its views of states and its action layout."""
 
     def __init__(self, controller: Controller, simulation: Simulation):
         settings = simulation.settings
@@ -100,7 +100,7 @@ class _Eye:
         self._limits = settings.min_population_size, settings.max_population_size
 
     def decide(self) -> Floats:
-        """(B, d) decisions in natural units."""
+        """Return (B, d) decisions in natural units."""
         simulation = self._simulation
         actions = self._controller.act(self._view.observe()).astype(np.float64)
         decided = np.stack(
@@ -116,14 +116,14 @@ class _Eye:
 
 
 def decision_names(controller: Controller, optimizer: str) -> tuple[str, ...]:
-    """What a controller decides, in the order of its actions."""
-    # Paced layouts want a budget; the names do not depend on it.
+    """Return the names of a controller's decisions, in the order of its actions."""
+    # Paced layouts need a budget; the names do not depend on it.
     settings = Settings(action=controller.action, max_evaluations=Settings.initial_population_size)
     return make_action(settings, get_optimizer(optimizer)).labels
 
 
 class _View:
-    """An observation layout on a simulation, as environments show it: inside its bounds."""
+    """An observation layout of a simulation, clipped to its bounds as environments do."""
 
     def __init__(self, layout: str, simulation: Simulation):
         self._layout = make_observation(layout)
@@ -131,6 +131,6 @@ class _View:
         self._space = self._layout.space(simulation)
 
     def observe(self) -> NDArray:
-        """(B, k)."""
+        """Return (B, k) observations."""
         seen = self._layout.observe(self._simulation)
         return np.minimum(np.maximum(seen, self._space.low), self._space.high)

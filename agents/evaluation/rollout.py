@@ -1,4 +1,4 @@
-"""Whole episodes of a controller on many seeds at once."""
+"""Rollouts: whole episodes of a controller on many seeds at once."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Episodes:
-    """What happened in B episodes of T iterations.
+    """Results of B episodes of T iterations.
 
     Attributes:
         final_fitness: (B,) best fitness of each episode.
-        evaluations: (B,) calls of the cost function.
+        evaluations: (B,) number of calls of the cost function.
         returns: (B,) sum of the rewards.
-        sizes: (B, T) population size of each iteration; NaN after an end before the last one.
-        repair_degrees: (B, T) phi of each iteration, likewise.
+        sizes: (B, T) population size of each iteration; NaN after an episode has ended early.
+        repair_degrees: (B, T) phi of each iteration; NaN after an episode has ended early.
     """
 
     final_fitness: Floats
@@ -36,7 +36,7 @@ class Episodes:
 
 
 def look_away(_: Simulation) -> None:
-    """See nothing of a simulation."""
+    """Do nothing; the default observer of a simulation."""
 
 
 def run_episodes(
@@ -50,15 +50,15 @@ def run_episodes(
     """Run one episode per seed, all side by side, on one scenario.
 
     Args:
-        controller: decides; sees its own observation layout.
+        controller: controller that decides, with its own observation layout.
         scenario: a scenario or its name.
         seeds: consecutive seeds, one per episode.
         optimizer: name of the optimizer.
-        look: called with the simulation before every iteration, and after the last one.
+        look: function that is called with the simulation before every iteration, and after the last one.
         options: further options of the environment.
     """
     swarms = swarms_for(controller, len(seeds), optimizer, scenario=scenario, **options)
-    returns = drive(controller, swarms, seeds, lambda: look(swarms.simulation))
+    returns = run_swarms(controller, swarms, seeds, lambda: look(swarms.simulation))
     look(swarms.simulation)
     history = swarms.simulation.history[:, 1:]
     sizes, repair_degrees = (
@@ -71,7 +71,7 @@ def run_episodes(
 
 
 def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: Any) -> SwarmVectorEnv:
-    """Swarms as a controller needs them, for an episode each."""
+    """Return swarms with the options that a controller needs, for one episode each."""
     return SwarmVectorEnv(
         num_swarms,
         optimizer,
@@ -80,16 +80,16 @@ def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **option
     )
 
 
-def drive(
+def run_swarms(
     controller: Controller, swarms: SwarmVectorEnv, seeds: range, look: Callable[[], None] = lambda: None
 ) -> Floats:
-    """(B,) sums of the rewards of one episode per swarm, side by side, as a controller decides.
+    """Run one episode per swarm, side by side, and return the (B,) sums of rewards.
 
     Args:
-        controller: decides.
-        swarms: B of them, made for the controller.
+        controller: controller that decides.
+        swarms: B swarms, made for the controller.
         seeds: consecutive seeds, one per swarm.
-        look: called before every iteration.
+        look: function that is called before every iteration.
     """
     controller.reset(len(seeds), seeds.start)
     observations, _ = swarms.reset(seed=seeds.start)

@@ -1,1 +1,1 @@
-"""What training and tuning runs keep on disk: folders, checkpoints, seeds, provenance."""
+"""Files and rules that training and tuning runs share: folders, checkpoints, seeds, provenance."""

@@ -1,6 +1,7 @@
-"""The last two checkpoints of a run, each with a digest of itself, so that damage to one is noticed.
+"""Checkpoints of runs: the last two of a run, each with a digest, so that damage to one is noticed.
 
-A checkpoint is one line, `swarm_gym checkpoint 1 <SHA-256 of the rest>`, and then what was stored.
+A checkpoint is one line, `swarm_gym checkpoint 1 <SHA-256 of the rest>`, followed by the stored content. A
+CMA-ES of the package `cmaes` is stored as arrays, since its own way of storing itself is a pickle.
 """
 
 import hashlib
@@ -10,27 +11,32 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+from cmaes import CMA, SepCMA
+from numpy.typing import NDArray
+
 from agents.runs.folder import RunFolderError
 from swarm_gym.files import write_atomically
 
 FORMAT = b"swarm_gym checkpoint 1"
 
 State = TypeVar("State")
+Arrays = dict[str, NDArray]
 
 
 class _DamagedError(Exception):
-    """A checkpoint is not what was written; the message says how."""
+    """A checkpoint whose content was changed after writing; the message states the difference."""
 
 
 class Checkpoints:
-    """`checkpoint.<suffix>`, and `checkpoint-before.<suffix>`, which it was written over.
+    """The files `checkpoint<suffix>` and `checkpoint-before<suffix>` of a run, the newest and the one before.
 
-    Killed at any moment, a process leaves at least one of the two, and whole: the newest is missing for the
-    moment in which it has become the one before, and its successor has not its name yet.
+    A process that is killed at any moment leaves at least one of the two intact. The newest file is missing
+    only between its renaming to the one before and the renaming of its successor.
 
     Args:
-        folder: of the run.
-        suffix: of the files, with its dot.
+        folder: folder of the run.
+        suffix: suffix of the files, with its dot.
     """
 
     def __init__(self, folder: Path, suffix: str):
@@ -38,21 +44,21 @@ class Checkpoints:
         self.before = folder / f"checkpoint-before{suffix}"
 
     def save(self, content: bytes) -> None:
-        """Store one more."""
+        """Write a checkpoint; the newest one becomes the one before."""
         line = FORMAT + b" " + hashlib.sha256(content).hexdigest().encode() + b"\n"
         write_atomically(self.newest, line + content, before=self.before)
 
     def load(self, read: Callable[[bytes], State]) -> State | None:
-        """The newest checkpoint that is whole, None if there was none yet.
+        """Return the newest intact checkpoint, or None if there is none yet.
 
-        A newest one that is damaged is said on standard error, and kept under another name, lest it should
-        take the place of the one before.
+        If the newest checkpoint is damaged, a warning is printed to standard error, and its file is renamed,
+        so that the next `save` does not overwrite the intact one with it.
 
         Args:
-            read: makes a state of what was stored.
+            read: function from the stored content to a state.
 
         Raises:
-            RunFolderError: if what is there is damaged, or cannot be read.
+            RunFolderError: if all checkpoints are damaged, or one cannot be read.
         """
         damage = []
         for path in (self.newest, self.before):
@@ -68,7 +74,7 @@ class Checkpoints:
                 os.replace(self.newest, aside)
                 print(
                     f"warning: {damage[0]} and now called {aside.name}; "
-                    f"going on from the checkpoint before it, {path}",
+                    f"continuing from the checkpoint before it, {path}",
                     file=sys.stderr,
                     flush=True,
                 )
@@ -78,18 +84,44 @@ class Checkpoints:
                 raise RunFolderError(f"{path}: not a readable checkpoint ({error})") from error
         if damage:
             other = "" if len(damage) > 1 else f", and there is no {self.before.name}"
-            raise RunFolderError(f"no checkpoint to go on from: {' and '.join(damage)}{other}")
+            raise RunFolderError(f"no checkpoint to continue from: {' and '.join(damage)}{other}")
         return None
 
 
+def strategy_state(strategy: CMA | SepCMA) -> Arrays:
+    """Return everything that changes in a strategy between `tell` and `ask`, as arrays without objects."""
+    state = {
+        f"strategy.{name}": np.asarray(value)
+        for name, value in vars(strategy).items()
+        if name != "_rng" and value is not None
+    }
+    _, keys, *numbers = strategy._rng.get_state()
+    return {
+        **state,
+        "generator.keys": np.asarray(keys, dtype=np.int64),
+        "generator.numbers": np.array(numbers, dtype=float),
+    }
+
+
+def load_strategy(strategy: CMA | SepCMA, state: Arrays) -> None:
+    """Set a strategy to a state that `strategy_state` returned."""
+    for name in vars(strategy):
+        if name != "_rng":
+            value = state.get(f"strategy.{name}")  # absent if it was None
+            setattr(strategy, name, value.item() if value is not None and value.ndim == 0 else value)
+    place, has_gauss, gauss = state["generator.numbers"].tolist()
+    keys = state["generator.keys"].astype(np.uint32)
+    strategy._rng.set_state(("MT19937", keys, int(place), int(has_gauss), gauss))
+
+
 def _checked(path: Path) -> bytes:
-    """What was stored in a checkpoint."""
+    """Return the stored content of a checkpoint file."""
     try:
         line, _, content = path.read_bytes().partition(b"\n")
     except OSError as error:
         raise _DamagedError(str(error)) from error
     if not line.startswith(FORMAT + b" "):
-        raise _DamagedError(f"it does not begin with {FORMAT.decode()!r}, or an earlier version wrote it")
+        raise _DamagedError(f"it does not begin with {FORMAT.decode()!r}")
     if hashlib.sha256(content).hexdigest().encode() != line[len(FORMAT) + 1 :]:
-        raise _DamagedError("its content does not have the digest that its first line says")
+        raise _DamagedError("its content does not have the digest in its first line")
     return content

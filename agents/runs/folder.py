@@ -1,4 +1,4 @@
-"""The folder of a run: its configuration is written once, and a run is only resumed with the same one."""
+"""The folder of a run: its configuration is stored once, and a run is resumed only with the same one."""
 
 import dataclasses
 import json
@@ -16,33 +16,33 @@ LOCK = "lock"
 
 
 class RunFolderError(RuntimeError):
-    """A run cannot be started or resumed."""
+    """An error because of which a run cannot be started or resumed."""
 
 
 class RunTakenError(RunFolderError):
-    """Another process works on a run."""
+    """An error because another process holds the lock of a run."""
 
 
 def is_begun(folder: Path) -> bool:
-    """Whether there is a run in a folder, which can be resumed."""
+    """Return whether a folder has a run that can be resumed."""
     return (folder / CONFIG).exists()
 
 
 def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> FileLock:
-    """Store the configuration of a new run, or compare that of a run that is resumed, and tidy up after it.
-
-    Returns:
-        The lock on the folder, to be released when the run ends; however a process ends, it is.
+    """Store the configuration of a new run, or compare that of a resumed run and delete its partial files.
 
     Args:
-        folder: of the run.
-        config: a dataclass whose entries all have defaults.
-        resume: whether the run is there already.
-        not_compared: entries that a resumed run may have changed.
+        folder: folder of the run.
+        config: configuration, a dataclass.
+        resume: whether the run exists already.
+        not_compared: entries that may have changed when a run is resumed.
+
+    Returns:
+        The lock on the folder, to be released when the run ends; the end of the process releases it too.
 
     Raises:
-        RunTakenError: if another process works on it.
-        RunFolderError: if a new run is there already, or a resumed one is not, or was another.
+        RunTakenError: if another process works on the run.
+        RunFolderError: if a new run exists already, or a resumed one is missing or has another configuration.
         OSError: if the folder cannot be written.
     """
     if resume and not is_begun(folder):
@@ -75,12 +75,11 @@ def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[s
         theirs = dict(json.loads(stored.read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:
         raise RunFolderError(f"{stored}: not a readable configuration ({error})") from error
-    # What an option did before it was there is what it does by default.
-    theirs = {**as_json(type(config)()), **theirs}
+    missing = "no option"
     different = [
-        f"{key} was {shown(theirs[key])}, is {mine.get(key, 'no option')!r}"
-        for key in theirs
-        if key not in not_compared and theirs[key] != mine.get(key, "no option")
+        f"{key} was {shown(theirs.get(key, missing))}, is {mine.get(key, missing)!r}"
+        for key in {**theirs, **mine}
+        if key not in not_compared and theirs.get(key, missing) != mine.get(key, missing)
     ]
     if different:
         raise RunFolderError(f"--resume: {folder} was run with {'; '.join(different)}")
@@ -88,5 +87,5 @@ def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[s
 
 
 def as_json(config: Any) -> dict[str, Any]:
-    """The entries of a dataclass as JSON has them."""
+    """Return the entries of a dataclass as JSON values, by name."""
     return json.loads(json.dumps(dataclasses.asdict(config), default=str))

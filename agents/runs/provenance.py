@@ -1,4 +1,4 @@
-"""What a result was made with."""
+"""Provenance of results: versions of packages and the commit of the checkout."""
 
 import os
 import subprocess
@@ -7,11 +7,11 @@ from pathlib import Path
 
 import swarm_gym
 
-COMMIT = "SWARM_GYM_COMMIT"  # the variable that names it to workers which have the sources alone
+COMMIT = "SWARM_GYM_COMMIT"  # environment variable with the commit, for workers without the repository
 
 
 def provenance(*packages: str) -> dict[str, str]:
-    """Versions of swarm_gym and of these packages, and the commit of the checkout."""
+    """Return the versions of swarm_gym and of these packages, and the commit of the checkout."""
     return {
         "commit": git_commit(),
         "swarm_gym": swarm_gym.__version__,
@@ -20,7 +20,7 @@ def provenance(*packages: str) -> dict[str, str]:
 
 
 def git_commit() -> str:
-    """The commit of the checkout, marked where files were changed since; "unknown" outside of one."""
+    """Return the commit of the checkout, with a mark if files were changed since; "unknown" without one."""
     if told := os.environ.get(COMMIT):
         return told
     command = ["git", "describe", "--always", "--dirty", "--abbrev=40"]

@@ -1,1 +1,1 @@
-"""Training of policies: options, runs, learners and what TensorBoard shows."""
+"""Training of policies: options, runs, learners and TensorBoard events."""

@@ -1,4 +1,4 @@
-"""The options of a training run: one documented dataclass, which is also the command line."""
+"""The options of a training run, a dataclass from which the command line is made."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -14,101 +14,101 @@ class TrainConfig:
     """Options of a training run; all are stored with the policy."""
 
     preset: str = "three-cases"
-    """The preset that the other options come from, where they are not given."""
+    """Preset that gives the defaults of all other options, a name or a TOML file, e.g. three-cases-ppo."""
     name: str = ""
-    """The run's folder is <runs>/<name>; <preset>/<seed> by default."""
+    """Name of the run, whose folder is <runs>/<name>; by default <preset>/<seed>."""
     runs: Path = Path("runs")
-    """Where runs are kept."""
+    """Folder of all runs; it is created if it is missing."""
     resume: bool = False
-    """Go on with a run of that name that was stopped."""
+    """Resume the stopped run of that name from its last checkpoint."""
     algorithm: str = "ppo"
-    """What learns, a name in `agents.training.learners.LEARNERS`."""
+    """Learning algorithm: ppo, recurrent-ppo or evolution."""
     threads: int = 1
-    """Threads that the swarms are spread over. Results do not depend on it; more than one slows torch."""
+    """Number of threads for the swarms. Results do not depend on it; more than one thread slows torch."""
     seed: int = 0
-    """Seed of everything random in the run."""
+    """Seed of all random numbers of the run."""
     total_steps: int = 640_000
-    """Environment steps, over all swarms; the last chunk is finished."""
+    """Number of environment steps, summed over all swarms; the last chunk is always completed."""
     optimizer: str = "firefly"
-    """The optimizer that is controlled."""
+    """Optimizer that the policy controls, e.g. firefly or fish-swarm."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
-    """Scenarios that episodes draw from."""
+    """Scenarios that episodes draw from, e.g. case1 case2 or random-fields:train:0-511."""
     encoding: str = "waypoints"
-    """How decision vectors are read; "bezier" on grid maps."""
+    """Meaning of the decision vectors: waypoints, or bezier for control points on grid maps."""
     iterations: int = 100
-    """Length of an episode."""
+    """Length of an episode in iterations of the optimizer."""
     num_swarms: int = 64
-    """Swarms advanced side by side."""
+    """Number of swarms that run side by side."""
     initial_population_size: int = 80
-    """PS(0)."""
+    """Population size at the start of an episode, PS(0)."""
     min_population_size: int = 2
-    """Smallest size the policy can ask for."""
+    """Smallest population size that the policy can choose."""
     max_population_size: int = 200
-    """Largest size the policy can ask for."""
+    """Largest population size that the policy can choose."""
     observation: str = "extended"
-    """Observation layout of the policy."""
+    """Observation layout of the policy, e.g. extended, or extended+priced to observe the price."""
     action: str = "normalised"
-    """Action layout of the policy, scaled to [-1, 1]."""
+    """Action layout of the policy, one that is scaled to [-1, 1], e.g. extended-normalised."""
     max_evaluations: int = 0
     """Evaluation budget of an episode; 0 is no budget."""
     reward: str = "progress"
-    """Reward by name; `paired` is the reference's log(final gap) minus one's own, from the same start."""
+    """Reward, e.g. progress; paired is log(final gap) of the reference minus that of the policy."""
     reference: str = "spsfa-tip"
     """Controller that a paired reward compares with."""
     price: tuple[float, ...] = (0.17,)
-    """What 100,000 evaluations cost, in units of the reward; two are the range that episodes draw from."""
+    """Price of 100,000 evaluations in units of the reward, or the range that episodes draw it from."""
     base: str = "none"
-    """Controller whose decisions the policy corrects; 'none' lets it decide alone."""
+    """Controller whose decisions the policy corrects, e.g. open-loop:three-cases; none for none."""
     corrected_from: int = 0
-    """Iteration, counted from 0, from which it corrects them; before, the base decides alone."""
+    """First iteration, counted from 0, in which the policy corrects its base; the base acts alone before."""
     warm_start: str = "spsfa-tip"
-    """Controller to imitate first; 'none' starts from scratch."""
+    """Controller that the policy imitates before the training; none trains from random weights."""
     hidden_layers: tuple[int, ...] = (64, 64)
-    """Sizes of the hidden layers, tanh, of actor and critic each."""
+    """Sizes of the hidden tanh layers, for the actor and for the critic."""
     lstm_size: int = 32
-    """Size of the memory before these layers, of recurrent PPO."""
+    """Number of LSTM units before the hidden layers; for recurrent-ppo only."""
     log_std: float = -1.6
-    """Logarithm of the initial standard deviation of normalised actions."""
+    """Natural logarithm of the initial standard deviation of actions in [-1, 1]."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
     batch_size: int = 640
-    """Samples per gradient step."""
+    """Number of environment steps in a minibatch."""
     epochs: int = 10
-    """Passes over a rollout."""
+    """Number of passes over the steps of a rollout."""
     discount: float = 1.0
-    """gamma of PPO."""
+    """Discount factor gamma of future rewards; 1 is none."""
     gae_lambda: float = 0.98
-    """lambda of generalised advantage estimation."""
+    """Parameter lambda of generalised advantage estimation, from 0 to 1."""
     clip_range: float = 0.2
-    """PPO's clipping of the probability ratio."""
+    """Clipping range of PPO's probability ratio, 1 - clip_range to 1 + clip_range."""
     entropy_weight: float = 0.0
-    """Weight of the entropy bonus."""
+    """Weight of the entropy bonus in the loss."""
     target_kl: float = 0.03
-    """Stop an update early beyond this divergence."""
+    """Kullback-Leibler divergence from the old policy beyond which an update stops early."""
     candidates: int = 16
-    """Candidates per generation of an evolution strategy; swarms are shared out among them."""
+    """Number of candidates per generation, for evolution only; it has to divide the number of swarms."""
     sigma: float = 0.1
-    """Initial step size of an evolution strategy."""
+    """Initial step size of the weights, for evolution only."""
     rollouts_per_chunk: int = 10
-    """Rollouts of one episode per swarm (or generations) between two checkpoints with validation."""
+    """Number of rollouts, or generations, per chunk; a chunk ends with validation and a checkpoint."""
     validation_scenarios: tuple[str, ...] = ()
-    """Scenarios for validation, a range counting as one; those of the training by default."""
+    """Scenarios for validation, where a range counts as one scenario; by default those of the training."""
     validation_seeds: int = 64
-    """Episodes per scenario for validation."""
+    """Number of validation episodes per scenario."""
 
     @property
     def folder(self) -> Path:
-        """Where this run is kept."""
+        """Folder of the run."""
         return self.runs / (self.name or f"{self.preset}/{self.seed}")
 
     @property
     def limits(self) -> SizeLimits:
-        """Population sizes the policy can ask for."""
+        """Population sizes that the policy can choose."""
         return SizeLimits(self.min_population_size, self.max_population_size)
 
     def env_options(self) -> dict[str, Any]:
-        """Options of the environments, for training and validation."""
-        # Of test functions the default says nothing either.
+        """Return the options of the environments, for training and validation."""
+        # Test functions have no encoding, so the default is left out.
         encoding = {} if self.encoding == TrainConfig.encoding else {"encoding": self.encoding}
         return {
             **encoding,
@@ -122,15 +122,19 @@ class TrainConfig:
 
 
 def stored_config(manifest: Mapping[str, Any]) -> TrainConfig:
-    """The configuration that a policy's manifest says it was trained with; defaults where it says nothing.
+    """Return the training configuration in a policy's manifest.
 
-    Entries that there are no longer are passed over, and numbers that are ranges by now are read as such.
+    An empty manifest, of a controller without one, and an empty `config`, of an imported policy, give the
+    defaults.
+
+    Raises:
+        ValueError: for an option that does not exist.
     """
-    values: dict[str, Any] = {}
-    for field in fields(TrainConfig):
-        if field.name in manifest.get("config", {}):
-            value = manifest["config"][field.name]
-            if isinstance(field.default, tuple) and not isinstance(value, list | tuple):
-                value = (value,)
-            values[field.name] = tuple(value) if isinstance(value, list) else value
+    options = manifest["config"] if manifest else {}
+    unknown = sorted(set(options) - {field.name for field in fields(TrainConfig)})
+    if unknown:
+        raise ValueError(f"the policy's configuration has unknown options {unknown}")
+    values: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in options.items()
+    }
     return TrainConfig(**values)

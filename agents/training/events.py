@@ -1,4 +1,4 @@
-"""What TensorBoard shows of a training run: scalars, pictures of each validation, hyperparameters."""
+"""TensorBoard events of a training run: scalars, pictures of each validation, hyperparameters."""
 
 import json
 import os
@@ -15,21 +15,22 @@ from torch.utils.tensorboard import SummaryWriter
 from torch.utils.tensorboard.summary import hparams
 
 from agents.evaluation.rollout import Episodes
-from agents.training.figures import draw_decisions
+from agents.training.pictures import draw_decisions
 
 FILES = "events.out.tfevents.*"
-MOST_WAIT = 10  # seconds, for a clock that was set back a little
+MOST_WAIT = 10  # seconds to wait if the clock was set back a little
 
 
 class TrainingEvents:
-    """The events of a run, in its folder; a run that goes on adds to those that it had at its checkpoint.
+    """The event files in the folder of a run; a resumed run appends to the events up to its checkpoint.
 
-    What came after that is taken off the files: a run that was killed shows every event once, to any reader.
+    Events after the checkpoint are cut off the files, so that a run that was killed shows every event once.
 
     Args:
-        folder: of the run.
-        sizes: what `flush` returned for the checkpoint; None for a new run, which leaves all files alone.
-        step: of the checkpoint, for a TensorBoard that is open meanwhile and has read more than that.
+        folder: folder of the run.
+        sizes: sizes of files that `flush` returned at the checkpoint; None for a new run, which leaves all
+            files unchanged.
+        step: step of the checkpoint, for an open TensorBoard that has read later events already.
     """
 
     def __init__(self, folder: Path, sizes: Mapping[str, int] | None, step: int = -1):
@@ -42,12 +43,12 @@ class TrainingEvents:
             threading.excepthook = _leave_to_the_caller
 
     def add_scalars(self, scalars: Mapping[str, float], step: int) -> None:
-        """Add numbers by name."""
+        """Add scalars by name."""
         for name, value in scalars.items():
             self._writer.add_scalar(name, value, step)
 
     def add_decisions(self, by_scenario: Mapping[str, Episodes], step: int) -> None:
-        """Add size and phi against the iteration, and their means at every tenth as scalars."""
+        """Add a picture of size and phi against the iteration, and their means at every tenth as scalars."""
         self._add_picture("validation/decisions", draw_decisions(by_scenario), step)
         for name in ("sizes", "repair_degrees"):
             values = np.concatenate([getattr(episodes, name) for episodes in by_scenario.values()])
@@ -58,25 +59,25 @@ class TrainingEvents:
                 self._writer.add_scalar(f"{name}/iteration {iteration + 1:03}", np.nanmean(column), step)
 
     def add_replay(self, picture: NDArray[np.uint8], step: int) -> None:
-        """Add an episode as a strip of pictures, shape (height, width, 3)."""
+        """Add a strip of pictures of an episode, shape (height, width, 3)."""
         self._add_picture("validation/replay", picture, step)
 
     def add_hyperparameters(
         self, options: Mapping[str, Any], metrics: Mapping[str, float], step: int
     ) -> None:
-        """Add what the HParams tab lists: options as JSON has them, and what a run with these came to.
+        """Add an entry of the HParams tab: options as JSON values, and the metrics of a run with these.
 
-        Of a run that ends more than once, since it was made longer, TensorBoard keeps the first options and
-        shows the last metrics. So what may have changed by then must be no option.
+        If a run is made longer and ends again, TensorBoard keeps the first options and shows the last
+        metrics. Options must therefore not include values that may change in a resumed run.
         """
         flat = {name: _as_scalar(value) for name, value in options.items()}
-        # Not SummaryWriter.add_hparams, which writes into another file.
+        # SummaryWriter.add_hparams would write to another file.
         for summary in hparams(flat, dict(metrics)):
             self._writer._get_file_writer().add_summary(summary, step)
         self.add_scalars(metrics, step)
 
     def flush(self) -> dict[str, int]:
-        """Have all events on the disk; returns the files' sizes in bytes by their names."""
+        """Write all events to the disk; return the sizes of the files in bytes by their names."""
         self._writer.flush()
         sizes = {}
         for path in sorted(self._folder.glob(FILES)):
@@ -86,7 +87,7 @@ class TrainingEvents:
         return sizes
 
     def close(self) -> None:
-        """Write what is not written yet."""
+        """Write the remaining events and close the files."""
         self._writer.close()
 
     def _add_picture(self, name: str, picture: NDArray[np.uint8], step: int) -> None:
@@ -94,13 +95,13 @@ class TrainingEvents:
 
 
 def _leave_to_the_caller(arguments: threading.ExceptHookArgs) -> None:
-    """Do not print what TensorBoard's thread cannot write: whoever adds the next event or flushes gets it."""
+    """Do not print write errors of TensorBoard's thread: the next call that adds or flushes raises them."""
     if not (type(arguments.thread).__module__.startswith("tensorboard") and arguments.exc_type is OSError):
         threading.__excepthook__(arguments)
 
 
 def _cut_off(folder: Path, sizes: Mapping[str, int]) -> None:
-    """Leave of the events in a folder what files of these sizes hold."""
+    """Truncate the event files in a folder to these sizes, and delete the others."""
     for path in folder.glob(FILES):
         if path.name not in sizes:
             path.unlink()
@@ -117,11 +118,11 @@ def _cut_off(folder: Path, sizes: Mapping[str, int]) -> None:
 
 
 def _wait_for_a_later_name(names: Iterable[str]) -> None:
-    """Files are read in the order of their names, which begin with the second in which they are made."""
+    """Wait until a new file sorts last: names begin with the second of creation, and are read in order."""
     last = max(map(_second, names), default=0)
     if last > time.time() + MOST_WAIT:
         print(
-            f"warning: the clock has been set back since {FILES[:-1]}{last:010} was begun: TensorBoard may "
+            f"warning: the clock was set back after {FILES[:-1]}{last:010} was created: TensorBoard may "
             "show the run in the wrong order",
             file=sys.stderr,
         )

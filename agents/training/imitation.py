@@ -1,4 +1,4 @@
-"""Behaviour cloning: a policy learns a controller's decisions, and the value of following them."""
+"""Behaviour cloning: a policy learns a controller's decisions, and its critic the returns of these."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -16,20 +16,27 @@ from swarm_gym.observation import make_observation
 ROLLOUTS = 4
 GRADIENT_STEPS = 3000
 BATCH_SIZE = 512  # steps
-LEAST_SEQUENCES = 16  # in a batch, however long they are
+LEAST_SEQUENCES = 16  # smallest number of sequences in a batch, however long they are
 LEARNING_RATE = 1e-3
 
 
 class Demonstration(NamedTuple):
-    """E sequences of at most T steps, padded by zeros."""
+    """E sequences of at most T steps, padded by zeros.
 
-    observations: NDArray  # (E, T, number of features)
-    actions: NDArray  # (E, T, k) without the noise
-    returns: NDArray  # (E, T) rewards to come, discounted
-    there: NDArray  # (E, T) 1 for steps, 0 for padding
+    Attributes:
+        observations: (E, T, number of features) observations of the policy.
+        actions: (E, T, k) actions without the noise.
+        returns: (E, T) discounted sums of the rewards to come.
+        there: (E, T) 1 for steps, 0 for padding.
+    """
+
+    observations: NDArray
+    actions: NDArray
+    returns: NDArray
+    there: NDArray
 
     def one_by_one(self) -> "Demonstration":
-        """The same steps as sequences of one step each."""
+        """Return the same steps as sequences of one step each."""
         rows = self.there > 0
         return Demonstration(*(array[rows][:, None] for array in self))
 
@@ -40,15 +47,16 @@ def imitate(
     predict: Callable[[torch.Tensor], tuple[torch.Tensor, torch.Tensor]],
     seed: int,
 ) -> None:
-    """Fit actor and critic of a policy to what was decided, and earned by it.
+    """Fit actor and critic of a policy to demonstrated decisions and their returns.
 
-    The critic is fitted too: PPO that starts with an ignorant one unlearns the actor first.
+    The critic is fitted too, since PPO with an untrained critic unlearns the actor first.
 
     Args:
-        policy: of stable-baselines3.
-        shown: sequences to learn from; those of a batch are drawn by the seed.
-        predict: mean actions (N, k) and values (N,) of observations (sequences, T, features), N steps in all.
-        seed: of the draws.
+        policy: policy of stable-baselines3.
+        shown: sequences to learn from.
+        predict: function from observations (sequences, T, features), N steps in all, to mean actions (N, k)
+            and values (N,).
+        seed: seed of the draws of batches.
     """
     generator = np.random.default_rng(seed)
     parameters = [p for name, p in policy.named_parameters() if name != "log_std"]
@@ -70,10 +78,17 @@ def imitate(
 def demonstrate(
     controller: Controller | None, env: SB3VecEnv, noise: float, discount: float, seed: int
 ) -> Demonstration:
-    """Whole episodes of a controller; without one, of correcting nothing.
+    """Return whole episodes of a controller; without one, episodes in which the base is not corrected.
 
-    They are disturbed by the noise that the policy will explore with, since its critic meets these; and the
-    discount is the one that it will be trained with, since its values are sums of rewards under it.
+    Actions have the noise with which the policy will explore, since its critic is used in such states. The
+    discount is that of the training, since values are sums of discounted rewards.
+
+    Args:
+        controller: controller to imitate, if any.
+        env: environments of the training.
+        noise: standard deviation of the noise in actions scaled to [-1, 1].
+        discount: discount factor of rewards.
+        seed: seed of episodes and noise.
     """
     inner: Any = env.env.unwrapped
     simulation, settings = inner.simulation, inner.settings
@@ -104,7 +119,7 @@ def demonstrate(
 
 
 def _cut(columns: tuple[NDArray, NDArray, NDArray], ends: NDArray, longest: int) -> Demonstration:
-    """Episodes from arrays (steps, B, ...) and where they end, (steps, B); those cut short are left out."""
+    """Return complete episodes from arrays (steps, B, ...) and the ends of episodes (steps, B)."""
     pieces = []
     for row, ending in enumerate(ends.T):
         begin = 0

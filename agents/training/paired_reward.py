@@ -1,8 +1,8 @@
-"""A terminal reward relative to another controller: how much better one ends from the same start.
+"""The paired reward: a policy's final result relative to that of a reference controller from the same start.
 
-log(final gap of the reference) - log(own final gap), minus the price of one's own evaluations. What a start
-gives away to any controller drops out, so that the rewards of easy and hard scenarios are of one size. The
-gap is that of `swarm_gym.reward`.
+The reward at the end of an episode is log(final gap of the reference) - log(final gap of the policy), minus
+the price of the policy's evaluations. Advantages of a start that any controller has cancel out, so that
+rewards of easy and hard scenarios have one scale. The gap is that of `swarm_gym.reward`.
 """
 
 from collections import deque
@@ -13,20 +13,20 @@ from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller
 
-PAIRED = "paired"  # the name of this reward in a training configuration
-ENV_REWARD = "final-gap"  # what the environments pay then
+PAIRED = "paired"  # name of this reward in a training configuration
+ENV_REWARD = "final-gap"  # reward of the environments from which it is computed
 
 
 class Reference:
-    """What a controller earns, swarm by swarm and episode by episode, from the starts that others get.
+    """Returns of a reference controller, by swarm and episode, from the same starts as the policy's.
 
-    A twin environment: with the same seeds, episode k of swarm b has the same seed in both, and with it the
-    same scenario and, for the same PS(0), the same first population. It runs only when its results are asked
-    for, so that episodes of the two need not be of one length.
+    The reference runs in a twin environment. With the same seeds, episode k of swarm b has the same seed in
+    both, and so the same scenario and, for the same PS(0), the same first population. The twin runs only when
+    its results are needed, so that episodes of the two may have different lengths.
 
     Args:
-        controller: decides in the twin.
-        env: the twin, SAME_STEP, with the reward `ENV_REWARD` and no price.
+        controller: controller that decides in the twin environment.
+        env: twin environment with autoreset mode SAME_STEP, the reward `ENV_REWARD` and no price.
     """
 
     def __init__(self, controller: Controller, env: VectorEnv):
@@ -36,14 +36,14 @@ class Reference:
         self.env = env
 
     def reset(self, seed: int) -> None:
-        """Begin with the first episodes of this seed."""
+        """Begin the first episodes of this seed."""
         self._observations, _ = self.env.reset(seed=seed)
         self.controller.reset(self.env.num_envs, seed)
         self._returns = np.zeros(self.env.num_envs)
         self._waiting: list[deque[float]] = [deque() for _ in range(self.env.num_envs)]
 
     def next_returns(self, rows: NDArray[np.int64]) -> NDArray[np.float64]:
-        """(r,) what these r swarms, by number, earn in their next episodes that were not asked for yet."""
+        """Return the (r,) returns of the next episodes of r swarms, given by their numbers (r,)."""
         while not all(self._waiting[row] for row in rows):
             self._step()
         return np.array([self._waiting[row].popleft() for row in rows])

@@ -1,6 +1,6 @@
 """Presets: training configurations as data, in `agents/training/presets/<name>.toml`.
 
-A preset that is another one but for some options names that one as `like` and states what differs.
+A preset may name another one in its entry `like`; it then states only the options that differ.
 """
 
 import dataclasses
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
 from agents.training.config import TrainConfig
-from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, read_bytes, shipped_names
+from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, packaged_names, read_bytes
 from swarm_gym.errors import shown
 
 PRESETS = Path(__file__).parent / "presets"
@@ -19,32 +19,32 @@ _IN_TOML = {bool: "boolean", int: "integer", float: "float", str: "string", Path
 
 
 class PresetError(ValueError):
-    """A preset is missing or says what cannot be; the message names the file and the entry."""
+    """A preset that is missing or has an invalid entry; the message names the file and the entry."""
 
 
 def preset_names() -> list[str]:
-    """Names of the presets."""
-    return shipped_names(PRESETS, ".toml")
+    """Return the names of the presets."""
+    return packaged_names(PRESETS, ".toml")
 
 
 def load_preset(name: str) -> TrainConfig:
-    """The configuration of a preset by name, or of a TOML file by its path.
+    """Return the configuration of a preset by its name, or of a TOML file by its path.
 
     Raises:
-        PresetError: if there is none, it is not TOML, it has an unknown key or a value of a wrong type, or it
-            is like one of which that is so.
+        PresetError: if the file is missing or no TOML, has an unknown key or a value of a wrong type, or if
+            the preset in its entry `like` is invalid.
     """
     return _load(name, ())
 
 
 def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
-    """A preset that the dependents, each the one before, are like."""
+    """Return the configuration of a preset; `dependents` are the files whose `like` led here, in order."""
     path = find_file(name, PRESETS, ".toml")
     if path is None:
         raise PresetError(f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file")
     try:
         content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
-    # A ValueError is also what is no UTF-8, and a number of thousands of digits.
+    # Bytes that are no UTF-8, and numbers of thousands of digits, raise ValueError too.
     except (OSError, ValueError, RecursionError) as error:
         raise PresetError(f"{path}: not a readable preset ({error})") from error
     kinds = {field.name: _HINTS[field.name] for field in dataclasses.fields(TrainConfig)}
@@ -53,7 +53,7 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     if "like" in content:
         like = _as(str, content.pop("like"), f"{path}: like")
         if path in dependents:
-            raise PresetError(f"{path}: it is like itself, by way of {shown(like)}")
+            raise PresetError(f"{path}: it is like itself, through {shown(like)}")
         try:
             start = _load(like, (*dependents, path))
         except PresetError as error:

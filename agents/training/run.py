@@ -1,4 +1,4 @@
-"""A training run: in chunks, with checkpoints, validation, and exact resuming."""
+"""A training run: chunks with checkpoints and validation, which can be resumed exactly."""
 
 import io
 from collections.abc import Callable, Mapping
@@ -19,22 +19,21 @@ from agents.training.events import TrainingEvents
 from agents.training.learners import make_learner
 from agents.training.learners.environments import reference_controller
 from agents.training.paired_reward import PAIRED
-from agents.training.replay_strip import make_replay_strip
+from agents.training.pictures import make_replay_strip
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.simulation import Simulation
 
-# Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
+# Options that do not change the results of a run; in addition, a resumed run may be longer.
 _LOCATION = ("runs", "name", "resume", "threads")
 _NOT_COMPARED = (*_LOCATION, "total_steps")
-
 
 PACKAGES = ("cmaes", "gymnasium", "numba", "numpy", "sb3-contrib", "stable-baselines3", "torch")
 
 
 class TrainingRun:
-    """A run on disk: configuration, checkpoints, TensorBoard events, latest and best policy."""
+    """A training run in a folder: configuration, checkpoints, TensorBoard events, latest and best policy."""
 
     def __init__(self, config: TrainConfig):
         self.config = config
@@ -43,10 +42,10 @@ class TrainingRun:
         self.best = self.folder / "best.safetensors"
         self.chunk = 0
         self.best_return = -np.inf
-        # Asked for once: what runs is what was imported now.
+        # Read once, since the imported code is what runs, whatever changes on the disk.
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
-        # Only now, since a configuration that cannot be run shall leave nothing behind.
+        # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
         self._goes_on = config.resume and self._load_checkpoint()
         if not self._goes_on:
@@ -54,7 +53,7 @@ class TrainingRun:
         self.replay = make_replay_strip()
 
     def run(self) -> Path:
-        """Train to the end; returns the file of the best policy by validation."""
+        """Train to the end; return the file of the policy with the best validation."""
         try:
             return self._run()
         except OSError as error:
@@ -92,7 +91,7 @@ class TrainingRun:
         self.events.add_scalars(scalars, self.learner.num_steps)
 
     def _validate(self) -> float:
-        """Mean return on the validation seeds; keeps the policy, and the best one by this number."""
+        """Return the mean return on the validation seeds; save the policy, also as the best one if it is."""
         config, step = self.config, self.learner.num_steps
         latest = self.folder / "latest.safetensors"
         self._save_policy(latest, {})
@@ -117,7 +116,7 @@ class TrainingRun:
         return mean_return
 
     def _run_reference(self) -> dict[str, float]:
-        """What a paired reward takes off the mean return, by validation scenario."""
+        """Return the reference's mean return by validation scenario; empty without a paired reward."""
         if self.config.reward != PAIRED:
             return {}
         by_scenario = self._run_validation(*reference_controller(self.config))
@@ -129,7 +128,7 @@ class TrainingRun:
         options: dict[str, Any],
         look: Callable[[Simulation], None] = look_away,
     ) -> dict[str, Episodes]:
-        """Episodes on the validation seeds by scenario, the first of which is looked at."""
+        """Run episodes on the validation seeds of each scenario; `look` sees those of the first scenario."""
         config = self.config
         scenarios = config.validation_scenarios or config.scenarios
         seeds, threads = VALIDATION[: config.validation_seeds], config.threads
@@ -142,7 +141,7 @@ class TrainingRun:
         }
 
     def _write_hyperparameters(self) -> None:
-        """What the run was made with, and what its best policy came to in validation."""
+        """Write the options of the run and the validation of its best policy."""
         options = {name: v for name, v in as_json(self.config).items() if name not in _NOT_COMPARED}
         validation = load_policy(self.best)[1]["validation"]
         metrics = {"hparam/best_return": self.best_return, **_by_name("hparam", validation)}
@@ -175,7 +174,7 @@ class TrainingRun:
         save_policy(path, self.learner.weights(), manifest)
 
     def _save_checkpoint(self) -> None:
-        """Store where the run is; events first, since none before a checkpoint is made again."""
+        """Store the state of the run; events are flushed first, as a resumed run does not repeat them."""
         state = {
             "learner": self.learner.state(),
             "chunk": self.chunk,
@@ -187,7 +186,7 @@ class TrainingRun:
         self.checkpoints.save(content.getvalue())
 
     def _load_checkpoint(self) -> bool:
-        """Go on from the last checkpoint, if there is one; what was written after it is made again."""
+        """Load the last checkpoint and return whether there is one; later results are computed again."""
         state = self.checkpoints.load(lambda content: torch.load(io.BytesIO(content), weights_only=True))
         if state is None:
             return False
@@ -199,7 +198,7 @@ class TrainingRun:
 
 
 def _by_name(prefix: str, results: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
-    """The numbers of all scenarios as scalars are called."""
+    """Return the numbers of all scenarios under the names of their scalars."""
     return {
         f"{prefix}/{scenario}/{name}": value
         for scenario, numbers in results.items()

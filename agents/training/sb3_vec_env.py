@@ -13,12 +13,13 @@ from swarm_gym.controllers.learned.residual import Base, Proposal
 
 
 class SB3VecEnv(VecEnv):
-    """Wraps a vector environment with SAME_STEP autoreset, which is what stable-baselines3 expects.
+    """A wrapper of a vector environment with autoreset mode SAME_STEP, as stable-baselines3 expects.
 
     Args:
-        env: scaled actions; with a base, its observations are the base's and then the policy's.
-        base: the controller whose decisions the actions are added to, if any.
-        reference: whose return from the same start is subtracted at the end of an episode, if any.
+        env: environment with scaled actions; with a base, the columns of its observations are those of the
+            base and then those of the policy.
+        base: controller to whose decisions the actions are added, if any.
+        reference: reference whose return from the same start is subtracted at the end of an episode, if any.
     """
 
     def __init__(self, env: VectorEnv, base: Base | None = None, reference: Reference | None = None):
@@ -38,7 +39,7 @@ class SB3VecEnv(VecEnv):
         self._lengths = np.zeros(env.num_envs, dtype=np.int64)
 
     def reset(self) -> NDArray:
-        """Begin new episodes everywhere, with the seed given to `seed`, if any."""
+        """Begin new episodes of all swarms, with the seed given to `seed`, if any."""
         seed = self._seeds[0]
         if self.reference is not None:
             if seed is None:
@@ -57,7 +58,7 @@ class SB3VecEnv(VecEnv):
         self._actions = actions if self._proposal is None else self._proposal.corrected(actions)
 
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
-        """Advance all swarms; infos of ended episodes hold `episode` and `terminal_observation`."""
+        """Advance all swarms; infos of ended episodes have `episode` and `terminal_observation`."""
         observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
         dones = terminated | truncated
         if self.reference is not None and dones.any():
@@ -83,11 +84,11 @@ class SB3VecEnv(VecEnv):
         self.env.close()
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute of the whole vector, once per requested swarm."""
+        """Return an attribute of the whole vector, once per requested swarm."""
         return [getattr(self.env.unwrapped, attr_name)] * len(self._rows(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:  # noqa: ARG002
-        """Attributes belong to all swarms at once and are not set one by one."""
+        """Raise an error: attributes belong to all swarms at once."""
         raise AttributeError(f"cannot set {attr_name!r} of single swarms in a native vector")
 
     def env_method(
@@ -97,22 +98,22 @@ class SB3VecEnv(VecEnv):
         indices: Any = None,  # noqa: ARG002
         **method_kwargs: Any,  # noqa: ARG002
     ) -> list[Any]:
-        """Swarms of a native vector have no methods of their own."""
+        """Raise an error: swarms of a native vector have no methods of their own."""
         raise AttributeError(f"cannot call {method_name!r} of single swarms in a native vector")
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ARG002
-        """No swarm is wrapped by itself."""
+        """Return False for every swarm: none is wrapped by itself."""
         return [False] * len(self._rows(indices))
 
     def _see(self, observations: NDArray) -> NDArray:
-        """What the policy sees; begins the step of the base."""
+        """Return the policy's observations; the base proposes its decisions for this step."""
         if self.base is None:
             return observations
         self._proposal = self.base.propose(observations)
         return self._proposal.seen
 
     def _last(self, observation: NDArray) -> NDArray:
-        """What the policy would see of the end of an episode, after which nothing is proposed."""
+        """Return the policy's last observation of an episode, without a proposal of the base."""
         return observation if self.base is None else self.base.last(observation)
 
     def _rows(self, indices: int | Sequence[int] | None) -> list[int]:

@@ -1,1 +1,1 @@
-"""Tuning of hand-designed controllers; started by `python -m agents.tune`."""
+"""Tuning of hand-designed controllers and open loops; `python -m agents.tune` starts it."""

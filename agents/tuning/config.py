@@ -1,4 +1,4 @@
-"""The options of a tuning run: one documented dataclass, which is also the command line."""
+"""The options of a tuning run, a dataclass from which the command line is made."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,54 +11,54 @@ class TuneConfig:
     """Options of a tuning run; all are stored with its result."""
 
     what: str = "open-loop"
-    """What is tuned, a name in `agents.tuning.tuners.TUNERS`."""
+    """Kind of controller to tune: open-loop, constant, schedule or a size rule, e.g. linear-reduction."""
     preset: str = "three-cases"
-    """The training preset that steps, scenarios, optimizer and size limits come from, where not given."""
+    """Training preset that gives the defaults of steps, scenarios, optimizer and size limits."""
     name: str = ""
-    """The run's folder is <runs>/<name>; tune/<what>-<action>/<seed> by default."""
+    """Name of the run, whose folder is <runs>/<name>; by default tune/<what>-<action>/<seed>."""
     runs: Path = Path("runs")
-    """Where runs are kept."""
+    """Folder of all runs; it is created if it is missing."""
     resume: bool = False
-    """Go on with a run of that name that was stopped."""
+    """Resume the stopped run of that name after its last round."""
     output: Path | None = None
-    """File to write the result to, besides <what>.json in the run's folder."""
+    """File to write the result to, in addition to <what>.json in the run's folder, e.g. mine.json."""
     threads: int = 1
-    """Threads that the swarms are spread over. Results do not depend on it."""
+    """Number of threads for the swarms. Results do not depend on it."""
     seed: int = 0
-    """Seed of everything random in the run."""
+    """Seed of all random numbers of the run."""
     total_steps: int = 800_000
-    """Environment steps, over all swarms; never exceeded."""
+    """Largest number of environment steps, summed over all swarms."""
     optimizer: str = "firefly"
-    """The optimizer that is controlled."""
+    """Optimizer that the controller controls, e.g. firefly or fish-swarm."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
-    """Scenarios of the episodes, each as often as any other."""
+    """Scenarios of the episodes, each equally often, e.g. case1 case2 or random-fields:train:0-511."""
     min_population_size: int = 2
-    """Smallest size that can be asked for."""
+    """Smallest population size that the controller can choose."""
     max_population_size: int = 200
-    """Largest size that can be asked for."""
+    """Largest population size that the controller can choose."""
     reward: str = "final"
-    """'final': logarithm of the final gap to the lower bound; 'optimality': per cent above the optimum."""
+    """Measure to minimise: final, log of the final gap, or optimality, per cent above the optimum."""
     price: float = 0.5
-    """What 100,000 evaluations cost, in units of the reward."""
+    """Price of 100,000 evaluations in units of the reward."""
     episodes: int = 24
-    """Episodes of every candidate."""
+    """Number of episodes of every candidate."""
     action: str = "natural"
-    """Of open loops and constants: 'natural' decides size and phi, 'extended' the optimizer's too."""
+    """Decisions of open loops and constants: natural, size and phi; extended, the optimizer's too."""
     initial_population_size: int = 60
-    """Of open loops and constants: PS(0)."""
+    """Population size of open loops and constants at the start of an episode, PS(0)."""
     knots: tuple[int, ...] = (0, 3, 8, 15, 40, 99)
-    """Of open loops: the iterations whose decisions are tuned."""
+    """Iterations at which the decisions of an open loop are tuned; it interpolates between them."""
     candidates: int = 16
-    """Of CMA-ES: candidates per generation."""
+    """Number of candidates per generation of CMA-ES."""
     sigma: float = 0.15
-    """Of CMA-ES: initial step size, in the range of every decision scaled to [0, 1]."""
+    """Initial step size of CMA-ES, relative to the range of every decision."""
 
     @property
     def folder(self) -> Path:
-        """Where this run is kept."""
+        """Folder of the run."""
         return self.runs / (self.name or f"tune/{self.what}-{self.action}/{self.seed}")
 
     @property
     def limits(self) -> SizeLimits:
-        """Population sizes that can be asked for."""
+        """Population sizes that the controller can choose."""
         return SizeLimits(self.min_population_size, self.max_population_size)

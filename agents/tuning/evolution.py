@@ -1,8 +1,8 @@
 """Open loops tuned by CMA-ES.
 
 Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv 1604.00772 (2016). The candidates of a
-generation meet the same episodes, every generation new ones. The result is the mean of the search
-distribution: the best sample of a noisy function is the luckiest one.
+generation have the same episodes, and every generation has new ones. The result is the mean of the search
+distribution, since the best sample of a noisy function owes its rank to luck.
 """
 
 import io
@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from cmaes import CMA
 
-from agents.runs.checkpoints import Checkpoints
-from agents.runs.cma_state import load_strategy, strategy_state
+from agents.runs.checkpoints import Checkpoints, load_strategy, strategy_state
 from agents.runs.seeds import training_seed
 from agents.tuning.config import TuneConfig
 from agents.tuning.knots import KnotSpace
@@ -50,7 +49,7 @@ class OpenLoopTuner(Tuner):
         self._losses = np.empty((0, config.candidates))
 
     def open(self, folder: Path) -> None:
-        """Take up the last checkpoint, if there is one."""
+        """Load the last checkpoint, if there is one."""
         self._checkpoints = Checkpoints(folder, ".npz")
         state = self._checkpoints.load(_arrays)
         if state is None:
@@ -60,7 +59,7 @@ class OpenLoopTuner(Tuner):
         self.rounds = len(self._losses)
 
     def advance(self) -> dict[str, float]:
-        """One generation."""
+        """Run one generation."""
         points = np.stack([self._strategy.ask() for _ in range(self._config.candidates)])
         controllers = [self._space.controller(point) for point in points]
         outcomes = self._places.run(controllers, training_seed(self._config.seed, self.rounds))
@@ -77,21 +76,21 @@ class OpenLoopTuner(Tuner):
         return {"best": losses.min(), "mean": losses.mean(), "sigma": float(self._strategy._sigma)}
 
     def seeds(self) -> list[int]:
-        """New ones for every generation."""
+        """Return the first seed of every generation; each has new episodes."""
         return [training_seed(self._config.seed, generation) for generation in range(self.rounds)]
 
     def result(self) -> OpenLoop:
-        """What the mean of the search distribution decides."""
+        """Return the open loop of the mean of the search distribution."""
         return self._space.controller(self._strategy.mean)
 
     def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
-        """An open loop that `open-loop:<path>` reads."""
+        """Write the open loop that `open-loop:<path>` reads."""
         decided = self._space.decode(self._strategy.mean)
         config = self._config
         save_open_loop(path, config.initial_population_size, list(config.knots), *decided, manifest)
 
 
 def _arrays(content: bytes) -> dict[str, Any]:
-    """The arrays of a checkpoint, by name."""
+    """Return the arrays of a checkpoint by name."""
     with np.load(io.BytesIO(content), allow_pickle=False) as stored:
         return {name: stored[name] for name in stored.files}

@@ -20,7 +20,7 @@ from swarm_gym.settings import Settings
 
 Floats = NDArray[np.float64]
 
-# Where the search begins: rough readings of short searches on the three cases, price 0.5.
+# Start of the search: rounded results of short searches on the three cases with price 0.5.
 START_ITERATIONS = [0, 3, 8, 15, 40, 99]
 START: dict[str, dict[str, list[float]]] = {
     "natural": {
@@ -38,7 +38,13 @@ BESIDE_THE_WALLS = 0.02  # CMA-ES samples badly from a mean on a bound
 
 
 class Decided(NamedTuple):
-    """What an open loop decides at its knots."""
+    """Decisions of an open loop at its knots.
+
+    Attributes:
+        sizes: population sizes.
+        repair_degrees: phi.
+        knobs: parameters of the optimizer by name.
+    """
 
     sizes: list[float]
     repair_degrees: list[float]
@@ -46,7 +52,7 @@ class Decided(NamedTuple):
 
 
 class KnotSpace:
-    """Decisions at the knots of a configuration as points in [0, 1]^(decisions x knots).
+    """The decisions at the knots of a configuration as points in [0, 1]^(decisions x knots).
 
     Raises:
         SettingError: for knots or an action that an open loop cannot have.
@@ -62,7 +68,7 @@ class KnotSpace:
 
     @property
     def start(self) -> Floats:
-        """Where the search begins, inside the cube; a constant begins at the mean over the iterations."""
+        """Start of the search, inside the cube; a constant starts at the mean over the iterations."""
         optimizer_defaults = {name: default for name, (_, _, default) in self._ranges.items()}
         known = START["extended" if len(self._ranges) > 1 else "natural"]
         rows = []
@@ -73,7 +79,7 @@ class KnotSpace:
         return np.clip(np.concatenate(rows), BESIDE_THE_WALLS, 1.0 - BESIDE_THE_WALLS)
 
     def decode(self, point: Floats) -> Decided:
-        """What a point decides."""
+        """Return the decisions of a point."""
         size, repair_degree, *others = np.clip(point, 0.0, 1.0).reshape(-1, len(self._knots))
         positive = {}
         for (name, (low, high, _)), row in zip(self._ranges.items(), [size, *others], strict=True):
@@ -81,7 +87,7 @@ class KnotSpace:
         return Decided(positive.pop("population size"), (repair_degree**2).tolist(), positive)
 
     def controller(self, point: Floats) -> OpenLoop:
-        """The controller that decides so."""
+        """Return the open loop of a point."""
         return OpenLoop(self._initial_population_size, self._knots, *self.decode(point), self._limits)
 
     def _scale(self, name: str, values: Floats) -> Floats:
@@ -94,7 +100,7 @@ class KnotSpace:
 def _logarithmic_ranges(
     action: str, limits: SizeLimits, optimizer: type[Optimizer]
 ) -> dict[str, tuple[float, float, float]]:
-    """Low, high and default of every decision but phi, by name."""
+    """Return low, high and default of every decision but phi, by name."""
     if action not in START:
         raise SettingError(f"action: an open loop decides in one of {', '.join(START)}, got {action!r}")
     if limits.smallest == limits.largest:

@@ -1,4 +1,4 @@
-"""What is searched of the parameters of hand-designed controllers, as data."""
+"""Search spaces of the parameters of hand-designed controllers, as data."""
 
 from dataclasses import dataclass, replace
 
@@ -8,14 +8,14 @@ from swarm_gym.controllers.parameters import Number
 
 @dataclass(frozen=True)
 class Span:
-    """From `low` to `high`, logarithmic except where zero shall be possible.
+    """Values of a parameter from `low` to `high`, searched in the logarithm unless zero is possible.
 
     Attributes:
-        low: the least value.
-        high: the largest.
-        size: whether it is a population size, an integer within the limits.
-        integer: whether it is another integer.
-        logarithmic: whether its logarithm is searched.
+        low: smallest value.
+        high: largest value.
+        size: whether the parameter is a population size, an integer within the limits.
+        integer: whether the parameter is another integer.
+        logarithmic: whether the logarithm of the parameter is searched.
     """
 
     low: float
@@ -25,7 +25,7 @@ class Span:
     logarithmic: bool = True
 
     def within(self, limits: SizeLimits) -> "Span":
-        """The part that these limits leave."""
+        """Return the span, clipped to the limits if it is one of population sizes."""
         if not self.size:
             return self
         return replace(self, low=limits.clip(int(self.low)), high=limits.clip(int(self.high)))
@@ -36,9 +36,9 @@ class ParameterSpace:
     """The parameters of a family of controllers.
 
     Attributes:
-        family: what the parameters follow in a controller's name.
-        first: where the search begins: the parameters that its authors, or this project, give.
-        spans: of every parameter.
+        family: family of the controllers, as in their names.
+        first: parameters at the start of the search, given by the authors or by this project.
+        spans: span of every parameter by name.
     """
 
     family: str
@@ -46,7 +46,7 @@ class ParameterSpace:
     spans: dict[str, Span]
 
 
-# Some two decades around the paper's values, of which its own studies of parameters cover the middle.
+# About two decades around the values of the SPSFA paper, whose own parameter studies cover the middle.
 SCHEDULE = ParameterSpace(
     "spsfa-tip",
     {

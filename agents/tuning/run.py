@@ -1,4 +1,4 @@
-"""A tuning run: rounds until the steps are spent, then the result with what it was made with."""
+"""A tuning run: rounds until the steps are spent, then the result with its manifest."""
 
 import dataclasses
 from pathlib import Path
@@ -15,21 +15,21 @@ from agents.tuning.tuners import make_tuner
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers.controller import Controller
 
-ESTIMATE_EPISODES = 300  # training seeds that the search did not see; nothing is chosen by them
-ESTIMATE = 10**9  # in the place of a round's number, for the seeds of these
+ESTIMATE_EPISODES = 300  # with training seeds that the search did not use; nothing is chosen by them
+ESTIMATE = 10**9  # stands for the number of a round in the seeds of these episodes
 
-# Where a run lies and whether it goes on are not part of what it computes, and a run may be made longer.
+# Options that do not change the results of a run; in addition, a resumed run may be longer.
 _LOCATION = ("runs", "name", "resume", "output", "threads")
 
 
 class TuningRun:
-    """A run on disk: configuration, checkpoint or study, result."""
+    """A tuning run in a folder: configuration, checkpoint or study, result."""
 
     def __init__(self, config: TuneConfig):
         self.config = config
         require_integer("episodes", config.episodes, 1)
         require_integer("seed", config.seed, 0)
-        # Asked for once: what runs is what was imported now.
+        # Read once, since the imported code is what runs, whatever changes on the disk.
         self.provenance = provenance("cmaes", "gymnasium", "numba", "numpy", "optuna")
         self.tuner = make_tuner(config)
         if config.total_steps < self.tuner.steps_per_round:
@@ -39,17 +39,17 @@ class TuningRun:
             )
         if config.output and config.output.exists() and not config.resume:
             raise RunFolderError(f"--output {config.output} exists already; name another file or delete it")
-        # Only now, since a configuration that cannot be run shall leave nothing behind.
+        # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(config.folder, config, config.resume, (*_LOCATION, "total_steps"))
         self.tuner.open(config.folder)
 
     @property
     def num_steps(self) -> int:
-        """Environment steps taken for the search."""
+        """Environment steps of the search so far."""
         return self.tuner.rounds * self.tuner.steps_per_round
 
     def run(self) -> Path:
-        """Tune to the end; returns the file of the result."""
+        """Tune to the end; return the file of the result."""
         try:
             return self._run()
         finally:
@@ -70,7 +70,7 @@ class TuningRun:
         return config.output or path
 
     def _estimate(self, controller: Controller) -> dict[str, Any]:
-        """How the result does on episodes of its own."""
+        """Return mean results of the tuned controller on separate episodes, by scenario."""
         config = dataclasses.replace(self.config, episodes=ESTIMATE_EPISODES)
         places = SideBySide(config, 1, controller.observation, controller.action)
         return places.run([controller], training_seed(config.seed, ESTIMATE)).by_scenario(0)

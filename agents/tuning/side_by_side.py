@@ -1,4 +1,4 @@
-"""Several controllers on the same episodes at once, and what these cost."""
+"""Evaluation of several controllers on the same episodes at once, with a loss for each."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -18,12 +18,18 @@ Floats = NDArray[np.float64]
 
 
 class Outcomes(NamedTuple):
-    """What became of n controllers on the same E episodes; every array has shape (n, E).
+    """Results of n controllers on the same E episodes; every array has shape (n, E).
 
-    The loss is a measure of the final fitness (`LOSSES`) + price * evaluations / reference evaluations: up
-    to a constant of the episode what the environment's reward adds up to, with the sign turned, for
-    controllers that share PS(0); but it counts the first population too, so that controllers with another
-    PS(0) compare as well.
+    The loss is a measure of the final fitness (`LOSSES`) + price * evaluations / reference evaluations. For
+    controllers with the same PS(0), it is the negative sum of the environment's rewards, up to a constant of
+    the episode. It includes the evaluations of the first population, so that controllers with different PS(0)
+    can be compared.
+
+    Attributes:
+        losses: loss of each episode.
+        final_fitness: best fitness of each episode.
+        evaluations: number of calls of the cost function.
+        scenarios: name of the scenario.
     """
 
     losses: Floats
@@ -32,7 +38,7 @@ class Outcomes(NamedTuple):
     scenarios: NDArray[np.object_]
 
     def by_scenario(self, row: int) -> dict[str, dict[str, float]]:
-        """Means of controller `row` on every scenario."""
+        """Return the means of controller `row` on every scenario."""
         found = {}
         for name in sorted(set(self.scenarios[row])):
             there = self.scenarios[row] == name
@@ -52,15 +58,21 @@ def _per_cent(simulation: Simulation) -> Floats:
     return 100.0 * simulation.optimality_gap()
 
 
-# What is minimised beside the price, by the reward that pays for it.
+# Measures of the final fitness, by the name of the reward; lower is better.
 LOSSES: dict[str, Callable[[Simulation], Floats]] = {"final": _logarithmic, "optimality": _per_cent}
 
 
 class SideBySide:
-    """Places for n controllers with `config.episodes` episodes each.
+    """Environments for n controllers with `config.episodes` episodes each.
+
+    Args:
+        config: configuration of the tuning.
+        num_controllers: number of controllers n.
+        observation: observation layout of all controllers.
+        action: action layout of all controllers.
 
     Attributes:
-        steps: environment steps that one evaluation takes.
+        steps: number of environment steps of one evaluation.
     """
 
     def __init__(self, config: TuneConfig, num_controllers: int, observation: str, action: str):
@@ -85,7 +97,7 @@ class SideBySide:
         self.steps = self._env.num_envs * inner.settings.iterations
 
     def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:
-        """One evaluation: episode e of every controller has the seed `seed` + e and the same scenario."""
+        """Evaluate controllers; episode e of each has the seed `seed` + e and the same scenario."""
         count, episodes = self._shape
         observations = self._begin([c.initial_population_size for c in controllers], seed)
         for controller in controllers:
@@ -102,7 +114,7 @@ class SideBySide:
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
     def _begin(self, first_sizes: list[int], seed: int) -> NDArray:
-        """Reset all swarms; the first observations."""
+        """Reset all swarms and return their first observations."""
         count, episodes = self._shape
         names = self._simulation.worlds.scenario_names
         scenarios = np.tile(_balanced(len(names), episodes, seed), count)
@@ -119,7 +131,7 @@ class SideBySide:
 
 
 def _balanced(count: int, episodes: int, seed: int) -> NDArray[np.int64]:
-    """(episodes,) draws of `count` scenarios, each as often as any other, up to one."""
+    """Return (episodes,) numbers of scenarios below `count`; how often each occurs differs by at most one."""
     generator = np.random.default_rng(seed)
     rounds = -(-episodes // count)
     return np.concatenate([generator.permutation(count) for _ in range(rounds)])[:episodes]

@@ -1,10 +1,10 @@
 """Parameters of a controller tuned by Optuna.
 
-Source: T. Akiba et al., "Optuna: a next-generation hyperparameter optimization framework", KDD 2019; its
-sampler: J. Bergstra et al., "Algorithms for hyper-parameter optimization", NIPS 24 (2011), in the
-multivariate form. All trials meet the same episodes, since the best of them is taken: on episodes of their
-own, the luckiest would be. With few parameters, little can be learned by heart of the episodes, and the
-estimate in the result is of others.
+Source: T. Akiba et al., "Optuna: a next-generation hyperparameter optimization framework", KDD 2019. Source
+of its sampler: J. Bergstra et al., "Algorithms for hyper-parameter optimization", NIPS 24 (2011), in the
+multivariate form. All trials have the same episodes, since the best trial is the result, and with different
+episodes it would be the luckiest. Few parameters can hardly overfit the episodes, and the estimate in the
+result is computed on others.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,10 +27,11 @@ from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.parameters import Number, format_parameters
 from swarm_gym.controllers.tuned import save_tuned
 
-DIGITS = 4  # significant ones of a parameter: more would say more than 48 noisy episodes can
+DIGITS = 4  # significant digits of a parameter; 48 noisy episodes do not justify more
 
 
 class ParameterTuner(Tuner):
@@ -47,7 +48,7 @@ class ParameterTuner(Tuner):
         self.steps_per_round = self._places.steps
 
     def open(self, folder: Path) -> None:
-        """Make or take up the study; a trial that was killed is repeated."""
+        """Create or load the study; a trial that was killed is repeated."""
         path = self._path = folder / "study.db"
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         try:
@@ -64,7 +65,7 @@ class ParameterTuner(Tuner):
         self.rounds = len(self._completed())
 
     def advance(self) -> dict[str, float]:
-        """One trial; the first one has the parameters to begin with."""
+        """Run one trial; the first one has the first parameters of the space."""
         distributions = {name: _distribution(span) for name, span in self._spans.items()}
         if self.rounds == 0:
             params = self._first()
@@ -86,15 +87,15 @@ class ParameterTuner(Tuner):
         return {"loss": loss, "best": float(self._study.best_value)}
 
     def seeds(self) -> list[int]:
-        """The same for all trials."""
+        """Return the first seed of the episodes, which are the same for all trials."""
         return [training_seed(self._config.seed, 0)]
 
     def result(self) -> Controller:
-        """The best trial's controller."""
+        """Return the controller of the best trial."""
         return self._controller(self._best().params)
 
     def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
-        """A file that `tuned:<path>` reads."""
+        """Write the file that `tuned:<path>` reads."""
         best = self._best()
         found = {"best_trial_loss": best.value, "first_trial_loss": self._completed()[0].value}
         save_tuned(path, self._name(best.params), {**manifest, **found})
@@ -105,7 +106,7 @@ class ParameterTuner(Tuner):
             yield
         except (StorageInternalError, SQLAlchemyError) as error:
             raise RunFolderError(
-                f"{self._path}: cannot be written ({error.__cause__ or error}); --resume goes on after the "
+                f"{self._path}: cannot be written ({error.__cause__ or error}); --resume continues after the "
                 "last round"
             ) from error
 
@@ -129,12 +130,12 @@ class ParameterTuner(Tuner):
         return make_controller(self._name(params), self._config.limits)
 
     def _name(self, params: Mapping[str, Number]) -> str:
-        """The controller's name; what is evaluated is what the name says."""
+        """Return the controller's name; trials are evaluated by name, with rounded parameters."""
         values = {
             name: value if isinstance(value, int) else float(f"{value:.{DIGITS}g}")
             for name, value in params.items()
         }
-        return f"{self._space.family}:{format_parameters(values)}"
+        return str(ControllerName(self._space.family, parameters=format_parameters(values)))
 
 
 def _distribution(span: Span) -> BaseDistribution:

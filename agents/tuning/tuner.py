@@ -1,4 +1,4 @@
-"""What a tuning run asks of a way to tune: rounds of equal size that can be stopped between."""
+"""The interface of tuners, which a tuning run uses: rounds of equal size that can be stopped in between."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -9,12 +9,12 @@ from swarm_gym.controllers.controller import Controller
 
 
 class Tuner(ABC):
-    """Improves a controller, round by round.
+    """A method that improves a controller, round by round.
 
     Attributes:
-        family: of the controller that the file of the result makes, as in `<family>:<file>`.
-        rounds: rounds done.
-        steps_per_round: environment steps of every round.
+        family: family of the tuned controller, as in its name `<family>:<file>`.
+        rounds: number of completed rounds.
+        steps_per_round: number of environment steps of every round.
     """
 
     family: str
@@ -23,24 +23,24 @@ class Tuner(ABC):
 
     @abstractmethod
     def open(self, folder: Path) -> None:
-        """Take up what earlier rounds left in the folder, if anything.
+        """Load the state of earlier rounds from the folder, if there are any.
 
         Raises:
-            RunFolderError: if it cannot be read.
+            RunFolderError: if the state cannot be read.
         """
 
     @abstractmethod
     def advance(self) -> dict[str, float]:
-        """One more round, stored in the folder; numbers to show."""
+        """Run one more round and store it in the folder; return numbers to show."""
 
     @abstractmethod
     def seeds(self) -> list[int]:
-        """The seed of the first episode of every round; the others count up from it."""
+        """Return the seed of the first episode of every round; other episodes have the following seeds."""
 
     @abstractmethod
     def result(self) -> Controller:
-        """The controller that the rounds so far have led to."""
+        """Return the tuned controller after the rounds so far."""
 
     @abstractmethod
     def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
-        """Write the file of `result`, with what is known of it."""
+        """Write the file of `result` with a manifest."""

@@ -1,4 +1,4 @@
-"""What can be tuned, by name."""
+"""Kinds of controllers that can be tuned, by name."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -19,18 +19,18 @@ from agents.tuning.tuner import Tuner
 from swarm_gym.checks import look_up
 from swarm_gym.errors import SettingError
 
-# Options that not every kind has.
+# Options that only some kinds have.
 SPECIAL = ("action", "initial_population_size", "knots", "candidates", "sigma")
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of controller that is tuned.
+    """A kind of controller that can be tuned.
 
     Attributes:
-        make: its tuner.
-        options: which of the `SPECIAL` options it has.
-        defaults: options whose defaults are others than those of `TuneConfig`.
+        make: function that makes the tuner of a configuration.
+        options: names of the `SPECIAL` options that the kind has.
+        defaults: options with other defaults than those of `TuneConfig`.
     """
 
     make: Callable[[TuneConfig], Tuner]
@@ -53,7 +53,7 @@ TUNERS: dict[str, Kind] = {
 
 
 def kind_defaults(what: str) -> dict[str, Any]:
-    """Defaults of the options for a kind, where they are others than those of `TuneConfig`.
+    """Return the options of a kind that have other defaults than those of `TuneConfig`.
 
     Raises:
         UnknownNameError: if there is no such kind.
@@ -62,11 +62,11 @@ def kind_defaults(what: str) -> dict[str, Any]:
 
 
 def make_tuner(config: TuneConfig) -> Tuner:
-    """The tuner of a configuration.
+    """Return the tuner of a configuration.
 
     Raises:
         UnknownNameError: for a kind, scenario or optimizer that does not exist.
-        SettingError: for an option that the kind does not have, or a value that cannot be.
+        SettingError: for an option that the kind does not have, or an invalid value.
     """
     kind = look_up("kind to tune", config.what, TUNERS)
     defaults = TuneConfig(**kind_defaults(config.what))

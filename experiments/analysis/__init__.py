@@ -1,1 +1,1 @@
-"""Analyses of controllers that go beyond the runs of a suite."""
+"""Analyses of controllers that need more than the stored runs of a suite."""

@@ -1,19 +1,23 @@
-"""What analyses of controllers share: seeds that no model was selected by, and how episodes ended."""
+"""Seeds and outcomes of the episodes that analyses of controllers run."""
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.evaluation.observers import Watched
 from agents.runs.seeds import ANALYSIS
 from experiments.runs.database import ResultsError
-
-Floats = NDArray[np.float64]
+from experiments.runs.run import Floats
 
 
 class Outcome(NamedTuple):
-    """How episodes ended, (scenarios, seeds) each."""
+    """Results of episodes, (scenarios, seeds) each.
+
+    Attributes:
+        gap: final optimality gap, (fitness - optimum) / optimum.
+        evaluations: calls of the cost function.
+        returns: sum of the rewards.
+    """
 
     gap: Floats
     evaluations: Floats
@@ -21,22 +25,25 @@ class Outcome(NamedTuple):
 
 
 def outcome(found: list[Watched]) -> Outcome:
-    """How the episodes of every scenario ended.
+    """Return the results of the episodes of every scenario.
 
     Raises:
-        ResultsError: where an optimum is not known.
+        ResultsError: if the optimum of a scenario is unknown.
     """
     gap = np.array([w.gap for w in found])
     if np.isnan(gap).any():
-        raise ResultsError("gaps need the optima of all scenarios; see swarm_gym.reference.ensure_optima")
+        raise ResultsError(
+            "gaps need the optima of all scenarios, and one is unknown; swarm_gym.reference.ensure_optima "
+            "computes it"
+        )
     return Outcome(gap, np.array([w.evaluations for w in found]), np.array([w.returns for w in found]))
 
 
 def analysis_seeds(number: int) -> range:
-    """The first of the seeds for analyses, this many.
+    """Return the first `number` seeds of those reserved for analyses, by which no model was selected.
 
     Raises:
-        ResultsError: for fewer than two, which have no spread.
+        ResultsError: if there are fewer than two, which have no spread.
     """
     if number < 2:
         raise ResultsError(f"--seeds must be at least 2, got {number}")

@@ -1,4 +1,4 @@
-"""Tables and a figure of what a controller makes of its inputs, and the page that shows them."""
+"""Tables, figure and page of the analysis of a controller's inputs."""
 
 from pathlib import Path
 
@@ -8,43 +8,44 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from experiments.analysis.episodes import Outcome
-from experiments.plots.style import BLUE, FORMATS, ORANGE, new_figure, render, settings
+from experiments.analysis.sensitivity import Sensitivity
+from experiments.plots.style import BLUE, ORANGE, new_figure, settings, write_figure
 from experiments.runs.labels import label
-from experiments.sensitivity import Sensitivity
+from experiments.runs.run import Floats
 from experiments.statistics import paired
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import MISSING, Entry, number, number_in, share, share_in
+from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import LINEAR
 from swarm_gym.files import write_atomically
 
-Floats = NDArray[np.float64]
-
-SIGNED = "+.2f"  # per cent
-SEEING = "nothing"
+SIGNED = "+.2f"  # format of differences, in per cent
+SEEING = "nothing"  # taken away from the controller with all inputs
 
 
 def sensitivity_tables(found: Sensitivity) -> list[Table]:
-    """Change of the decisions, and of the outcome, a row per input."""
+    """Return the tables of changed decisions and of changed outcomes, with a row for each input."""
     where = f"{found.seeing.gap.shape[1]} seeds on each of {', '.join(found.scenarios)}"
     changes = Table(
         "sensitivity-decisions",
         f"Decisions of {label(found.policy)}: mean absolute change where an input is replaced by its mean at "
         f"the same iteration, in the states that it visits, {where}",
         ("without", *(_unit(decision) for decision in found.decisions)),
-        [(name, *(f"{change:.3f}" for change in row)) for name, row in found.changes.items()],
+        [(name, *(number(change, ".3f") for change in row)) for name, row in found.changes.items()],
     )
-    rows = [(SEEING, percent(found.seeing.gap.mean(), ".2f"), "–", _thousands(found.seeing), "–", "–")]
-    for name, outcome in found.blinded.items():
+    seeing = share(found.seeing.gap.mean(), ".2f")
+    rows: list[tuple[Entry, ...]] = [(SEEING, seeing, MISSING, _evaluations(found.seeing), MISSING, MISSING)]
+    for name, outcome in found.masked.items():
         gap, ends = paired(outcome.gap - found.seeing.gap)
         gained, gained_ends = paired(outcome.returns - found.seeing.returns)
         spent, spent_ends = paired(_relative_evaluations(found.seeing, outcome))
         rows.append(
             (
                 name,
-                percent(outcome.gap.mean(), ".2f"),
-                f"{percent(gap, SIGNED)} {percent_interval(ends, SIGNED)}",
-                _thousands(outcome),
-                f"{percent(spent, SIGNED)} {percent_interval(spent_ends, SIGNED)}",
-                f"{gained:+.3f} [{gained_ends[0]:+.3f}, {gained_ends[1]:+.3f}]",
+                share(outcome.gap.mean(), ".2f"),
+                share_in(gap, ends, SIGNED),
+                _evaluations(outcome),
+                share_in(spent, spent_ends, SIGNED),
+                number_in(gained, gained_ends, "+.3f"),
             )
         )
     performance = Table(
@@ -60,7 +61,10 @@ def sensitivity_tables(found: Sensitivity) -> list[Table]:
 
 
 def draw_sensitivity(found: Sensitivity) -> Figure:
-    """The same as bars: a row per input, a panel per decision, then gap and evaluations with intervals."""
+    """Draw changes of decisions as bars, and differences of gap and evaluations with their intervals.
+
+    Each input has a row; each decision, the gap and the evaluations have a panel.
+    """
     names = list(found.changes)
     places = np.arange(len(names))
     num_panels = len(found.decisions) + 2
@@ -69,8 +73,8 @@ def draw_sensitivity(found: Sensitivity) -> Figure:
     for column, (axes, decision) in enumerate(zip(panels, found.decisions, strict=False)):
         axes.barh(places, [row[column] for row in found.changes.values()], 0.6, color=BLUE)
         axes.set_xlabel(f"change of\n{_unit(decision)}")
-    gaps = [100.0 * (found.blinded[name].gap - found.seeing.gap) for name in names]
-    spent = [100.0 * _relative_evaluations(found.seeing, found.blinded[name]) for name in names]
+    gaps = [100.0 * (found.masked[name].gap - found.seeing.gap) for name in names]
+    spent = [100.0 * _relative_evaluations(found.seeing, found.masked[name]) for name in names]
     _draw_differences(panels[-2], places, gaps, "gap, % of the optimum")
     _draw_differences(panels[-1], places, spent, "evaluations, %")
     panels[0].set_yticks(places, names)
@@ -85,14 +89,12 @@ def draw_sensitivity(found: Sensitivity) -> Figure:
 
 
 def write_report(found: Sensitivity, folder: Path) -> Path:
-    """Write tables as Markdown, CSV and LaTeX, the figure, and a page that shows all; returns the page."""
+    """Write tables and figure as files, and a page that shows them; return the path of the page."""
     tables = sensitivity_tables(found)
     for table in tables:
         table.write(folder)
     with settings():
-        figure = draw_sensitivity(found)
-        for form in FORMATS:
-            write_atomically(folder / f"figure-sensitivity.{form}", render(figure, form))
+        write_figure(draw_sensitivity(found), folder, "figure-sensitivity")
     parts = [
         f"# What {label(found.policy)} makes of its inputs\n",
         f"Made by `python -m experiments.sensitivity --policy {found.policy} "
@@ -104,11 +106,13 @@ def write_report(found: Sensitivity, folder: Path) -> Path:
 
 
 def _relative_evaluations(seeing: Outcome, outcome: Outcome) -> Floats:
+    """Return differences of the evaluations, relative to the mean on the scenario with all inputs."""
     scale = seeing.evaluations.mean(axis=1, keepdims=True)
     return (outcome.evaluations - seeing.evaluations) / scale
 
 
 def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], name: str) -> None:
+    """Draw mean paired differences at these heights, with 95 % intervals."""
     found = [paired(one) for one in differences]
     low, high = np.transpose([ends for _, ends in found])
     axes.hlines(places, low, high, color=ORANGE, linewidth=1.5)
@@ -117,9 +121,10 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
     axes.set_xlabel(f"difference of\n{name}")
 
 
-def _thousands(outcome: Outcome) -> str:
-    return f"{outcome.evaluations.mean():,.0f}"
+def _evaluations(outcome: Outcome) -> Entry:
+    return number(outcome.evaluations.mean(), ",.0f")
 
 
 def _unit(decision: str) -> str:
+    """Return a decision with the scale on which its changes are measured."""
     return decision if decision == LINEAR else f"{decision}, log2"

@@ -4,7 +4,7 @@ import re
 
 
 def replace_block(text: str, name: str, content: str) -> str:
-    """The text with what stands between `<!-- name -->` and `<!-- /name -->` replaced.
+    """Return the text with new content between `<!-- name -->` and `<!-- /name -->`.
 
     Raises:
         ValueError: if there is no such block.
@@ -16,5 +16,5 @@ def replace_block(text: str, name: str, content: str) -> str:
 
 
 def block_names(text: str) -> list[str]:
-    """Names of the blocks of a text, by what ends them."""
+    """Return the names of the blocks of a text, by the marks at their ends."""
     return re.findall(r"<!-- /(\S+) -->", text)

@@ -1,15 +1,29 @@
-"""One page with all tables and figures of a suite, and the tables as files of their own."""
+"""The results page of a suite: its tables and figures on one page, and the tables as files of their own."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from experiments.catalogue import SUITES
+from experiments.catalogue import SUITES, TABLES
+from experiments.runs.database import Results
 from experiments.runs.suite import Suite
 from experiments.tables import Table
+from experiments.tables.document import MADE_WITH
+from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
 
-MADE_WITH = "made-with.md"
 COMMIT_DIGITS = 10
+
+
+def make_tables(suite: Suite, results: Results) -> list[Table]:
+    """Return all tables of a suite.
+
+    Raises:
+        ResultsError: if a run of the suite is missing.
+        UnknownNameError: if the suite names a table that no study has.
+    """
+    makers = [look_up("table", name, TABLES) for name in suite.tables]
+    outcomes = results.outcomes(suite.controllers, suite.seeds)
+    return [table for make in makers for table in make(suite, outcomes)]
 
 
 def write_page(
@@ -19,14 +33,14 @@ def write_page(
     folder: Path,
     made_with: Sequence[Mapping[str, str]] = (),
 ) -> Path:
-    """Write every table as Markdown, CSV and LaTeX, and a README.md that shows all; returns the latter.
+    """Write every table to files of its own, and a README.md that shows all of them; return the latter.
 
     Args:
-        suite: whose page it is.
-        tables: of the suite.
+        suite: suite that was run.
+        tables: its tables.
         figures: files in the folder; those that are SVG are shown.
-        folder: made if missing.
-        made_with: provenances of the runs, said in one line; a file of its own has it for documents.
+        folder: folder of the page, made if missing.
+        made_with: provenances of the runs, written as one line; documents take it from a file of its own.
     """
     for table in tables:
         table.write(folder)
@@ -51,13 +65,13 @@ def write_page(
 
 
 def write_collection_page(name: str, pages: Sequence[Path], folder: Path) -> Path:
-    """Write a README.md that leads to the pages of a collection's suites; returns it."""
+    """Write a README.md that leads to the pages of a collection's suites, and return it."""
     links = [f"* [{page.parent.name}]({page.relative_to(folder).as_posix()})" for page in pages]
     return write_atomically(folder / "README.md", "\n".join([f"# Suites of {name}\n", *links, ""]))
 
 
 def describe_provenance(made_with: Sequence[Mapping[str, str]]) -> str:
-    """One line: all commits and all versions of runs that were made with these."""
+    """Return one line with all commits and all versions of some provenances."""
     values: dict[str, set[str]] = {}
     for provenance in made_with:
         for name, value in provenance.items():
@@ -69,13 +83,13 @@ def describe_provenance(made_with: Sequence[Mapping[str, str]]) -> str:
 
 
 def _short(commit: str) -> str:
-    """A commit with fewer digits, and whether files were changed since."""
+    """Return a commit with fewer digits, and whether files were changed since."""
     digits, separator, dirty = commit.partition("-")
     return f"{digits[:COMMIT_DIGITS]}{separator}{dirty}"
 
 
 def command_of(suite: Suite) -> str:
-    """How the runs and tables of a suite are made."""
+    """Return the command that makes the runs and tables of a suite."""
     command = f"python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}"
     usual = SUITES.get(suite.name, suite).controllers
     return command if suite.controllers == usual else f"{command} --controllers {' '.join(suite.controllers)}"

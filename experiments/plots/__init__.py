@@ -1,1 +1,1 @@
-"""Figures: their style and the kinds that several studies share."""
+"""Figures that several studies share, their style, the gallery and videos."""

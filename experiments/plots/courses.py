@@ -1,6 +1,7 @@
-"""The kinds of figures of the SPSFA paper, each drawn from stored runs.
+"""The kinds of figures of the SPSFA paper, drawn from stored runs.
 
-Courses over a run are drawn as a centre over the seeds, with their interquartile range as a band.
+A course is a value by iteration. Courses are drawn as their mean or median over the seeds, with the
+interquartile range as a band.
 """
 
 import math
@@ -24,12 +25,12 @@ from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import StaticScenario, make_scenario, world_at
 
 COLLISION_CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip")
-# Fitness axes are logarithmic in the excess over a value this much, relatively, below the least.
-MOST_POINTS = 100  # drawn for each box; more would only cover each other
+MOST_POINTS = 100  # drawn for each box; more would cover each other
+# Fitness axes are logarithmic in the excess over a value that is smaller than the least by this share.
 FITNESS_MARGIN = 0.01
-# Where the optimum is 0, less is not drawn.
+# Lower end of fitness axes if the optimum is 0.
 LEAST_FITNESS = 1e-12
-# Iterations up to which an axis is linear, where the first few matter most.
+# Iterations up to which an axis is linear, since the first iterations matter most.
 LINEAR_ITERATIONS = 10
 ITERATION_TICKS = (0, 5, 10, 20, 50, 100, 200, 500, 1000)
 EVALUATIONS_RESOLUTION = 200
@@ -38,13 +39,13 @@ SNAPSHOT_COLUMNS = 3
 
 @dataclass(frozen=True)
 class Case:
-    """A scenario and what was run on it.
+    """A scenario with the runs on it.
 
     Attributes:
-        scenario: the map and the task.
-        optimum: its least fitness; NaN if unknown.
-        runs: by controller, in the suite's order; at least one run each.
-        styles: by controller.
+        scenario: map and task.
+        optimum: least possible fitness; NaN if unknown.
+        runs: runs by controller, in the suite's order; at least one run each.
+        styles: styles by controller.
     """
 
     scenario: StaticScenario
@@ -54,14 +55,14 @@ class Case:
 
     @property
     def title(self) -> str:
-        """The scenario and how many runs there are of a controller."""
+        """Return the name of the scenario and the number of runs of each controller."""
         counts = sorted({len(group) for group in self.runs.values()})
         span = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         return f"{self.scenario.name}, {span} runs each"
 
 
 def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
-    """The populations of a run on their map, one panel per iteration, one block per run."""
+    """Draw populations of runs on their maps, one block per run, one panel per iteration."""
     rows = [math.ceil(len(kept) / SNAPSHOT_COLUMNS) for kept in snapshots.values()]
     figure = new_figure(10.0, 2.1 * sum(rows) + 0.7 * len(rows))
     blocks = figure.subfigures(len(rows), height_ratios=rows, squeeze=False)[:, 0]
@@ -79,7 +80,7 @@ def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
 
 
 def draw_collision(cases: list[Case]) -> Figure:
-    """Population collision E(P) by iteration, mean of the runs, beside its first value."""
+    """Draw the mean population collision E(P) of the runs by iteration, and its first value."""
     figure = new_figure(3.4 * len(cases) + 0.4, 3.4)
     for axes, case in zip(figure.subplots(1, len(cases), squeeze=False)[0], cases, strict=True):
         for controller in COLLISION_CONTROLLERS:
@@ -102,7 +103,7 @@ def draw_collision(cases: list[Case]) -> Figure:
 
 
 def draw_convergence(case: Case) -> Figure:
-    """Best fitness, median of the runs, by iteration and by evaluations spent."""
+    """Draw the median best fitness of the runs, by iteration and by evaluations spent."""
     figure = new_figure(10.0, 4.4)
     by_iteration, by_evaluations = figure.subplots(1, 2, sharey=True)
     first = math.inf
@@ -117,14 +118,14 @@ def draw_convergence(case: Case) -> Figure:
         draw_optimum(axes, case)
     scale_fitness(by_iteration, case, "best fitness so far")
     by_evaluations.set(xscale="log", xlabel="fitness evaluations spent")
-    by_evaluations.set_xlim(left=first / 2.0)  # nothing happens before the first iteration
+    by_evaluations.set_xlim(left=first / 2.0)  # nothing is known before the first iteration
     figure.suptitle(f"Convergence on {case.title}: median and interquartile band")
     legend_below(figure)
     return figure
 
 
 def draw_population_size(case: Case) -> Figure:
-    """Mean population size by iteration, and phi of those that repair."""
+    """Draw the mean population size by iteration, and phi of the controllers that repair."""
     repair_degrees = {
         controller: degrees
         for controller, runs in case.runs.items()
@@ -148,7 +149,7 @@ def draw_population_size(case: Case) -> Figure:
 
 
 def draw_best_paths(case: Case) -> Figure:
-    """Path of each controller's best run, and the shortest path."""
+    """Draw the path of each controller's best run, and the shortest path."""
     height = 8.4 * map_plot.proportions(case.scenario)
     figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
     axes = figure.subplots()
@@ -156,7 +157,7 @@ def draw_best_paths(case: Case) -> Figure:
     try:
         length, points = shortest_path(case.scenario)
         map_plot.draw_shortest_path(axes, points, f"exact shortest path, length {length:.1f}")
-    except ScenarioError:  # the obstacles separate start and target, or there is no map
+    except ScenarioError:  # obstacles separate start and target, or the scenario has no map
         pass
     for order, (controller, runs) in enumerate(case.runs.items()):
         best = min(runs, key=lambda run: run.final_fitness)
@@ -169,7 +170,7 @@ def draw_best_paths(case: Case) -> Figure:
 
 
 def draw_best_path_maps(cases: list[Case]) -> Figure:
-    """The best path of each controller and the shortest path, a panel per map."""
+    """Draw the best path of each controller and the shortest path, one panel per map."""
     columns_of_panels = min(len(cases), 3)
     rows = math.ceil(len(cases) / columns_of_panels)
     figure = new_figure(3.4 * columns_of_panels, 3.5 * rows + 0.6)
@@ -190,7 +191,7 @@ def draw_best_path_maps(cases: list[Case]) -> Figure:
 
 
 def draw_box_plots(case: Case) -> Figure:
-    """Final fitness and evaluations of the runs, by controller."""
+    """Draw final fitness and evaluations of the runs, by controller."""
     figure = new_figure(10.0, 4.2)
     fitness, evaluations = figure.subplots(1, 2)
     groups = case.runs.values()
@@ -216,20 +217,20 @@ CASE_DRAWINGS: dict[str, Callable[[Case], Figure]] = {
 
 
 def columns(runs: list[Run], name: str) -> Floats:
-    """(runs, iterations + 1) one column of the traces, by its name in `HISTORY`."""
+    """Return one column of the traces, (runs, iterations + 1), by its name in `HISTORY`."""
     return np.array([run.course(name) for run in runs])
 
 
 def best_by_evaluations(fitness: Floats, evaluations: Floats, grid: Floats) -> Floats:
-    """Best fitness that each run had reached when it had spent so many evaluations.
+    """Return the best fitness that each run had reached after given numbers of evaluations.
 
     Args:
-        fitness: (runs, iterations + 1) best so far.
-        evaluations: (runs, iterations + 1) spent so far, increasing.
-        grid: (m,) numbers of evaluations, none below the first of any run.
+        fitness: (runs, iterations + 1) best fitness so far.
+        evaluations: (runs, iterations + 1) evaluations so far, increasing.
+        grid: (m,) numbers of evaluations, none below the first number of any run.
 
     Returns:
-        Shape (runs, m). A run that has ended keeps its last value.
+        Values of shape (runs, m); a run that has ended keeps its last value.
     """
     last = [np.searchsorted(spent, grid, side="right") - 1 for spent in evaluations]
     return np.array([best[index] for best, index in zip(fitness, last, strict=True)])
@@ -238,7 +239,7 @@ def best_by_evaluations(fitness: Floats, evaluations: Floats, grid: Floats) -> F
 def _draw_iterations(
     axes: Axes, case: Case, controller: str, courses: Floats, centre: Callable[..., Floats]
 ) -> None:
-    """Draw courses (runs, iterations + 1) of a controller over all iterations."""
+    """Draw courses of a controller, (runs, iterations + 1), over all iterations."""
     iterations = np.arange(courses.shape[1])
     _draw_course(axes, case, controller, iterations, courses, centre)
     axes.set_xlim(0, iterations[-1])
@@ -253,13 +254,14 @@ def _draw_course(
     courses: Floats,
     centre: Callable[..., Floats],
 ) -> None:
+    """Draw the centre of courses, (runs, m), at positions x, (m,), and their interquartile band."""
     low, high = np.quantile(courses, [0.25, 0.75], axis=0)
     draw_banded_line(axes, x, centre(courses, axis=0), (low, high), controller, case.styles)
 
 
 def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
-    """Draw quartiles, whiskers within 1.5 times their range, and first values of a sample per controller."""
-    # `Axes.boxplot` looks up all settings, the backend too, and so would import pyplot.
+    """Draw a box for each controller: quartiles, whiskers within 1.5 times their range, and first values."""
+    # `Axes.boxplot` reads all settings, also that of the backend, and would so import pyplot.
     boxes = zip(case.runs, samples, boxplot_stats(samples), strict=True)
     for place, (controller, values, box) in enumerate(boxes, start=1):
         style = case.styles[controller]
@@ -277,16 +279,16 @@ def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
 
 
 def draw_optimum(axes: Axes, case: Case) -> None:
-    """Draw the known optimum across the axes, if there is one; 0 is on no logarithmic axis."""
+    """Draw the optimum across the axes if it is known; 0 is not drawn, since axes are logarithmic."""
     if case.optimum and not math.isnan(case.optimum):
         text = f"known optimum, {_number(case.optimum)}"
         axes.axhline(case.optimum, color=GREY, linestyle=(0, (8, 4)), linewidth=1.0, label=text)
 
 
 def scale_fitness(axes: Axes, case: Case, name: str) -> None:
-    """Make the vertical axis, whose data are drawn, logarithmic above a little below the least.
+    """Make the vertical axis logarithmic in the excess over a value a little below the least fitness.
 
-    Where the optimum is 0, it is logarithmic above that.
+    If the optimum is 0, the axis is logarithmic in the fitness itself. The data must have been drawn before.
     """
     low, high = axes.dataLim.intervaly
     if case.optimum == 0.0:
@@ -308,12 +310,12 @@ def scale_fitness(axes: Axes, case: Case, name: str) -> None:
 
 
 def _number(fitness: float) -> str:
-    """To two places, or two digits where that would be too few."""
+    """Return a fitness with two places, or with two digits if it is small."""
     return f"{fitness:.2f}" if abs(fitness) >= 0.1 else f"{fitness:.2g}"
 
 
 def _rounded(value: float, tolerance: float) -> float:
-    """The value rounded to a multiple of 1, 2 or 5 times a power of ten, at most the tolerance."""
+    """Return a value rounded to multiples of 1, 2 or 5 times a power of ten, at most the tolerance apart."""
     power = 10.0 ** math.floor(math.log10(tolerance))
     step = max(factor * power for factor in (1, 2, 5) if factor * power <= tolerance)
     return round(value / step) * step

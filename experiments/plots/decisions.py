@@ -1,4 +1,4 @@
-"""Figures of what controllers decide over a run, beside the baseline."""
+"""Figures of the decisions of controllers over a run, compared with the baseline."""
 
 from collections.abc import Iterable, Mapping
 
@@ -13,23 +13,23 @@ from experiments.runs.labels import label
 from experiments.runs.run import Floats, Run
 from experiments.runs.suite import Suite
 
-# What is decided per iteration, by name of the trace's column.
+# Decisions of an iteration, by name of the trace's column.
 DECISIONS = {
     "population_size": "population size",
     "repair_degree": "repair degree φ",
     "noise": "noise α",
     "attractiveness": "attractiveness β₀",
 }
-ALWAYS = ("population_size", "repair_degree")  # drawn; others where they are not the optimizer's constants
+ALWAYS = ("population_size", "repair_degree")  # always drawn; others only if the controller varies them
 CHANCE = "random"
 
 Courses = dict[str, Floats]  # (runs, iterations + 1) by name of the decision
 
 
 def deciding_groups(suite: Suite, results: Results) -> list[str]:
-    """Keys of the groups, without the baseline and chance, whose decisions change during their first run.
+    """Return the keys of the groups whose decisions change during their first run.
 
-    Iteration 0 is before the first decision: what is constant ever after does not change.
+    The baseline and the random controller are left out, and so is iteration 0, before the first decision.
     """
     scenario, seeds = next(iter(suite.seeds.items()))
     found = []
@@ -42,9 +42,10 @@ def deciding_groups(suite: Suite, results: Results) -> list[str]:
 
 
 def draw_decisions(suite: Suite, results: Results, group: str, among: Mapping[str, Style]) -> Figure:
-    """Decisions of a group by iteration beside the baseline's, a row each, one column per set of scenarios.
+    """Draw decisions of a group and of the baseline by iteration, over all runs of all training seeds.
 
-    All runs of all training seeds count. A parameter of the optimizer has a row only if the group varies it.
+    Each decision has a row, each set of scenarios a column. A parameter of the optimizer has a row only if
+    the group varies it.
     """
     sets = scenario_sets(suite.scenarios)
     shown = [key for key in (suite.baseline, group) if key in among]
@@ -60,7 +61,7 @@ def draw_decisions(suite: Suite, results: Results, group: str, among: Mapping[st
                 if name in loaded[key][scenario_set]:
                     _draw_course(axes, loaded[key][scenario_set][name], key, among)
         row[0].set_ylabel(DECISIONS[name])
-        row[0].set_ylim(bottom=0.0)  # of all panels, which share the axis: once all are drawn
+        row[0].set_ylim(bottom=0.0)  # holds for all panels of the row, and needs all of them drawn
     for axes, scenario_set in zip(panels[0], sets, strict=True):
         axes.set_title(scenario_set)
     for axes in panels[-1]:
@@ -71,13 +72,13 @@ def draw_decisions(suite: Suite, results: Results, group: str, among: Mapping[st
 
 
 def _varies(name: str, courses_of_sets: Iterable[Courses]) -> bool:
-    """Whether runs differ in this decision from iteration to iteration, or from each other."""
+    """Return whether this decision differs between iterations or between runs."""
     courses = [courses[name] for courses in courses_of_sets if name in courses]
     return bool(courses) and bool(np.ptp(np.concatenate(courses)) > 0.0)
 
 
 def load_courses(suite: Suite, results: Results, group: str, scenarios: tuple[str, ...]) -> Courses:
-    """Decisions of all runs of a group on scenarios."""
+    """Return the decisions of all runs of a group on some scenarios."""
     members = group_controllers(suite.controllers)[group]
     runs = [
         run
@@ -89,12 +90,13 @@ def load_courses(suite: Suite, results: Results, group: str, scenarios: tuple[st
 
 
 def _courses(runs: list[Run]) -> Courses:
-    """The decisions that all of the runs recorded."""
+    """Return the decisions that all of the runs recorded."""
     names = [name for name in DECISIONS if runs and all(name in run.columns for run in runs)]
     return {name: np.array([run.course(name) for run in runs]) for name in names}
 
 
 def _draw_course(axes: Axes, courses: Floats, key: str, among: Mapping[str, Style]) -> None:
+    """Draw median and quartiles of courses, (runs, iterations + 1)."""
     low, median, high = np.quantile(courses, [0.25, 0.5, 0.75], axis=0)
     iterations = np.arange(len(median))
     draw_banded_line(axes, iterations, median, (low, high), key, among)

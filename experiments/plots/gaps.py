@@ -16,18 +16,18 @@ from experiments.runs.suite import Suite
 from experiments.statistics import interval, means, non_dominated, performance_profile
 
 NUM_THRESHOLDS = 161
-LEAST_GAP = 1e-4  # that a logarithmic axis goes down to
+LEAST_GAP = 1e-4  # lower end of logarithmic axes
 MOST_COLUMNS = 3
-LEAST_WIDTH = 6.8  # inches that the titles take
+LEAST_WIDTH = 6.8  # inches that the titles need
 LEAST_LABELS = 3
-# Multiples of powers of ten that label a logarithmic axis: of these, the first that are enough.
+# Multiples of powers of ten that may label a logarithmic axis: the first that give enough labels are taken.
 MULTIPLES = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
-# Markers are the controllers', so families have lines only.
+# Controllers are told apart by markers, and families by lines.
 FAMILY_LINES = ("-", "--", "-.", ":", (0, (6, 1, 1, 1, 1, 1)), (0, (1, 3)))
 
 
 def draw_profiles(outcomes: Outcomes) -> Figure:
-    """The share of runs within a gap, by the gap, one panel per set of scenarios."""
+    """Draw the share of runs within a gap against the gap, one panel per set of scenarios."""
     figure, panels = _panels(outcomes)
     among = styles(outcomes.groups)
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
@@ -49,7 +49,7 @@ def draw_profiles(outcomes: Outcomes) -> Figure:
 
 
 def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
-    """Mean gap against mean evaluations, one panel per set; families are connected, the front is stepped."""
+    """Draw mean gap against mean evaluations, one panel per set; lines connect families, steps the front."""
     figure, panels = _panels(outcomes)
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
         points = _draw_points(axes, outcomes, scenario_set)
@@ -71,13 +71,13 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
 
 
 def _thresholds(gaps: Floats) -> Floats:
-    """Evenly spaced on a logarithmic axis from the least to the greatest gap."""
+    """Return thresholds from the least to the greatest gap, evenly spaced in the logarithm."""
     low = max(gaps.min(), LEAST_GAP)
     return np.geomspace(low, max(gaps.max(), 2.0 * low), NUM_THRESHOLDS)
 
 
 def _panels(outcomes: Outcomes) -> tuple[Figure, list[Axes]]:
-    """A panel for each set."""
+    """Return a figure with a panel for each set."""
     number = len(outcomes.sets)
     num_rows = math.ceil(number / MOST_COLUMNS)
     num_columns = math.ceil(number / num_rows)
@@ -89,7 +89,7 @@ def _panels(outcomes: Outcomes) -> tuple[Figure, list[Axes]]:
 
 
 def _draw_points(axes: Axes, outcomes: Outcomes, scenario_set: str) -> dict[str, tuple[float, float]]:
-    """Draw mean evaluations and gap of every group with their intervals; returns the points."""
+    """Draw mean evaluations and gap of every group with their intervals; return the points by group."""
     points = {}
     for group, style in styles(outcomes.groups).items():
         sample = outcomes.sample(group, scenario_set)
@@ -105,7 +105,7 @@ def _draw_points(axes: Axes, outcomes: Outcomes, scenario_set: str) -> dict[str,
 
 
 def _draw_steps(axes: Axes, points: Floats) -> None:
-    """Draw the border of what the best of the points (n, 2) dominate, as far as there are points."""
+    """Draw the border of the region that the points, (n, 2), dominate, within the range of the points."""
     front = points[non_dominated(points)]
     ahead, behind = (front[:, 0].min(), points[:, 1].max()), (points[:, 0].max(), front[:, 1].min())
     x, y = np.array([ahead, *front[np.argsort(front[:, 0])], behind]).T
@@ -113,7 +113,7 @@ def _draw_steps(axes: Axes, points: Floats) -> None:
 
 
 def _label_logarithmic(axis: Axis, form: Callable[[float, int], str]) -> None:
-    """Label an axis, whose limits or data are there, at few round numbers."""
+    """Label an axis at few round numbers; its limits must be set, or its data drawn, before."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(FixedLocator(logarithmic_ticks(low, high)))
     axis.set_minor_locator(NullLocator())
@@ -121,7 +121,7 @@ def _label_logarithmic(axis: Axis, form: Callable[[float, int], str]) -> None:
 
 
 def logarithmic_ticks(low: float, high: float) -> list[float]:
-    """At least three round numbers between two positive ones, as evenly spaced in the logarithm as can be."""
+    """Return at least three round numbers between two positive ones, evenly spaced in the logarithm."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for multiples in MULTIPLES:
         ticks = [multiple * 10.0**power for power in powers for multiple in multiples]
@@ -134,6 +134,7 @@ def logarithmic_ticks(low: float, high: float) -> list[float]:
 
 
 def _family_lines(number: int) -> list:
+    """Return a line style for each family."""
     return [FAMILY_LINES[k % len(FAMILY_LINES)] for k in range(number)]
 
 

@@ -1,4 +1,4 @@
-"""Maps in figures: obstacles, start and target, populations, best paths; or the vectors of test functions."""
+"""Maps in figures: obstacles, start and target, populations, best paths; or vectors of test functions."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,17 +20,17 @@ from swarm_gym.scenarios import Circle, FunctionScenario, GridMap, Obstacle, Sce
 
 OBSTACLE, OUTLINE = "#d9dce0", "#7d838b"
 INK = "#222222"
-# By where both are, the feasible members show as a halo of the colliding ones.
+# Where both overlap, feasible members look like a halo around colliding ones.
 FEASIBLE: dict[str, Any] = {"color": BLUE, "linestyle": "-", "linewidth": 1.6, "alpha": 0.6}
 COLLIDING: dict[str, Any] = {"color": RED, "linestyle": (0, (6, 3)), "linewidth": 0.5, "alpha": 0.6}
-# One marker per so many waypoints; the paths of several controllers begin at different ones.
+# Number of waypoints per marker; paths of different controllers begin at different waypoints.
 MARKER_EVERY = 7
 
 
 def draw_map(axes: Axes, scenario: StaticScenario) -> None:
     """Draw the workspace with its obstacles, start (S) and target (T), in map coordinates.
 
-    Of a test function, whose vectors are paths in parallel coordinates, draw the optimum among these.
+    Vectors of a test function are paths in parallel coordinates; of a test function, draw the optimum.
     """
     axes.grid(False)
     axes.spines[:].set_visible(True)
@@ -58,7 +58,7 @@ def draw_map(axes: Axes, scenario: StaticScenario) -> None:
 
 
 def proportions(scenario: StaticScenario) -> float:
-    """Height of what `draw_map` draws, relative to its width."""
+    """Return the height of what `draw_map` draws, relative to its width."""
     if isinstance(scenario, FunctionScenario):
         return 0.5
     x_min, y_min, x_max, y_max = scenario.view
@@ -66,13 +66,13 @@ def proportions(scenario: StaticScenario) -> float:
 
 
 def label_axes(axes: Axes, scenario: StaticScenario) -> None:
-    """Say what the axes of `draw_map` are."""
+    """Label the axes of `draw_map`."""
     names = ("component", "value") if isinstance(scenario, FunctionScenario) else ("x", "y")
     axes.set(xlabel=names[0], ylabel=names[1])
 
 
 def draw_population(axes: Axes, snapshot: Snapshot) -> None:
-    """Draw feasible members solid, above them the colliding ones dashed; the title says how many."""
+    """Draw feasible members as solid lines, colliding ones dashed above them; the title has their numbers."""
     feasible = snapshot.collisions <= FEASIBILITY_TOLERANCE
     for members, style, zorder in ((feasible, FEASIBLE, 2), (~feasible, COLLIDING, 3)):
         paths = list(snapshot.paths[members])
@@ -81,7 +81,7 @@ def draw_population(axes: Axes, snapshot: Snapshot) -> None:
 
 
 def population_legend() -> list[Line2D]:
-    """Handles for what `draw_population` draws."""
+    """Return legend handles for the lines of `draw_population`."""
     return [
         Line2D([], [], label="feasible", **FEASIBLE),
         Line2D([], [], label="colliding", **COLLIDING),
@@ -89,7 +89,7 @@ def population_legend() -> list[Line2D]:
 
 
 def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -> None:
-    """Draw the best path of a run; `order` is the number of the controller."""
+    """Draw the best path of a run; `order` is the position of the controller among those of the figure."""
     every = MARKER_EVERY * max(1, (len(run.best_path) - 2) // 31)
     marked: Any = (every * (2 + order % MARKER_EVERY) // MARKER_EVERY, every)
     if len(run.best_path) <= 2 * MARKER_EVERY:
@@ -98,19 +98,21 @@ def draw_best_path(axes: Axes, run: Run, style: Style, label: str, order: int) -
 
 
 def draw_shortest_path(axes: Axes, points: Floats, label: str) -> None:
-    """Draw a path (k, 2) as a broad pale line below the others."""
+    """Draw a path, (k, 2), as a broad pale line below the others."""
     axes.plot(*points.T, color="#f0e442", linewidth=5, label=label, zorder=2)
 
 
 def _draw_obstacles(axes: Axes, obstacles: Sequence[Obstacle]) -> None:
+    """Draw circles and polygons."""
     patches = [_patch(obstacle) for obstacle in obstacles]
-    # The outlines above the paths, so that a crowd does not hide the obstacles.
+    # Outlines are above the paths, so that many paths do not hide the obstacles.
     for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
         shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
         axes.add_collection(shapes)
 
 
 def _draw_components(axes: Axes, scenario: FunctionScenario) -> None:
+    """Draw the optimum of a test function in parallel coordinates."""
     numbers = np.arange(1, scenario.dimension + 1)
     style: dict[str, Any] = {"color": INK, "linewidth": 0.7, "markersize": 8, "zorder": 3.5}
     axes.plot(numbers, scenario.optimum, "*-", label="optimum", **style)
@@ -119,6 +121,7 @@ def _draw_components(axes: Axes, scenario: FunctionScenario) -> None:
 
 
 def _draw_cells(axes: Axes, grid: GridMap) -> None:
+    """Draw the blocked cells of a grid map."""
     x_min, y_min, x_max, y_max = grid.extent
     extent = (x_min, x_max, y_min, y_max) if grid.y_up else (x_min, x_max, y_max, y_min)
     colours = ListedColormap(["white", OBSTACLE])

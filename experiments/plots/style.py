@@ -1,9 +1,10 @@
-"""How figures look: one colour, line and marker per controller, and settings of Matplotlib."""
+"""The style of figures: one colour, line and marker per controller, and settings of Matplotlib."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import matplotlib.style
@@ -15,16 +16,17 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from experiments.runs.labels import label
+from swarm_gym.files import write_atomically
 
-# The hues are Okabe and Ito's, which colour-blind readers can tell apart too.
+# Colours of Okabe and Ito, which colour-blind readers can tell apart, too.
 BLACK, GREY = "#222222", "#8c8c8c"
 BLUE, SKY, GREEN, ORANGE, RED, PINK = (
     "#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7",
 )  # fmt: skip
 
 BAND, BAND_EDGE = 0.1, 0.35  # opacities
-# Of legends: a character is about so wide, and a handle with its gaps takes as much as so many.
-CHARACTER, HANDLE_CHARACTERS = 0.075, 10  # inches, characters
+# Widths in legends: of a character in inches, and of a handle with its gaps in characters.
+CHARACTER, HANDLE_CHARACTERS = 0.075, 10
 FORMATS = ("svg", "png")
 SETTINGS: dict[str, Any] = {
     "axes.axisbelow": True,
@@ -52,14 +54,14 @@ SETTINGS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Style:
-    """How a controller is drawn; no two share a colour and a marker."""
+    """The style of one controller; no two controllers of a figure share both colour and marker."""
 
     colour: str
     line: Any
     marker: str
 
     def options(self) -> dict[str, Any]:
-        """Keyword arguments of `Axes.plot`."""
+        """Return the style as keyword arguments of `Axes.plot`."""
         return {"color": self.colour, "linestyle": self.line, "marker": self.marker}
 
 
@@ -77,7 +79,7 @@ SPARE_LINES = (
     ((0, (9, 3, 2, 3)), "H"),
 )  # fmt: skip
 SPARE_COLOURS = (GREEN, PINK, BLUE, ORANGE)
-# From one to the next both change: no two of the first ten differ by colour alone.
+# Colour and line change from one style to the next, so that no two of the first ten differ by colour alone.
 SPARE_STYLES = [
     Style(SPARE_COLOURS[(k + turn) % len(SPARE_COLOURS)], line, marker)
     for turn in range(len(SPARE_COLOURS))
@@ -86,7 +88,7 @@ SPARE_STYLES = [
 
 
 def styles(controllers: Iterable[str]) -> dict[str, Style]:
-    """A style for each controller: its own, or the next spare one in the order given."""
+    """Return a style for each controller: a fixed one, or the next spare one in the order given."""
     found: dict[str, Style] = {}
     spare = 0
     for controller in controllers:
@@ -106,44 +108,58 @@ def draw_banded_line(
     controller: str,
     among: Mapping[str, Style],
 ) -> None:
-    """Draw the line (m,) of a controller and both ends of its band, in its style among others."""
+    """Draw a line of a controller with a band around it.
+
+    Args:
+        axes: axes to draw into.
+        x: (m,) horizontal coordinates.
+        y: (m,) heights of the line.
+        band: lower and upper end of the band, (m,) each.
+        controller: name of the controller.
+        among: styles of all controllers of the figure.
+    """
     style = among[controller]
-    # Points inside a level stretch add to the file only; Matplotlib drops those of lines, but not of areas.
+    # Points inside a level stretch only make files larger; Matplotlib drops them from lines, not from areas.
     moves = (np.diff(band) != 0.0).any(axis=0)
     kept = np.concatenate([[True], moves]) | np.concatenate([moves, [True]])
     axes.fill_between(
         x[kept], *(end[kept] for end in band),
         linewidth=0.6, facecolor=(style.colour, BAND), edgecolor=(style.colour, BAND_EDGE),
     )  # fmt: skip
-    # Every tenth of the axis, beginning at different places, so that equal lines show.
+    # Markers at every tenth of the axis begin at different places, so that equal lines can be told apart.
     order = list(among).index(controller)
     axes.plot(x, y, label=label(controller), markevery=(0.1 * order / len(among), 0.1), **style.options())
 
 
 @contextmanager
 def settings() -> Iterator[None]:
-    """Matplotlib's defaults and our settings within the block, whatever the user's own are."""
+    """Use Matplotlib's defaults with our settings inside the block, whatever settings the user has."""
     with matplotlib.style.context(["default", SETTINGS]):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure, in inches, that no window and no global state knows of."""
+    """Return an empty figure, of a size in inches, without a window and without global state."""
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def render(figure: Figure, form: str) -> bytes:
-    """The file of a figure, "svg" or "png"; within `settings`, the same figure gives the same bytes."""
+    """Return a figure as a file, "svg" or "png"; inside `settings`, equal figures give equal bytes."""
     file = BytesIO()
     metadata = {"Date": None} if form == "svg" else {"Software": None}
     figure.savefig(file, format=form, metadata=metadata)
     return file.getvalue()
 
 
+def write_figure(figure: Figure, folder: Path, stem: str) -> list[Path]:
+    """Write a figure in every format, inside `settings`; return the files, e.g. folder/stem.svg."""
+    return [write_atomically(folder / f"{stem}.{form}", render(figure, form)) for form in FORMATS]
+
+
 def legend_below(figure: Figure) -> None:
-    """Put one legend for all panels below them, every label once, in as many columns as there is room for."""
+    """Draw one legend below all panels, every label once, in as many columns as fit."""
     handles: dict[str, Artist] = {}
     for axes in figure.axes:
         for handle, text in zip(*axes.get_legend_handles_labels(), strict=True):

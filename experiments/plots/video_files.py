@@ -1,4 +1,4 @@
-"""Videos written picture by picture, as MP4 or GIF: whole files or none."""
+"""Writers of video files, MP4 and GIF, which take one picture at a time and leave whole files or none."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Generator
@@ -14,18 +14,23 @@ from swarm_gym.errors import MissingExtraError
 if TYPE_CHECKING:
     from PIL import Image
 
-Frame = NDArray[np.uint8]
+Picture = NDArray[np.uint8]  # (height, width, 3)
 
-# Seconds that the last picture stays.
+# Seconds for which the last picture is shown.
 LAST = 2.0
-# Of all pictures of a GIF together; what is drawn has few, and those of smoothed edges between these.
+# Numbers of colours of a GIF. Shapes have few colours, which are kept exactly; smoothed edges have mixtures.
 COLOURS, EXACT_COLOURS = 128, 16
 
 
 class VideoFile(ABC):
-    """A file that is written inside a `with` block; after an error, or with no picture in it, there is none.
+    """A video file that is written inside a `with` block.
 
-    A file that was there before stays until the new one is whole.
+    After an error, or if no picture was added, no new file is left. An older file of that name stays until
+    the new one is complete.
+
+    Args:
+        path: file to write.
+        fps: pictures per second.
     """
 
     def __init__(self, path: Path, fps: int):
@@ -33,11 +38,11 @@ class VideoFile(ABC):
         self._partial = path.with_name(f".{path.stem}.partial{path.suffix}")
 
     def __enter__(self) -> Self:
-        """Begin, in a hidden file beside it.
+        """Begin a hidden file in the same folder.
 
         Raises:
-            OSError: if there can be no such file.
-            MissingExtraError: if the library is missing that writes it.
+            OSError: if the file cannot be written.
+            MissingExtraError: if the library that writes it is missing.
         """
         self._require_library()
         if self.path.is_dir():
@@ -49,7 +54,7 @@ class VideoFile(ABC):
     def __exit__(
         self, error_type: type[BaseException] | None, _: BaseException | None, __: TracebackType | None
     ) -> None:
-        """Finish, or clear away what was begun."""
+        """Finish the file, or delete what was begun."""
         try:
             self._finish(failed=error_type is not None)
             if error_type is None and self._partial.stat().st_size > 0:
@@ -58,30 +63,30 @@ class VideoFile(ABC):
             self._partial.unlink(missing_ok=True)
 
     @abstractmethod
-    def add(self, frame: Frame) -> None:
-        """Go on with a picture, (height, width, 3)."""
+    def add(self, picture: Picture) -> None:
+        """Add a picture, (height, width, 3), all of the same size."""
 
     @abstractmethod
     def _require_library(self) -> None:
-        """Refuse to begin where the library is missing."""
+        """Raise MissingExtraError if the library is missing."""
 
     @abstractmethod
     def _finish(self, failed: bool) -> None:
-        """Hold the last picture, and close the file; where something failed, just close."""
+        """Repeat the last picture and close the file; after a failure, only close it."""
 
 
 class Mp4File(VideoFile):
-    """H.264 by the ffmpeg that comes with imageio-ffmpeg; sides are even numbers of pixels."""
+    """An MP4 file, H.264 by the ffmpeg of imageio-ffmpeg; width and height must be even."""
 
     _encoder: Generator[None, Any, None] | None = None
-    _last: Frame | None = None
+    _last: Picture | None = None
 
-    def add(self, frame: Frame) -> None:
-        """Go on with a picture, (height, width, 3)."""
+    def add(self, picture: Picture) -> None:
+        """Add a picture, (height, width, 3), all of the same size."""
         if self._encoder is None:
             import imageio_ffmpeg
 
-            size = frame.shape[1::-1]
+            size = picture.shape[1::-1]
             self._encoder = imageio_ffmpeg.write_frames(
                 self._partial,
                 size,
@@ -91,7 +96,7 @@ class Mp4File(VideoFile):
                 ffmpeg_log_level="error",
             )
             self._encoder.send(None)
-        self._last = np.ascontiguousarray(frame)
+        self._last = np.ascontiguousarray(picture)
         self._encoder.send(self._last)
 
     def _require_library(self) -> None:
@@ -111,20 +116,20 @@ class Mp4File(VideoFile):
 
 
 class GifFile(VideoFile):
-    """A GIF that repeats for ever, in the colours of its first picture, whose legend shows all there are."""
+    """A GIF file that repeats for ever, in the colours of its first picture, whose legend has all of them."""
 
     def __init__(self, path: Path, fps: int):
         super().__init__(path, fps)
         self._palette = np.empty((0, 3), dtype=np.uint8)
         self._images: list[Image.Image] = []
 
-    def add(self, frame: Frame) -> None:
-        """Go on with a picture, (height, width, 3)."""
+    def add(self, picture: Picture) -> None:
+        """Add a picture, (height, width, 3), all of the same size."""
         from PIL import Image
 
         if not self._images:
-            self._palette = palette_of(frame)
-        image = Image.fromarray(nearest(self._palette, frame))
+            self._palette = palette_of(picture)
+        image = Image.fromarray(nearest(self._palette, picture))
         image.putpalette(self._palette.tobytes())
         self._images.append(image)
 
@@ -144,12 +149,12 @@ class GifFile(VideoFile):
         )
 
 
-def palette_of(frame: Frame) -> Frame:
-    """(k, 3) the most frequent colours of a picture, then again and again the one farthest from those.
+def palette_of(picture: Picture) -> Picture:
+    """Return a palette, (k, 3): the most frequent colours, then again and again the one farthest from these.
 
-    So a thin line of its own colour keeps it, which a palette by frequency alone would not give it.
+    So a thin line keeps its colour, which would be missing in a palette by frequency alone.
     """
-    packed, counts = np.unique(_packed(frame), return_counts=True)
+    packed, counts = np.unique(_packed(picture), return_counts=True)
     colours = _unpacked(packed[np.argsort(-counts, kind="stable")])
     chosen = list(range(min(EXACT_COLOURS, len(colours))))
     distance = _distances(colours, colours[chosen]).min(axis=1)
@@ -159,26 +164,30 @@ def palette_of(frame: Frame) -> Frame:
     return colours[chosen].astype(np.uint8)
 
 
-def nearest(palette: Frame, frame: Frame) -> Frame:
-    """(height, width) the number in a palette (k, 3) that is nearest to each pixel, which Pillow guesses."""
-    packed, where = np.unique(_packed(frame), return_inverse=True)
+def nearest(palette: Picture, picture: Picture) -> Picture:
+    """Return for each pixel the row of a palette, (k, 3), that is nearest, (height, width).
+
+    Pillow only approximates the nearest colour.
+    """
+    packed, where = np.unique(_packed(picture), return_inverse=True)
     numbers = _distances(_unpacked(packed), palette.astype(np.int64)).argmin(axis=1)
-    return numbers.astype(np.uint8)[where].reshape(frame.shape[:2])
+    return numbers.astype(np.uint8)[where].reshape(picture.shape[:2])
 
 
-def _packed(frame: Frame) -> NDArray[np.uint32]:
-    """A number for each colour."""
-    return frame.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
+def _packed(picture: Picture) -> NDArray[np.uint32]:
+    """Return one integer for each colour."""
+    return picture.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
 
 
 def _unpacked(packed: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Return the colours, (..., 3), of such integers."""
     return np.stack([packed >> 16, packed >> 8 & 255, packed & 255], axis=-1).astype(np.int64)
 
 
 def _distances(colours: NDArray[np.int64], palette: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(n, k) squared distances between colours (n, 3) and those of a palette (k, 3)."""
+    """Return squared distances, (n, k), between colours, (n, 3), and those of a palette, (k, 3)."""
     return ((colours[:, None] - palette) ** 2).sum(axis=-1)
 
 
-# By how names of files end.
+# Kinds of files by the endings of their names.
 VIDEO_FILES: dict[str, type[VideoFile]] = {".gif": GifFile, ".mp4": Mp4File}

@@ -1,1 +1,1 @@
-"""A results database as one page that one can explore and send on: `python -m experiments.report --help`."""
+"""Reports of results databases, HTML files to explore and to share: `python -m experiments.report --help`."""

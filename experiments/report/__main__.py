@@ -1,8 +1,8 @@
-"""A results database as one page: tables, figures, replays, and how all of it came about.
+"""Write a report of a results database: tables, figures, replays, and how they were made.
 
-The page is one HTML file, which needs no network and no other file: open it, send it on, print it. What it
-says comes from the database, to which nothing is written; the runs that it replays are made again and left
-out if they end otherwise than what is stored.
+The report is one HTML file that needs no network and no other file: open it, share it, print it. Its content
+comes from the database, which is only read. Runs to replay are run again; a replay is left out if its run
+ends otherwise than the stored one.
 """
 
 from dataclasses import dataclass
@@ -28,22 +28,22 @@ class ReportConfig:
     """Options of a report."""
 
     database: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
-    """What `python -m experiments.evaluate` wrote, as results/paper.sqlite."""
+    """Results database that `python -m experiments.evaluate` wrote, e.g. results/paper.sqlite."""
     suite: str = ""
-    """Which suite it is of; by default that of the file's name."""
+    """Suite of the runs, e.g. paper; by default the name of the file without its ending."""
     output: Path | None = None
-    """The page; by default report.html in the folder of the suite's tables, as results/paper/report.html."""
+    """File to write; by default report.html among the suite's tables, e.g. results/paper/report.html."""
     replays: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar=REPLAY_FORM)] = None
-    """Runs to replay, as spsfa-tip,case1,0; those of the suite by default."""
+    """Runs to replay, e.g. spsfa-tip,case1,0; by default those that the suite names."""
     figures: bool = True
-    """Whether to draw figures."""
+    """Draw figures; without them, the report is written faster."""
 
 
 def write_report(config: ReportConfig) -> Path:
-    """Write the page; returns its file.
+    """Write a report and return the path of its file.
 
     Raises:
-        ResultsError: if the database cannot be used, or lacks a run that is to be replayed.
+        ResultsError: if the database cannot be used, or lacks a run to replay.
     """
     suite = get_suite(config.suite or config.database.stem)
     replays = None if config.replays is None else [_run_key(text) for text in config.replays]
@@ -57,18 +57,19 @@ def write_report(config: ReportConfig) -> Path:
 
 
 def _run_key(text: str) -> RunKey:
+    """Return the key of a run that the command line names."""
     controller, *rest = text.rsplit(",", 2)
     if len(rest) != 2 or not rest[1].isdigit():
-        raise ResultsError(f"--replays takes {REPLAY_FORM}, as spsfa-tip,case1,0, got {text!r}")
+        raise ResultsError(f"--replays takes {REPLAY_FORM}, e.g. spsfa-tip,case1,0, got {text!r}")
     return controller, rest[0], int(rest[1])
 
 
 def main() -> None:
-    """Write the page that the command line asks for."""
+    """Write the report that the command line asks for."""
     config = tyro.cli(ReportConfig, description=__doc__)
     with command(ResultsError):
-        page = write_report(config)
-    print(f"report: {page} ({page.stat().st_size / 1e6:.1f} MB)")
+        file = write_report(config)
+    print(f"report: {file} ({file.stat().st_size / 1e6:.1f} MB)")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Which part of a suite a database holds completely, so that everything in a report is paired."""
+"""The part of a suite that a database holds completely, so that all comparisons of a report are paired."""
 
 import dataclasses
 import math
@@ -9,19 +9,19 @@ from experiments.runs.database import Results
 from experiments.runs.labels import label
 from experiments.runs.suite import Suite
 
-# Of the most seeds that any pair has: a controller with a smaller share would cost all others their seeds.
+# A controller with less than this share of the most seeds of any pair is left out; others would lose seeds.
 LEAST_SHARE = 0.5
-MOST_NAMED = 12  # in a notice
+MOST_NAMED = 12  # names in a notice
 
-Counts = dict[tuple[str, str], int]  # runs by controller and scenario
+Counts = dict[tuple[str, str], int]  # number of runs by controller and scenario
 
 
 class Complete(NamedTuple):
-    """What a report is about.
+    """The complete part of a suite.
 
     Attributes:
-        suite: with the controllers, scenarios and seeds that every run is stored of; None if there are none.
-        notices: what is left out, and why, in sentences.
+        suite: suite with the controllers, scenarios and seeds of which all runs are stored; None if too few.
+        notices: sentences that say what is left out, and why.
     """
 
     suite: Suite | None
@@ -29,10 +29,10 @@ class Complete(NamedTuple):
 
 
 def complete_part(suite: Suite, results: Results) -> Complete:
-    """The largest part of a suite, with whatever controllers are stored, of which no run is missing.
+    """Return the largest part of a suite of which no run is missing, with all controllers that are stored.
 
-    Suites run seed by seed, so that of one that was stopped the first seeds are complete. Controllers that
-    were begun only, and scenarios that some controllers lack, are left out.
+    Suites run seed by seed, so that the first seeds of a stopped suite are complete. Controllers with few
+    runs, and scenarios that some controllers lack, are left out.
     """
     stored = results.finished()
     if not stored:
@@ -63,7 +63,7 @@ def complete_part(suite: Suite, results: Results) -> Complete:
 
 
 def _leading_seeds(suite: Suite, stored: set[tuple[str, str, int]]) -> Counts:
-    """How many seeds each controller has on each scenario, from the suite's first on without a gap."""
+    """Return the number of seeds of each controller on each scenario, from the first one on without gaps."""
     firsts = {name: seeds.start for name, seeds in suite.seeds.items()}
     by_pair: dict[tuple[str, str], set[int]] = {}
     for controller, scenario, seed in stored:
@@ -81,30 +81,31 @@ def _leading_seeds(suite: Suite, stored: set[tuple[str, str, int]]) -> Counts:
 def _complete_scenarios(
     suite: Suite, controllers: list[str], counts: Mapping[tuple[str, str], int], least: int
 ) -> list[str]:
-    """Scenarios that all of the controllers have this many seeds of; the first ones if each has its own."""
+    """Return scenarios on which all controllers have enough seeds; the first ones if each has its own."""
     complete = []
     for scenario in suite.scenarios:
         if all(counts.get((name, scenario), 0) >= least for name in controllers):
             complete.append(scenario)
         elif suite.seed_step:
-            break  # which seeds a scenario has goes by its place
+            break  # the seeds of a scenario depend on its position in the suite
     return complete
 
 
 def _notices(part: Suite, suite: Suite, controllers: list[str], counts: Counts, num_stored: int) -> list[str]:
+    """Return sentences about all that the part leaves out."""
     used = len(part.controllers) * len(part.scenarios) * part.num_seeds
     if used == num_stored and part.scenarios == suite.scenarios:
         return []
-    found = [f"This database is partial: the page is about {used:,} of its {num_stored:,} runs."]
+    found = [f"This database is partial: the report is about {used:,} of its {num_stored:,} runs."]
     for what, everything, kept in (
-        ("controllers", controllers, part.controllers),
-        ("scenarios", suite.scenarios, part.scenarios),
+        ("Controllers", controllers, part.controllers),
+        ("Scenarios", suite.scenarios, part.scenarios),
     ):
         lacking = [name for name in everything if name not in kept]
         if lacking:
             names = ", ".join(label(name) for name in lacking[:MOST_NAMED])
             more = f" and {len(lacking) - MOST_NAMED} more" if len(lacking) > MOST_NAMED else ""
-            found.append(f"Left out since runs are missing, {what}: {names}{more}.")
+            found.append(f"{what} left out because runs are missing: {names}{more}.")
     most = max(counts[name, scenario] for name in part.controllers for scenario in part.scenarios)
     if most > part.num_seeds:
         found.append(f"Every controller has {part.num_seeds} seeds on every scenario; some have {most}.")
@@ -112,6 +113,6 @@ def _notices(part: Suite, suite: Suite, controllers: list[str], counts: Counts, 
 
 
 def _count(suite: Suite, counts: Counts) -> str:
-    """How many seeds there are at most."""
+    """Return a phrase about the greatest number of seeds."""
     wanted = f"{suite.num_seeds} are asked for"
     return f"at most {max(counts.values(), default=0)} seeds of a controller on a scenario, {wanted}"

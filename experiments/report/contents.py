@@ -1,4 +1,4 @@
-"""What a report of a results database says: tables, figures, replays, and how all of it came about."""
+"""The content of a report: tables, figures, replays, and how they were made."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from experiments.documents.page import command_of, describe_provenance
+from experiments.documents.page import command_of, describe_provenance, make_tables
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
 from experiments.report.drawn import Drawn, draw_all
@@ -19,15 +19,16 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
-from experiments.tables import Table, make_tables
+from experiments.tables import Table
+from experiments.tables.cell import Entry, number
 from swarm_gym.errors import ScenarioError
 
-MOST_RUNS = 3000  # that are listed one by one
-REPLAYED_SCENARIOS = 3  # the first ones, where a suite does not say which runs to replay
+MOST_RUNS = 3000  # runs that are listed one by one
+REPLAYED_SCENARIOS = 3  # first scenarios of a suite, on which runs are replayed by default
 
 
 class Gaps(NamedTuple):
-    """Names of tables and figures of optimality gaps that a report has beyond those of its suite."""
+    """Names of tables and figures of optimality gaps that a report adds to those of its suite."""
 
     tables: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
@@ -37,13 +38,13 @@ GAPS = Gaps(("gaps", "front"), ("profiles", "front"))
 
 
 class Request(NamedTuple):
-    """What a report is asked for.
+    """A request for a report.
 
     Attributes:
-        database: the file.
-        suite: what it holds runs of.
-        replays: controller, scenario and seed of the runs to replay; None for the suite's choice.
-        figures: whether there are any.
+        database: file of the results database.
+        suite: suite of its runs.
+        replays: keys of the runs to replay; None for those that the suite names.
+        figures: whether to draw figures.
     """
 
     database: Path
@@ -53,10 +54,10 @@ class Request(NamedTuple):
 
 
 def make_report(request: Request, results: Results) -> Report:
-    """Read all that a page says from a database, and make the runs that it replays again.
+    """Return the report of a database; runs to replay are run again.
 
     Raises:
-        ResultsError: if a run that is to be replayed is not in the database.
+        ResultsError: if a run to replay is not in the database.
     """
     part, notices = complete_part(request.suite, results)
     title = f"swarm_gym: suite {request.suite.name}"
@@ -92,6 +93,7 @@ def make_report(request: Request, results: Results) -> Report:
 
 
 def _lead(part: Suite) -> str:
+    """Return the first sentence of the report."""
     return (
         f"{len(part.controllers)} controllers on {_number(len(part.scenarios), 'scenario')}, "
         f"{_number(part.num_seeds, 'seed')} each: every controller on the same scenarios and seeds."
@@ -99,11 +101,12 @@ def _lead(part: Suite) -> str:
 
 
 def _number(count: int, what: str) -> str:
+    """Return a number with a noun in singular or plural."""
     return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
 def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
-    """What can be said of gaps, and why it is nothing."""
+    """Return the tables and figures of gaps to add, and notices if there are none."""
     if part.num_seeds == 1:
         return Gaps(), []  # intervals over seeds need several
     try:
@@ -117,17 +120,20 @@ def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
 
 
 def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:
-    """What is of all scenarios first, the first table on top; then a section per scenario."""
+    """Return sections: the first table, other tables and figures of all scenarios, then each scenario."""
 
-    def of(scenario: str | None, found: Sequence[Any]) -> list[Any]:
-        return [one for one in found if _scenario_of(one.name, part.scenarios) == scenario]
+    def tables_of(scenario: str | None) -> list[Table]:
+        return [table for table in tables if table.scenario == scenario]
 
-    general = of(None, tables)
+    def figures_of(scenario: str | None) -> list[Drawn]:
+        return [figure for figure in figures if _scenario_of(figure.name, part.scenarios) == scenario]
+
+    general = tables_of(None)
     sections = [
         Section("summary", "Results", general[:1]),
-        Section("comparisons", "Quality, cost, comparisons", general[1:], of(None, figures)),
+        Section("comparisons", "Quality, cost, comparisons", general[1:], figures_of(None)),
         *(
-            Section(f"scenario-{place}", scenario, of(scenario, tables), of(scenario, figures))
+            Section(f"scenario-{place}", scenario, tables_of(scenario), figures_of(scenario))
             for place, scenario in enumerate(part.scenarios)
         ),
     ]
@@ -135,12 +141,12 @@ def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) ->
 
 
 def _scenario_of(name: str, scenarios: Sequence[str]) -> str | None:
-    """The scenario that a table or figure is of, by the end of its name."""
+    """Return the scenario that the name of a figure ends with; None if it is of several."""
     return next((scenario for scenario in scenarios if name.endswith(f"-{scenario}")), None)
 
 
 def _chosen(request: Request, part: Suite, outcomes: Outcomes) -> list[RunKey]:
-    """The runs to replay: those asked for, or the first run of some controllers on the first scenarios."""
+    """Return the runs to replay: the requested ones, or the first of some controllers on some scenarios."""
     if request.replays is not None:
         stored = {(c, s, k) for c in part.controllers for s, seeds in part.seeds.items() for k in seeds}
         for key in request.replays:
@@ -162,7 +168,7 @@ def _chosen(request: Request, part: Suite, outcomes: Outcomes) -> list[RunKey]:
 
 
 def _replays(chosen: list[RunKey], part: Suite, results: Results) -> tuple[list[dict[str, Any]], list[str]]:
-    """Packed replays by scenario and seed, and which runs did not repeat."""
+    """Return packed replays by scenario and seed, and notices of runs that could not be repeated."""
     groups: dict[tuple[str, int], list[Recording]] = {}
     left_out = []
     for controller, scenario, seed in tqdm(chosen, desc="replays", unit="run"):
@@ -184,7 +190,7 @@ def _replays(chosen: list[RunKey], part: Suite, results: Results) -> tuple[list[
 
 
 def _maps(recording: Recording) -> list[dict[str, Any]]:
-    """The maps of a recording, with the iterations from which on they are in force."""
+    """Return the maps of a recording, each with the iteration from which on it holds."""
     maps: list[dict[str, Any]] = []
     before = None
     for frame in recording.frames:
@@ -195,15 +201,15 @@ def _maps(recording: Recording) -> list[dict[str, Any]]:
 
 
 def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
-    """Every run with its numbers in full."""
+    """Return the table of all runs with all digits of their numbers; None if there are too many runs."""
     if outcomes.fitness.size > MOST_RUNS:
         return None
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for controller in part.controllers:
         for scenario, seeds in part.seeds.items():
             numbers = outcomes.of(controller, scenario)
             rows += [
-                (label(controller), scenario, str(seed), *map(str, values))
+                (label(controller), scenario, number(seed, ""), *(number(value, "") for value in values))
                 for seed, *values in zip(
                     seeds,
                     numbers.fitness.tolist(),
@@ -222,6 +228,7 @@ def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
 
 
 def _facts(part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[tuple[str, str]]:
+    """Return names and values of the facts about the runs."""
     seeds = {name: f"{s.start} to {s.stop - 1}" for name, s in part.seeds.items()}
     same = len(set(seeds.values())) == 1
     told = next(iter(seeds.values())) if same else "from " + ", ".join(s.split()[0] for s in seeds.values())
@@ -231,12 +238,13 @@ def _facts(part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[tuple[st
         ("Controllers", ", ".join(f"{label(name)} ({name})" for name in part.controllers)),
         ("Scenarios", ", ".join(part.scenarios)),
         ("Seeds", told),
-        ("Options", ", ".join(f"{k}={v}" for k, v in part.options.items()) or "as they are by default"),
+        ("Options", ", ".join(f"{k}={v}" for k, v in part.options.items()) or "defaults"),
         ("Made with", describe_provenance(made_with).strip().removeprefix("Runs made with: ")),
     ]
 
 
 def _commands(request: Request, part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[str]:
+    """Return the commands that make the runs and the report again."""
     commits = {provenance.get("commit", "unknown") for provenance in made_with}
     [commit] = commits if len(commits) == 1 else ["unknown"]
     checkout = [] if commit == "unknown" else [f"git checkout {commit.removesuffix('-dirty')}"]

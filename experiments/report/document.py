@@ -1,4 +1,4 @@
-"""The page of a report: what it consists of, and its HTML, which needs no other file and no network."""
+"""The parts of a report, and its HTML, which needs no other file and no network."""
 
 import json
 import re
@@ -12,12 +12,13 @@ from markupsafe import Markup, escape
 
 import swarm_gym
 from experiments.report.drawn import Drawn
-from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry
+from experiments.tables.table import Table, text_columns
 
 ASSETS = Path(__file__).parent / "assets"
 TEMPLATE = "report.html.jinja"
 SCRIPTS = ("tables.js", "theme.js", "replay.js", "player.js")
-# The player's key: class, meaning, what is drawn across the line, and whether it may be a dot instead.
+# The player's legend: CSS class, meaning, marks drawn across the line, and whether it may be a dot instead.
 KEY = (
     ("feasible", "feasible", "", True),
     ("colliding", "colliding", "", True),
@@ -28,12 +29,9 @@ KEY = (
 )
 
 
-_NUMBER = re.compile(r"[-+<>≤≥]?\s*\d")
-
-
 @dataclass(frozen=True)
 class Section:
-    """A part of the page: a heading, tables and figures."""
+    """A section of a report: a heading, tables and figures."""
 
     identifier: str
     title: str
@@ -43,18 +41,18 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """All that a page says.
+    """The content of a report.
 
     Attributes:
-        title: its heading.
-        lead: what it is about, in a sentence.
-        notices: what to know of the results: what is missing, what differs.
-        sections: in their order; replays come after the first.
-        replays: of `replay.pack`, by scenario and seed.
-        runs: a table of all runs; None where they are too many.
-        facts: what was run, by name.
-        commands: how to run it again.
-        configuration: what the database says that runs depend on.
+        title: heading of the report.
+        lead: first sentence, below the heading.
+        notices: sentences about missing or different results.
+        sections: sections in their order; replays follow the first one.
+        replays: maps and replays packed by `replay.pack`, by scenario and seed.
+        runs: table of all runs; None if there are too many.
+        facts: names and values of facts about the runs.
+        commands: commands that make the runs and the report again.
+        configuration: configuration of the runs, as the database has it.
     """
 
     title: str
@@ -69,7 +67,7 @@ class Report:
 
 
 def to_html(report: Report) -> str:
-    """The page of a report."""
+    """Return the HTML of a report."""
     environment = Environment(
         loader=FileSystemLoader(ASSETS),
         autoescape=True,
@@ -77,7 +75,7 @@ def to_html(report: Report) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(emphasised=_emphasised, text_columns=_text_columns)
+    environment.filters.update(emphasised=_emphasised, sorted_by=_sorted_by, text_columns=text_columns)
     assets = {name: (ASSETS / name).read_text(encoding="utf-8") for name in ("report.css", *SCRIPTS)}
     return environment.get_template(TEMPLATE).render(
         title=report.title,
@@ -97,15 +95,18 @@ def to_html(report: Report) -> str:
 
 
 def _json(value: Any) -> str:
-    """JSON that no HTML parser takes for the end of a script."""
+    """Return JSON in which no HTML parser finds the end of a script."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _text_columns(table: Table) -> list[bool]:
-    """Which columns of a table hold no numbers."""
-    return [not any(_NUMBER.match(row[column]) for row in table.rows) for column in range(len(table.columns))]
+def _sorted_by(entry: Entry) -> Markup:
+    """Return the attribute with the number that a cell is sorted by; nothing if it has no number."""
+    if not isinstance(entry, Cell):
+        return Markup("")
+    first = next(iter(entry.numbers.values()))
+    return Markup(f' data-value="{repr(first).replace("inf", "Infinity")}"')
 
 
-def _emphasised(text: str) -> Markup:
-    """Text with what stands between pairs of asterisks in bold, as in Markdown."""
-    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text))))
+def _emphasised(text: Entry) -> Markup:
+    """Return a text as HTML, with parts between pairs of asterisks in bold, as in Markdown."""
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(str(text)))))

@@ -1,4 +1,4 @@
-"""The figures of a report: those of the suite, and of its first scenarios."""
+"""The figures of a report: those of the suite, and those of its first scenarios."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -7,21 +7,28 @@ from dataclasses import dataclass
 import matplotlib.style
 from tqdm import tqdm
 
-from experiments.documents.figures import NUMBERS, plan
+from experiments.documents.figures import plan
 from experiments.plots.style import settings
 from experiments.report.themed_svg import SETTINGS, plain_title, themed_svg
 from experiments.runs.database import Results
 from experiments.runs.suite import Suite
+from experiments.studies.spsfa.published import FIGURE_NUMBERS
 
-# Drawn for each scenario, so of the first few only.
+# Figures of single scenarios are drawn for the first few scenarios only.
 OF_CASES = ("collision", "cases")
 MOST_CASES = 6
-NOT_SHOWN = ("snapshots",)  # replays show populations
+NOT_SHOWN = ("snapshots",)  # replays show populations instead
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure of the page: its name among figures, a caption in plain text, and the SVG element."""
+    """A figure of a report.
+
+    Attributes:
+        name: name of the figure, see `experiments.documents.figures.plan`.
+        caption: caption in plain text.
+        svg: SVG element.
+    """
 
     name: str
     caption: str
@@ -32,12 +39,12 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
     """Draw the figures of a suite of which no run is missing.
 
     Args:
-        suite: its own figures, and those of its first scenarios, are drawn.
-        results: the runs.
-        further: names in `experiments.documents.figures.FIGURES`.
+        suite: suite whose figures, and figures of its first scenarios, are drawn.
+        results: database with its runs.
+        further: names of further figures in `experiments.catalogue`.
 
     Returns:
-        The figures, and what is left out.
+        The figures, and notices of figures that are left out.
     """
     own = tuple(name for name in suite.figures if name not in NOT_SHOWN)
     first = dataclasses.replace(
@@ -52,10 +59,10 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
         for name, draw in tqdm(drawings.items(), desc="figures", unit="figure"):
             figure = draw()
             caption = plain_title(figure)
-            number = f"Figure {NUMBERS[name]} of the paper. " if name in NUMBERS else ""
+            number = f"Figure {FIGURE_NUMBERS[name]} of the SPSFA paper. " if name in FIGURE_NUMBERS else ""
             drawn.append(
                 Drawn(name, f"{number}{caption}", themed_svg(figure, f"figure-{len(drawn)}", caption))
             )
     few = len(suite.scenarios) <= MOST_CASES
-    left = f"Figures of single scenarios are of the first {MOST_CASES} of {len(suite.scenarios)}."
+    left = f"Figures of single scenarios are drawn for the first {MOST_CASES} of {len(suite.scenarios)}."
     return drawn, [] if few else [left]

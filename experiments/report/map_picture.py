@@ -1,4 +1,4 @@
-"""Maps for replays, ready for JSON: shapes of analytic maps, pictures of grid maps."""
+"""Maps of replays as JSON values: shapes of analytic maps, pictures of grid maps."""
 
 import base64
 import math
@@ -14,12 +14,12 @@ from swarm_gym.scenarios import Circle, FunctionScenario, GridScenario, Obstacle
 
 Extent = tuple[float, float, float, float]
 
-MOST_CELLS = 512  # of the picture of a grid map, along each side
+MOST_CELLS = 512  # greatest width and height of the picture of a grid map, in pixels
 DECIMALS = 3
 
 
 def extent_of(scenario: StaticScenario) -> Extent:
-    """(x_min, y_min, x_max, y_max) of what is shown; of a test function, of its first two components."""
+    """Return (x_min, y_min, x_max, y_max) of what is shown; of test functions, their first two components."""
     if isinstance(scenario, FunctionScenario):
         low, high = scenario.domain
         return low, low, high, high
@@ -27,7 +27,7 @@ def extent_of(scenario: StaticScenario) -> Extent:
 
 
 def describe_map(scenario: StaticScenario) -> dict[str, Any]:
-    """What the page shows below a population; the shortest path, where there is one and it is known."""
+    """Return what is shown below a population: map, start, target, and the shortest path if it is known."""
     found: dict[str, Any] = {"extent": list(extent_of(scenario)), "yUp": True}
     if isinstance(scenario, FunctionScenario):
         optimum = [*scenario.optimum[:2], 0.0][:2]
@@ -49,6 +49,7 @@ def describe_map(scenario: StaticScenario) -> dict[str, Any]:
 
 
 def _shapes(obstacles: tuple[Obstacle, ...]) -> dict[str, Any]:
+    """Return circles and polygons as lists of numbers."""
     circles = [o for o in obstacles if isinstance(o, Circle)]
     polygons = [o for o in obstacles if not isinstance(o, Circle)]
     return {
@@ -58,11 +59,11 @@ def _shapes(obstacles: tuple[Obstacle, ...]) -> dict[str, Any]:
 
 
 def _picture(scenario: GridScenario) -> str:
-    """The blocked cells of the window as a PNG with transparent free cells, as a URI."""
+    """Return the blocked cells of the window as the URI of a PNG, in which free cells are transparent."""
     blocked = scenario.map.blocked[scenario.window]
     stride = max(1, math.ceil(max(blocked.shape) / MOST_CELLS))
     cells = np.zeros((*blocked[::stride, ::stride].shape, 4), dtype=np.uint8)
-    for row in range(stride):  # a cell is blocked where any of those that it stands for is
+    for row in range(stride):  # a pixel is blocked if any of its cells is
         for column in range(stride):
             part = blocked[row::stride, column::stride]
             cells[: part.shape[0], : part.shape[1], 3] |= np.where(part, 255, 0).astype(np.uint8)

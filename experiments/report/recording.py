@@ -1,4 +1,4 @@
-"""A run made again, iteration by iteration, for a replay: same seed, same bits; nothing had to be stored."""
+"""Recordings of runs that are run again for a replay: the same seed gives the same bits."""
 
 import math
 from dataclasses import dataclass
@@ -17,30 +17,30 @@ from swarm_gym.simulation import Simulation
 
 Flags = NDArray[np.bool_]
 
-# Their populations are made anew when sizes change: there is nothing to follow from one to the next.
+# These optimizers replace whole populations, so that no member can be followed from one to the next.
 WITHOUT_MEMBERS_THAT_LAST = ("ant-colony", "multivariate")
-# Of a longer run, frames are this many iterations apart or more, evenly.
+# Most frames of a recording; frames of longer runs are several iterations apart, evenly.
 MOST_FRAMES = 201
 
 
 class ReplayError(RuntimeError):
-    """A run cannot be replayed; the message names it and the reason."""
+    """A run cannot be replayed; the message names the run and the reason."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A population after an iteration, in map coordinates.
+    """A frame of a replay: a population after an iteration, in map coordinates.
 
     Attributes:
-        iteration: which; 0 is the first population.
-        paths: (members, k, 2); members that are points have k = 1.
-        feasible: (members,) which do not collide.
-        new: (members,) which were added in this iteration.
-        removed: (members of the population before, whatever frame shows it,) which it lost in this iteration.
-        best_path: (j, 2) best so far.
-        best_feasible: whether that collides nowhere.
-        robot: (2,) where the robot is; None where it stays at the start.
-        scenario: the map as it was when the members were evaluated.
+        iteration: number of the iteration; 0 is the first population.
+        paths: (members, k, 2) paths of the members; members that are points have k = 1.
+        feasible: (members,) true for members that do not collide.
+        new: (members,) true for members that were added in this iteration.
+        removed: (members of the population before this iteration,) true for those that it lost.
+        best_path: (j, 2) best path so far.
+        best_feasible: whether the best path collides nowhere.
+        robot: (2,) position of the robot; None if it does not move.
+        scenario: scenario with the map on which the members were evaluated.
     """
 
     iteration: int
@@ -59,9 +59,9 @@ class Recording:
     """A run with its populations.
 
     Attributes:
-        run: what is stored of it.
-        frames: by iteration, from the first population to the last.
-        are_points: whether members are points and no paths.
+        run: stored run.
+        frames: frames from the first population to the last.
+        are_points: whether members are points, not paths.
     """
 
     run: Run
@@ -70,16 +70,16 @@ class Recording:
 
 
 def record(run: Run, suite: Suite) -> Recording:
-    """Make a run of a suite again.
+    """Run a stored run of a suite again and record it.
 
     Raises:
-        ReplayError: if it cannot be made, or ends otherwise than what is stored, which another version or
-            machine made.
+        ReplayError: if the run cannot be made, or ends otherwise than the stored one, which another version
+            or another machine made.
     """
     key: RunKey = (run.controller, run.scenario, run.seed)
     try:
         episode = Episode(key, suite)
-    except (ValueError, OSError) as error:  # a policy or a map that is elsewhere
+    except (ValueError, OSError) as error:  # a policy or a map is missing here
         raise ReplayError(f"{run.controller} on {run.scenario}: {error}") from error
     done = int((~np.isnan(run.course("population_size"))).sum()) - 1
     stride = max(1, math.ceil(done / (MOST_FRAMES - 1)))
@@ -98,19 +98,20 @@ def record(run: Run, suite: Suite) -> Recording:
 
 
 def _check(run: Run, simulation: Simulation) -> None:
+    """Raise ReplayError if the trace of a simulation differs from that of the stored run."""
     trace = simulation.history[0]
     if simulation.columns != run.columns or not np.array_equal(trace, run.trace, equal_nan=True):
         raise ReplayError(
-            f"{run.controller} on {run.scenario}, seed {run.seed}, ends at {_trace_end(trace)} here, while "
-            f"the stored run, of swarm_gym {run.provenance.get('swarm_gym', 'unknown')}, commit "
+            f"{run.controller} on {run.scenario}, seed {run.seed}, ends at {_last_fitness(simulation)} here, "
+            f"while the stored run, of swarm_gym {run.provenance.get('swarm_gym', 'unknown')}, commit "
             f"{run.provenance.get('commit', 'unknown')[:10]}, ended at {run.final_fitness:.6g}"
         )
 
 
-def _trace_end(trace: Floats) -> str:
-    """The last best fitness of a trace."""
-    ended = trace[~np.isnan(trace[:, 0])]
-    return f"{ended[-1, 3]:.6g}"
+def _last_fitness(simulation: Simulation) -> str:
+    """Return the last best fitness of a simulation, as text."""
+    course = simulation.history[0][:, simulation.columns.index("best_fitness")]
+    return f"{course[~np.isnan(course)][-1]:.6g}"
 
 
 def _frame(scene: Scene, new: Flags, removed: Flags) -> Frame:
@@ -122,13 +123,13 @@ def _frame(scene: Scene, new: Flags, removed: Flags) -> Frame:
         removed=removed,
         best_path=_shown(scene, scene.best_path[None])[0] if not scene.are_points else scene.best_path,
         best_feasible=scene.best_feasible,
-        robot=scene.way[-1] if len(scene.way) else None,
+        robot=scene.trajectory[-1] if len(scene.trajectory) else None,
         scenario=scene.scenario,
     )
 
 
 def _shown(scene: Scene, paths: Floats) -> Floats:
-    """What is shown of paths (m, k, 2): all, where they begin, or of a test function the plane's point."""
+    """Return what is shown of paths, (m, k, 2): all points, the first, or two components of a function."""
     if isinstance(scene.scenario, FunctionScenario):
         values = paths[:, :, 1]
         plane = np.zeros((len(values), 1, 2))
@@ -139,7 +140,7 @@ def _shown(scene: Scene, paths: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Members:
-    """How good the members of a population are, which decides who is deleted."""
+    """Fitness and collision of the members of a population, which decide who is deleted."""
 
     fitness: Floats
     collision: Floats
@@ -150,7 +151,7 @@ class _Members:
         return cls(simulation.swarms.fitness[0, :size].copy(), simulation.swarms.collision[0, :size].copy())
 
     def changes_to(self, later: "_Members", simulation: Simulation) -> tuple[Flags, Flags]:
-        """Which members of the population after an iteration are new, and which of this one were deleted."""
+        """Return which members of the later population are new, and which of this one were deleted."""
         size, before = len(later.fitness), len(self.fitness)
         new, removed = np.zeros(size, dtype=np.bool_), np.zeros(before, dtype=np.bool_)
         if simulation.iteration[0] > 0 and simulation.optimizer.name not in WITHOUT_MEMBERS_THAT_LAST:
@@ -161,7 +162,7 @@ class _Members:
         return new, removed
 
     def survivors(self, size: int) -> NDArray[np.int64]:
-        """(size,) which members the population keeps when it shrinks."""
+        """Return the indices, (size,), of the members that the population keeps when it shrinks."""
         stand_in: Any = Swarms.allocate(1, len(self.fitness), 1)
         stand_in.size[0] = len(self.fitness)
         stand_in.fitness[0], stand_in.collision[0] = self.fitness, self.collision

@@ -1,9 +1,8 @@
-"""Replays for a page: recordings, quantised and compressed, and the maps that they happen on.
+"""Packed replays for a report: recordings, quantised and compressed.
 
-Coordinates are rounded to a grid of 2^bits points over the view of the map and stored as differences to the
-same member's in the frame before; `player.js` reads what is written here. A replay takes at most
-`MOST_BYTES` of the page: where it would not, the grid becomes coarser, paths get fewer points, and then only
-every second, or fourth, member is kept.
+Coordinates are rounded to a grid of 2^bits points over the view of the map. They are stored as differences to
+those of the same member in the frame before; `replay.js` unpacks them. A replay takes at most `MOST_BYTES` of
+the report: if needed, the grid becomes coarser, paths get fewer points, and then members are left out.
 """
 
 import base64
@@ -23,12 +22,18 @@ from experiments.runs.run import Floats
 Integers = NDArray[np.int64]
 
 MOST_BYTES = 300_000
-DIGITS = 6  # of the numbers beside the map
-FEASIBLE, NEW, REMOVED = 1, 2, 4  # flags of a member; removed in the frame after
+DIGITS = 6  # digits of the numbers beside the map
+FEASIBLE, NEW, REMOVED = 1, 2, 4  # flags of a member; REMOVED: it is missing in the next frame
 
 
 class Fineness(NamedTuple):
-    """How much of a recording is kept."""
+    """The precision with which a recording is kept.
+
+    Attributes:
+        bits: bits of a coordinate.
+        points: greatest number of points of a path.
+        every: one of this many members is kept.
+    """
 
     bits: int
     points: int
@@ -42,7 +47,7 @@ LADDER = (
 
 
 def pack(recording: Recording) -> dict[str, Any]:
-    """What the page has of a recording, ready for JSON, in at most `MOST_BYTES`."""
+    """Return a recording as a JSON value of at most `MOST_BYTES`."""
     for fineness in LADDER:
         packed = {**_facts(recording), **_populations(recording, fineness)}
         if len(json.dumps(packed)) <= MOST_BYTES:
@@ -51,6 +56,7 @@ def pack(recording: Recording) -> dict[str, Any]:
 
 
 def _facts(recording: Recording) -> dict[str, Any]:
+    """Return names, iterations and courses of a recording."""
     run, frames = recording.run, recording.frames
     iterations = [frame.iteration for frame in frames]
     names = ("population_collision", "population_size", "repair_degree", "best_fitness", "evaluations")
@@ -65,10 +71,12 @@ def _facts(recording: Recording) -> dict[str, Any]:
 
 
 def _rounded(course: Floats) -> list[float]:
+    """Return the values of a course with `DIGITS` digits."""
     return [float(f"{value:.{DIGITS}g}") for value in course]
 
 
 def _populations(recording: Recording, fineness: Fineness) -> dict[str, Any]:
+    """Return the populations and best paths of a recording, packed."""
     bits, points, every = fineness
     frames = recording.frames
     paths = [_quantised(_thin(frame.paths, points)[::every], frame, bits) for frame in frames]
@@ -102,17 +110,17 @@ def _populations(recording: Recording, fineness: Fineness) -> dict[str, Any]:
 
 
 def _thin(paths: Floats, most: int) -> Floats:
-    """Paths (m, k, 2) with at most so many points, the first and the last of them kept."""
+    """Return paths, (m, k, 2), with at most `most` points; the first and the last point are kept."""
     return _with_points(paths, min(paths.shape[1], most))
 
 
 def _with_points(paths: Floats, number: int) -> Floats:
-    """Paths (m, k, 2) with so many of their points, evenly chosen; some twice where there are too few."""
+    """Return paths, (m, k, 2), with `number` points, evenly chosen; points repeat if there are too few."""
     return paths[:, np.linspace(0, paths.shape[1] - 1, number).round().astype(np.int64)]
 
 
 def _quantised(paths: Floats, frame: Frame, bits: int) -> Integers:
-    """(m, 2 k) coordinates as integers of so many bits, 0 being the lower ends of the map."""
+    """Return coordinates as integers of `bits` bits, (m, 2 k); 0 is the lower end of the map."""
     low, high = np.reshape(extent_of(frame.scenario), (2, 2))
     steps = (1 << bits) - 1
     scaled = np.rint((paths - low) / (high - low) * steps)
@@ -120,14 +128,14 @@ def _quantised(paths: Floats, frame: Frame, bits: int) -> Integers:
 
 
 def _columns(paths: Sequence[Integers]) -> tuple[Integers, Integers]:
-    """Which columns of the frames (m, c) differ anywhere, and the values of the others."""
+    """Return the columns of the frames, (m, c), that vary, and the values of the others."""
     first = paths[0][0]
     differs = np.any([(frame != first).any(axis=0) for frame in paths], axis=0)
     return np.flatnonzero(differs), np.where(differs, 0, first)
 
 
 def _differences(frames: Sequence[Integers]) -> Integers:
-    """All values less those of the same row in the frame before, which are 0 where there was none."""
+    """Return all values minus those of the same row in the frame before, 0 if it had no such row."""
     found = []
     before = np.zeros((0, frames[0].shape[1]), dtype=np.int64)
     for frame in frames:
@@ -140,13 +148,13 @@ def _differences(frames: Sequence[Integers]) -> Integers:
 
 
 def _planes(values: Integers) -> bytes:
-    """All low bytes, then all high bytes, of the values in zigzag order: 0, -1, 1, -2, ..."""
+    """Return all low bytes, then all high bytes, of the values in zigzag order: 0, -1, 1, -2, ..."""
     zigzag = ((values << 1) ^ (values >> 63)).astype(np.uint16)
     return (zigzag & 255).astype(np.uint8).tobytes() + (zigzag >> 8).astype(np.uint8).tobytes()
 
 
 def _flags(frames: Sequence[Frame], every: int) -> bytes:
-    """A byte per member that is kept, frame by frame, and one per frame of its best path."""
+    """Return a byte of flags per kept member, frame by frame, then one per frame for its best path."""
     found = []
     for frame, later in zip(frames, [*frames[1:], None], strict=True):
         flags = FEASIBLE * frame.feasible + NEW * frame.new

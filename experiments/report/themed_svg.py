@@ -1,4 +1,4 @@
-"""Figures as SVG that is part of a page: colours from its style sheet, names of its own, fewer digits."""
+"""Figures as SVG elements of a report: colours from its style sheet, unique identifiers, fewer digits."""
 
 import html
 import re
@@ -9,10 +9,10 @@ from experiments.plots import map_plot
 from experiments.plots import style as plots_style
 from experiments.plots.style import render
 
-# Settings of Matplotlib beside `figure_style.settings`: text stays text, which is searched and read out.
+# Settings of Matplotlib in addition to `plots.style.settings`: text stays text, to be searched and read out.
 SETTINGS = {"svg.fonttype": "none", "figure.facecolor": "none", "savefig.facecolor": "none"}
 
-# Variables of `report.css` by colour of the figures.
+# Variables of `report.css` by the colours of figures.
 VARIABLES = {
     "#ffffff": "paper",
     "#000000": "ink",
@@ -39,12 +39,12 @@ _DRAWN = re.compile(r'(?<=\s)(d|x|y|points)="([^"]*)"')
 
 
 def themed_svg(figure: Figure, prefix: str, title: str) -> str:
-    """The SVG element of a figure, without a background.
+    """Return the SVG element of a figure, without a background.
 
     Args:
-        figure: drawn within `figure_style.settings` and `SETTINGS`.
-        prefix: of its identifiers, which no other figure of the page has.
-        title: what it shows, for those who do not see it.
+        figure: figure that was drawn inside `plots.style.settings` and `SETTINGS`.
+        prefix: prefix of its identifiers, which no other figure of the report has.
+        title: description of the figure, for screen readers.
     """
     text = render(figure, "svg").decode()
     text = text[text.index("<svg") :]
@@ -70,7 +70,7 @@ def themed_svg(figure: Figure, prefix: str, title: str) -> str:
 
 
 def plain_title(figure: Figure) -> str:
-    """The title of a figure without the marks of mathematics, taken off the figure: the page writes it."""
+    """Remove the title from a figure and return it without marks of mathematics, as a caption."""
     title = figure.get_suptitle()
     figure.suptitle("")
     title = re.sub(r"\\mathrm\{(\w+)\}", r"\1", title)
@@ -78,6 +78,6 @@ def plain_title(figure: Figure) -> str:
 
 
 def _shortened(attribute: re.Match[str]) -> str:
-    """An attribute with coordinates to two places."""
+    """Return an attribute with its coordinates to two places."""
     coordinates = " ".join(attribute[2].split())
     return attribute[1] + '="' + _LONG_NUMBER.sub(r"\1", coordinates) + '"'

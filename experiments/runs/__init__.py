@@ -1,1 +1,1 @@
-"""Suites and runs: what is run, how, and the database that keeps it."""
+"""Suites, their runs, and the database that stores these."""

@@ -1,7 +1,7 @@
 """The results database: one SQLite file per suite, one transaction per finished run.
 
-A run is (controller, scenario, seed). The file remembers what its runs were made with: settings of the
-environments, geometry of the scenarios, weights of the policies. Runs made with anything else are refused.
+The key of a run is (controller, scenario, seed). The file stores the configuration of its runs: settings of
+the environments, geometry of the scenarios, weights of the policies. Another configuration is refused.
 """
 
 import json
@@ -46,8 +46,7 @@ CREATE TABLE IF NOT EXISTS snapshots (
 ) WITHOUT ROWID;
 """
 
-
-PATIENCE = 60.0  # seconds, while other processes write into the same database
+LOCK_TIMEOUT = 60.0  # seconds, while another process writes to the database
 
 
 class ResultsError(RuntimeError):
@@ -58,11 +57,11 @@ class Results:
     """A results database, opened for one configuration.
 
     Args:
-        path: the file; made if missing.
-        configuration: what runs are made with, by key; new keys are added, changed ones refused.
+        path: file of the database; created if missing.
+        configuration: values that runs depend on, by key; new keys are added, changed values are refused.
 
     Raises:
-        ResultsError: if the file is no database, or holds runs of another configuration.
+        ResultsError: if the file is not a results database, or holds runs of another configuration.
     """
 
     def __init__(self, path: Path, configuration: Mapping[str, Any] | None = None):
@@ -75,15 +74,17 @@ class Results:
 
     @classmethod
     def stored(cls, path: Path, configuration: Mapping[str, Any] | None = None) -> "Results":
-        """What is stored in a database that is there, to be read only.
+        """Open an existing database for reading only.
 
         Raises:
-            ResultsError: if the file is missing, no results database, or holds runs of another configuration.
+            ResultsError: if the file is missing, is not a results database, or has another configuration.
         """
         if not path.is_file():
-            raise ResultsError(f"{path}: there is no such results database")
+            raise ResultsError(
+                f"{path}: there is no such results database; `python -m experiments.evaluate` makes one"
+            )
         results = cls.__new__(cls)
-        with results._opened(path, _to_be_read(path)):
+        with results._opened(path, _read_only_uri(path)):
             results._check_columns()
             results._compare(configuration or {})
         return results
@@ -93,19 +94,19 @@ class Results:
         self._connection.close()
 
     def configuration(self) -> dict[str, Any]:
-        """What the stored runs were made with, by key."""
+        """Return the configuration of the stored runs, by key."""
         rows = self._connection.execute("SELECT key, value FROM configuration ORDER BY key")
         return {key: json.loads(value) for key, value in rows}
 
     def finished(self) -> set[RunKey]:
-        """Keys of the stored runs."""
+        """Return the keys of the stored runs."""
         return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
 
     def add(self, *runs: Run) -> None:
-        """Store runs and their snapshots in one transaction; a run that is there stays as it is.
+        """Store runs and their snapshots in one transaction; a run that is already stored stays unchanged.
 
         Raises:
-            ResultsError: if the file cannot be written; what was stored before is still there.
+            ResultsError: if the file cannot be written; runs that were stored before are still there.
         """
         with self._writing() as connection:
             connection.executemany(
@@ -128,13 +129,13 @@ class Results:
             )
 
     def runs(self, controller: str, scenario: str, num_seeds: int, first_seed: int = 0) -> list[Run]:
-        """Runs of one controller on one scenario, by seed, without snapshots.
+        """Return the runs of one controller on one scenario, in the order of their seeds, without snapshots.
 
         Args:
-            controller: its name.
-            scenario: its name.
-            num_seeds: how many seeds.
-            first_seed: the least of them.
+            controller: name of the controller.
+            scenario: name of the scenario.
+            num_seeds: number of consecutive seeds.
+            first_seed: first of these seeds.
         """
         query = (
             "SELECT * FROM runs "
@@ -145,11 +146,11 @@ class Results:
             return [_run(row) for row in rows]
 
     def outcomes(self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]) -> Outcomes:
-        """The numbers of runs, without paths and traces.
+        """Return the numbers of runs, without paths and traces.
 
         Args:
-            controllers: their names.
-            seeds: of every scenario, by its name; equally many each.
+            controllers: names of the controllers.
+            seeds: seeds by name of the scenario; all scenarios have the same number of seeds.
 
         Raises:
             ResultsError: if a run is missing.
@@ -169,7 +170,10 @@ class Results:
         for (c, controller), (s, scenario) in product(enumerate(controllers), enumerate(seeds)):
             there = num_seeds - np.isnan(values[0, c, s]).sum()
             if there < num_seeds:
-                raise ResultsError(f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs")
+                raise ResultsError(
+                    f"{self.path}: {controller} on {scenario} has {there} of {num_seeds} runs; run the suite "
+                    "again to make the others"
+                )
 
         def load(controller: str, scenario: str) -> list[Run]:
             return self.runs(controller, scenario, num_seeds, seeds[scenario][0])
@@ -180,11 +184,11 @@ class Results:
     def provenances(
         self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]
     ) -> list[dict[str, str]]:
-        """What the runs of these controllers were made with, each once, in the order of their text.
+        """Return the distinct provenances of the runs of these controllers, sorted by their text.
 
         Args:
-            controllers: their names.
-            seeds: of every scenario, by its name.
+            controllers: names of the controllers.
+            seeds: seeds by name of the scenario.
         """
         query = "SELECT controller, scenario, seed, provenance FROM runs"
         with closing(self._connection.execute(query)) as rows:
@@ -196,7 +200,7 @@ class Results:
         return [json.loads(provenance) for provenance in sorted(found)]
 
     def snapshots(self, controller: str, scenario: str, seed: int) -> list[Snapshot]:
-        """Stored populations of a run, by iteration."""
+        """Return the stored populations of a run, in the order of their iterations."""
         query = (
             "SELECT iteration, paths, collisions FROM snapshots "
             "WHERE controller = ? AND scenario = ? AND seed = ? ORDER BY iteration"
@@ -209,10 +213,10 @@ class Results:
 
     @contextmanager
     def _opened(self, path: Path, name: str) -> Iterator[None]:
-        """Open a file, by the name that SQLite knows it by, and close it if it turns out to be unusable."""
+        """Connect to a file, `name` for SQLite, and close it again if it proves unusable."""
         self.path = path
         try:
-            self._connection = sqlite3.connect(name, timeout=PATIENCE, uri=name.startswith("file:"))
+            self._connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=name.startswith("file:"))
         except sqlite3.Error as error:
             raise ResultsError(f"{path}: cannot be opened ({error})") from error
         try:
@@ -226,55 +230,62 @@ class Results:
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
-        """A transaction."""
+        """Carry out a transaction."""
         try:
             with self._connection as connection:
                 yield connection
         except sqlite3.Error as error:
             raise ResultsError(
-                f"{self.path}: cannot be written ({error}); what was stored before is still there, and the "
-                "same command goes on"
+                f"{self.path}: cannot be written ({error}); runs that were stored before are still there, "
+                "and the same command goes on from them"
             ) from error
 
     def _check_columns(self) -> None:
-        there = [column for _, column, *_ in self._connection.execute("PRAGMA table_info(runs)")]
-        if not there:
+        """Raise ResultsError if the table of runs is missing, or has other columns than `SCHEMA` gives it."""
+        found = _columns_of_runs(self._connection)
+        if not found:
             raise ResultsError(f"{self.path}: not a results database, since it has no table of runs")
-        for column, meaning in (
-            ("columns", "what the columns of the traces are"),
-            ("way", "where robots have gone"),
-        ):
-            if column not in there:
-                raise ResultsError(
-                    f"{self.path} was written by an earlier version, which did not store {meaning}; use "
-                    "another --database, or delete the file"
-                )
+        with closing(sqlite3.connect(":memory:")) as empty:
+            empty.executescript(SCHEMA)
+            expected = _columns_of_runs(empty)
+        if found != expected:
+            raise ResultsError(
+                f"{self.path}: not a results database of this version; its table of runs has the columns "
+                f"{', '.join(found)}, expected {', '.join(expected)}; use another --database, or delete "
+                "the file"
+            )
 
     def _compare(self, configuration: Mapping[str, Any]) -> dict[str, str]:
-        """What is not stored yet of a configuration that does not contradict what is."""
+        """Return what is not stored yet of a configuration; raise ResultsError if a value differs."""
         stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
         new = {key: json.dumps(value, sort_keys=True) for key, value in configuration.items()}
         for key, value in new.items():
             if stored.get(key, value) != value:
                 raise ResultsError(
-                    f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is "
+                    f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is now "
                     f"{value}; use another --database, or delete the file"
                 )
         return {key: value for key, value in new.items() if key not in stored}
 
     def _adopt(self, new: Mapping[str, str]) -> None:
+        """Store new parts of the configuration."""
         with self._writing() as connection:
             connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
 
 
-def _to_be_read(path: Path) -> str:
-    """A file that nothing is written to, as SQLite is told of it."""
-    # A reader, too, puts files beside a database, lest others write; where that cannot be, nobody does.
+def _columns_of_runs(connection: sqlite3.Connection) -> list[str]:
+    return [column for _, column, *_ in connection.execute("PRAGMA table_info(runs)")]
+
+
+def _read_only_uri(path: Path) -> str:
+    """Return the URI by which SQLite opens a file for reading only."""
+    # A reader puts lock files beside a database. In a folder that cannot be written, nobody can write either.
     alone = not os.access(path.parent, os.W_OK) and not path.with_name(f"{path.name}-wal").exists()
     return f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
 
 
 def _row(run: Run) -> tuple:
+    """Return a run as a row of the table, in the order of its columns."""
     return (
         run.controller,
         run.scenario,
@@ -287,12 +298,13 @@ def _row(run: Run) -> tuple:
         run.trace.tobytes(),
         json.dumps(dict(run.provenance), sort_keys=True),
         json.dumps(run.columns),
-        run.way.tobytes(),
+        run.trajectory.tobytes(),
     )
 
 
 def _run(row: tuple) -> Run:
-    *numbers, best_path, trace, provenance, columns, way = row
+    """Return the run of a row of the table."""
+    *numbers, best_path, trace, provenance, columns, trajectory = row
     names = tuple(json.loads(columns))
     controller, scenario, seed, fitness, collision, evaluations, seconds = numbers
     return Run(
@@ -307,5 +319,5 @@ def _run(row: tuple) -> Run:
         np.frombuffer(trace).reshape(-1, len(names)),
         json.loads(provenance),
         columns=names,
-        way=np.frombuffer(way).reshape(-1, 2),
+        trajectory=np.frombuffer(trajectory).reshape(-1, 2),
     )

@@ -1,18 +1,25 @@
-"""What a suite compares: a controller, of the suite's optimizer or of one that its name begins with.
+"""Entrants of suites: a controller, its optimizer and the length of its episodes.
 
-`spsfa-tip` is a controller; `multivariate+fixed:65` is the controller `fixed:65` of the optimizer
-`multivariate`, and `multivariate(50)+fixed:65` the same in episodes of 50 iterations: where parameters follow
-a schedule over the episode, its length makes another contestant.
+`spsfa-tip` is a controller of the suite's own optimizer. `multivariate+fixed:65` is the controller `fixed:65`
+of the optimizer `multivariate`. `multivariate(50)+fixed:65` runs in episodes of 50 iterations; it is another
+entrant, since parameters may follow a schedule over the episode.
 """
 
-import re
 from typing import NamedTuple
 
+from swarm_gym.checks import look_up
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.optimizers import OPTIMIZERS
 
 
-class Contestant(NamedTuple):
-    """Names of an optimizer and of a controller for it, and how many iterations where the suite's are not."""
+class Entrant(NamedTuple):
+    """Names of an optimizer and of a controller for it, and the number of iterations.
+
+    Attributes:
+        optimizer: name of the optimizer.
+        controller: name for `make_controller`.
+        iterations: length of an episode; None is the suite's own.
+    """
 
     optimizer: str
     controller: str
@@ -24,9 +31,13 @@ class Contestant(NamedTuple):
         return {} if self.iterations is None else {"iterations": self.iterations}
 
 
-def contestant(name: str, optimizer: str) -> Contestant:
-    """Take a name apart; `optimizer` is the one of names that begin with none."""
-    match = re.fullmatch(r"([a-z-]+)(?:\(([1-9][0-9]*)\))?\+(.+)", name)
-    if not match or match[1] not in OPTIMIZERS:
-        return Contestant(optimizer, name)
-    return Contestant(match[1], match[3], int(match[2]) if match[2] else None)
+def entrant(name: str, optimizer: str) -> Entrant:
+    """Return the entrant of that name; `optimizer` is used where the name has none.
+
+    Raises:
+        UnknownNameError: if the name has an optimizer that does not exist.
+    """
+    parts = ControllerName.parse(name)
+    if parts.optimizer is not None:
+        look_up(f"optimizer in {name!r}:", parts.optimizer, OPTIMIZERS)
+    return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)

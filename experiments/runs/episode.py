@@ -1,4 +1,4 @@
-"""A run in a single environment, an iteration at a time; one of a suite by its key."""
+"""Runs in a single environment, one iteration at a time."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 
 from agents import Controller, make_controller
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
 from swarm_gym.registration import environment_id
@@ -16,16 +16,20 @@ from swarm_gym.warm_up import warm_up_single
 
 
 class Episode:
-    """A run that has not begun; kernels are compiled or loaded, so that no run is charged for it.
+    """A run of a suite that has not begun. Its kernels are ready, so that its time excludes compilation.
+
+    Args:
+        key: controller, scenario and seed of the run.
+        suite: suite that gives the optimizer and the options.
 
     Attributes:
-        simulation: of the environment, a batch of one.
-        info: what the environment told last; empty before the run.
+        simulation: simulation of the environment, a batch of one.
+        info: last info of the environment; empty before the run.
     """
 
     def __init__(self, key: RunKey, suite: Suite):
         name, scenario, self._seed = key
-        runs = contestant(name, suite.optimizer)
+        runs = entrant(name, suite.optimizer)
         warm_up(runs.optimizer, suite)
         self._controller = controller_of(runs.controller)
         self._env = gymnasium.make(
@@ -38,14 +42,14 @@ class Episode:
         self.info: dict[str, Any] = {}
 
     def __iter__(self) -> Iterator[Simulation]:
-        """The simulation with its first population, and after every iteration."""
+        """Yield the simulation with its first population, then after every iteration."""
         for info in iterate(self._env, self._controller, self._seed):
             self.info = info
             yield self.simulation
 
 
 def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, Any]]:
-    """Run an episode; what the environment tells of its first population, and after every iteration."""
+    """Run an episode; yield the info of its first population, then that after every iteration."""
     controller.reset(1, seed)
     observation, info = env.reset(seed=seed)
     yield info
@@ -57,7 +61,7 @@ def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, A
 
 @cache
 def controller_of(name: str) -> Controller:
-    """The controller of that name, made once per process."""
+    """Return the controller of that name, which is made once per process."""
     return make_controller(name)
 
 

@@ -1,6 +1,8 @@
-"""Names of controllers as tables and figures print them."""
+"""Display names of controllers in tables and figures."""
 
-# Of the MOA paper, the IAFSA paper and that of Brand and Yu; R is for reconstruction.
+from swarm_gym.controllers.names import ALL_SEEDS, ControllerName
+
+# From the MOA paper, the IAFSA paper and the paper of Brand and Yu; R stands for reconstruction.
 OPTIMIZER_LABELS = {
     "ant-colony": "ants",
     "elite-genetic": "EGA",
@@ -13,7 +15,7 @@ OPTIMIZER_LABELS = {
     "particle-swarm": "PSO-w",
 }
 
-# Families whose members are called after what they were fitted to.
+# Families whose members are called by the recipe or file that they were fitted with.
 FITTED = {
     "distilled": "rule",
     "learned": "learned",
@@ -23,25 +25,27 @@ FITTED = {
 
 
 def label(controller: str) -> str:
-    """The display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the paper.
+    """Return the display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the SPSFA paper.
 
-    A group of training seeds, `learned:three-cases/*`, is learned three-cases, without the parentheses of one
-    policy; what learned it, PPO or an evolution strategy, is told by the policy. A price that it is told
-    stays, after an @.
+    A group of training seeds, `learned:three-cases/*`, is "learned three-cases", without the parentheses of a
+    single policy. Its price, if any, follows after an @.
     """
-    named, plus, rest = controller.partition("+")
-    optimizer, several, iterations = named.rstrip(")").partition("(")
-    if plus and optimizer in OPTIMIZER_LABELS:
-        length = f", {iterations} iterations" if several else ""
-        return f"{OPTIMIZER_LABELS[optimizer]}, {rest.removeprefix('fixed:')} members{length}"
-    family, _, argument = controller.partition(":")
-    recipe, several, price = argument.partition("/*")
-    if several:
-        return f"learned {recipe}{price}"
-    if family == "fixed":
-        return f"FA-{argument}"
-    if family in FITTED and argument:
-        return f"{FITTED[family]} ({argument})"
-    if family.startswith("spsfa"):
-        return f"{family.upper()} ({argument.replace(',', ', ')})" if argument else family.upper()
-    return controller
+    name = ControllerName.parse(controller)
+    if name.optimizer in OPTIMIZER_LABELS:
+        length = "" if name.iterations is None else f", {name.iterations} iterations"
+        members = name.parameters if name.family == "fixed" else name.controller
+        return f"{OPTIMIZER_LABELS[name.optimizer]}, {members} members{length}"
+    return controller if name.optimizer is not None else _controller_label(name)
+
+
+def _controller_label(name: ControllerName) -> str:
+    if name.seed == ALL_SEEDS:
+        return f"learned {name.recipe}{name.price_suffix}"
+    if name.family == "fixed":
+        return f"FA-{name.argument}"
+    if name.family in FITTED and name.argument:
+        return f"{FITTED[name.family]} ({name.argument})"
+    if name.family in ("spsfa", "spsfa-tip"):
+        family, parameters = name.family.upper(), name.argument.replace(",", ", ")
+        return f"{family} ({parameters})" if parameters else family
+    return str(name)

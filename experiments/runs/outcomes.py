@@ -1,4 +1,4 @@
-"""The numbers of a suite's runs as arrays, and how far the runs end from the optimum."""
+"""Numbers of a suite's runs as arrays, with their optimality gaps."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,20 +6,18 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
+from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import make_problem
 
-Floats = NDArray[np.float64]
-
 
 class RunNumbers(NamedTuple):
-    """Numbers of the runs of one controller on one scenario, (seeds,) each."""
+    """Numbers of the runs of one controller on one scenario, (seeds,) each; see `Outcomes`."""
 
     fitness: Floats
     collision: Floats
@@ -29,14 +27,14 @@ class RunNumbers(NamedTuple):
 
 @dataclass(frozen=True)
 class Sample:
-    """Runs of a group of controllers on sets of scenarios, (training seeds, scenarios, seeds) each.
+    """A sample of runs of a group on sets of scenarios, arrays (training seeds, scenarios, seeds).
 
     Attributes:
-        gap: (final fitness - optimum) / optimum.
-        feasible: 1 where the best path of the run is feasible, else 0.
-        evaluations: calls of the cost function.
-        seconds: processor time.
-        set_sizes: how many scenarios, in their order, are of one set.
+        gap: optimality gap, (final fitness - optimum) / optimum.
+        feasible: 1 if the best path of the run is feasible, else 0.
+        evaluations: number of calls of the cost function.
+        seconds: processor time of the run.
+        set_sizes: number of scenarios of each set; sets follow each other along the second axis.
     """
 
     gap: Floats
@@ -47,11 +45,11 @@ class Sample:
 
     @property
     def num_training_seeds(self) -> int:
-        """1 for what is not trained."""
+        """Return the number of training seeds; 1 for controllers that are not trained."""
         return self.gap.shape[0]
 
     def draws(self, stream: int = 0) -> Draws:
-        """How resamples of this sample are drawn; of what is compared, each takes a stream of its own."""
+        """Return the draws of bootstrap resamples; samples that are compared need different streams."""
         return draw(self.num_training_seeds, self.set_sizes, self.gap.shape[2], stream)
 
 
@@ -61,16 +59,16 @@ def _nothing_stored(controller: str, scenario: str) -> list[Any]:  # noqa: ARG00
 
 @dataclass(frozen=True)
 class Outcomes:
-    """All runs of a suite, without paths and traces.
+    """Numbers of all runs of a suite, arrays (controllers, scenarios, seeds).
 
     Attributes:
-        controllers: their names, the first axis of the arrays.
-        scenarios: their names, the second axis; the third is the seeds.
-        fitness: (controllers, scenarios, seeds) best fitness of the run, in map units.
-        collision: degree of collision of that path; 0 is feasible.
-        evaluations: calls of the cost function.
+        controllers: names of the controllers, in the order of the first axis.
+        scenarios: names of the scenarios, in the order of the second axis.
+        fitness: best fitness of the run, in map units.
+        collision: degree of collision of the best path; 0 is feasible.
+        evaluations: number of calls of the cost function.
         seconds: processor time of the run.
-        load: finds the runs of a controller on a scenario where they are stored.
+        load: function that reads the stored runs of a controller on a scenario, with paths and traces.
     """
 
     controllers: tuple[str, ...]
@@ -82,22 +80,22 @@ class Outcomes:
     load: Callable[[str, str], list[Any]] = _nothing_stored
 
     def runs(self, controller: str, scenario: str) -> list[Any]:
-        """The runs of one controller on one scenario, by seed, with paths and traces (`results.Run`)."""
+        """Return the runs of one controller on one scenario by seed, with paths and traces (`run.Run`)."""
         return self.load(controller, scenario)
 
     def of(self, controller: str, scenario: str) -> RunNumbers:
-        """Runs of one controller on one scenario, in the order of the seeds."""
+        """Return the numbers of the runs of one controller on one scenario, in the order of the seeds."""
         at = self.controllers.index(controller), self.scenarios.index(scenario)
         return RunNumbers(self.fitness[at], self.collision[at], self.evaluations[at], self.seconds[at])
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
-        """Controllers that differ in their training seed only, by the key of their group."""
+        """Return the controllers that differ in their training seed only, by the key of their group."""
         return group_controllers(self.controllers)
 
     @cached_property
     def sets(self) -> dict[str, tuple[tuple[str, ...], ...]]:
-        """What is reported on, by name: the scenarios of every set, and of all sets if there are several."""
+        """Return the sets to report on, by name: every set of scenarios, and their union if several."""
         sets = scenario_sets(self.scenarios)
         each: dict[str, tuple[tuple[str, ...], ...]] = {
             name: (scenarios,) for name, scenarios in sets.items()
@@ -106,10 +104,10 @@ class Outcomes:
 
     @cached_property
     def gap(self) -> Floats:
-        """(controllers, scenarios, seeds) optimality gap, see `gap_to_optimum`.
+        """Return optimality gaps, (controllers, scenarios, seeds), see `gap_to_optimum`.
 
         Raises:
-            ScenarioError: for scenarios whose optimum is not known.
+            ScenarioError: if the optimum of a scenario is unknown.
         """
         optima = np.array([known_optimum(make_problem(name)) for name in self.scenarios])
         unknown = [name for name, optimum in zip(self.scenarios, optima, strict=True) if np.isnan(optimum)]
@@ -121,7 +119,7 @@ class Outcomes:
         return gap_to_optimum(self.fitness, optima[:, None])
 
     def sample(self, group: str, scenario_set: str) -> Sample:
-        """Runs of a group on a set, by their keys."""
+        """Return the runs of a group on a set of scenarios, by the keys of both."""
         strata = self.sets[scenario_set]
         rows = _places(self.groups[group], self.controllers)
         columns = _places([name for scenarios in strata for name in scenarios], self.scenarios)
@@ -136,5 +134,6 @@ class Outcomes:
 
 
 def _places(names: Sequence[str], among: Sequence[str]) -> list[int]:
+    """Return the positions of names in a sequence."""
     place = {name: k for k, name in enumerate(among)}
     return [place[name] for name in names]

@@ -1,4 +1,4 @@
-"""What a run leaves behind: its numbers, its trace, its best path, and some of its populations."""
+"""Records of finished runs, and measures of the trajectories and paths in them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.scenarios.scenario import Point
 from swarm_gym.simulation import HISTORY
 
 Floats = NDArray[np.float64]
@@ -14,7 +16,13 @@ RunKey = tuple[str, str, int]  # controller, scenario, seed
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A population at one iteration: paths (members, n + 2, 2) in map coordinates, collisions (members,)."""
+    """A stored population.
+
+    Attributes:
+        iteration: iteration after which it was stored; 0 is the first population.
+        paths: (members, n + 2, 2) in map coordinates.
+        collisions: (members,) degree of collision of each path.
+    """
 
     iteration: int
     paths: Floats
@@ -23,22 +31,22 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Run:
-    """One finished run.
+    """A finished run.
 
     Attributes:
-        controller: its name.
-        scenario: its name.
-        seed: of the environment and the controller.
+        controller: name of the controller.
+        scenario: name of the scenario.
+        seed: seed of the environment and of the controller.
         final_fitness: best fitness of the run.
-        final_collision: degree of collision of that path; 0 is feasible.
-        evaluations: calls of the cost function.
-        seconds: processor time of the run, compilation excluded.
+        final_collision: degree of collision of the best path; 0 is feasible.
+        evaluations: number of calls of the cost function.
+        seconds: processor time of the run, without compilation.
         best_path: (n + 2, 2) in map coordinates.
-        trace: (iterations + 1, columns) what the run recorded by iteration.
-        provenance: versions and commit that made it.
+        trace: (iterations + 1, columns) values that the run recorded in each iteration.
+        provenance: versions and commit that the run was made with.
         snapshots: populations that were kept.
-        columns: names of the trace's columns.
-        way: (k, 2) where the robot has gone, in map coordinates; empty where paths are only planned.
+        columns: names of the columns of the trace.
+        trajectory: (k, 2) points that the robot has passed, in map coordinates; empty if it does not move.
     """
 
     controller: str
@@ -53,8 +61,34 @@ class Run:
     provenance: Mapping[str, str]
     snapshots: tuple[Snapshot, ...] = field(default=())
     columns: tuple[str, ...] = HISTORY
-    way: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    trajectory: Floats = field(default_factory=lambda: np.empty((0, 2)))
 
     def course(self, name: str) -> Floats:
-        """(iterations + 1,) one column of the trace, by its name."""
+        """Return one column of the trace, (iterations + 1,), by its name."""
         return self.trace[:, self.columns.index(name)]
+
+
+def trajectory_of(run: Run) -> Floats:
+    """Return the trajectory of the robot, (k, 2); if it does not move, the best path."""
+    return run.trajectory if len(run.trajectory) else run.best_path
+
+
+def arrives(run: Run, target: Point) -> bool:
+    """Return whether the robot reached the target; if it does not move, whether the best path is feasible."""
+    if len(run.trajectory):
+        return bool((run.trajectory[-1] == target).all())
+    return run.final_collision <= FEASIBILITY_TOLERANCE
+
+
+def length_of(path: Floats) -> float:
+    """Return the length of a polyline, (k, 2)."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def turning_of(path: Floats) -> float:
+    """Return the sum of all turns of a polyline, (k, 2), to either side, in degrees."""
+    steps = np.diff(path, axis=0)
+    steps = steps[(steps != 0.0).any(axis=1)]
+    headings = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = (np.diff(headings) + np.pi) % (2.0 * np.pi) - np.pi
+    return float(np.degrees(np.abs(turns).sum()))

@@ -1,4 +1,4 @@
-"""Carrying out the runs of a suite, by a backend, into a results database."""
+"""The runner of suites: a backend carries out missing runs, and a results database stores them."""
 
 import dataclasses
 import time
@@ -12,28 +12,29 @@ from agents import Controller
 from agents.backends import Backend, Task, WorkLostError
 from agents.runs.provenance import provenance
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.episode import Episode, controller_of, warm_up
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.suite import Suite
 from swarm_gym.controllers.distilled import DistilledRule
-from swarm_gym.controllers.learned.feedforward import FeedforwardController
+from swarm_gym.controllers.learned.networks import FeedforwardController
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings, make_problem
 
-MOST_NAMED = 10  # in a message
+MOST_NAMED = 10  # groups of missing runs that a message names
 
-# A unit of work takes long beside the milliseconds of handing it out, and not long beside all of the work.
+# A unit of work is long compared with the milliseconds of handing it out, and short compared with all work.
 MOST_SEEDS = 10
 UNITS_PER_WORKER = 8
 
 
 class Unit(NamedTuple):
-    """What a worker does at a time: runs that differ in their seeds alone."""
+    """A unit of work that one worker carries out: runs that differ in their seeds only."""
 
     controller: str
     scenario: str
@@ -41,9 +42,9 @@ class Unit(NamedTuple):
 
 
 def all_runs(suite: Suite) -> list[RunKey]:
-    """What belongs to a suite.
+    """Return the keys of all runs of a suite, seed by seed.
 
-    Seeds are outermost: a suite that is stopped has compared everything on the seeds it has done.
+    So a suite that was stopped has compared all controllers on the seeds that it completed.
     """
     return [
         (controller, scenario, seeds[k])
@@ -54,24 +55,26 @@ def all_runs(suite: Suite) -> list[RunKey]:
 
 
 def missing_runs(suite: Suite, results: Results) -> list[RunKey]:
-    """What the database lacks."""
+    """Return the keys of the runs that the database lacks."""
     finished = results.finished()
     return [key for key in all_runs(suite) if key not in finished]
 
 
 def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
-    """Run what the database lacks; runs are stored as they come back, and what workers lose is run again.
+    """Carry out the runs that the database lacks; store each as soon as it returns.
+
+    Units of work that workers lose are run again.
 
     Raises:
-        ResultsError: if worker processes are killed again and again, or the database cannot be written.
+        ResultsError: if worker processes are killed again and again, or if the database cannot be written.
         BackendError: if the backend cannot be used.
     """
     missing = missing_runs(suite, results)
     if not missing:
-        print(f"{results.path}: all runs are there", flush=True)
+        print(f"{results.path}: all runs are stored already", flush=True)
         return
-    if backend.on_this_machine:  # else whoever waits would be told of it by each worker
-        for optimizer in {contestant(name, suite.optimizer).optimizer for name in suite.controllers}:
+    if backend.on_this_machine:  # here once, or each worker would print that it compiles
+        for optimizer in {entrant(name, suite.optimizer).optimizer for name in suite.controllers}:
             warm_up(optimizer, suite)
     units = make_units(missing, backend.workers())
     task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")))
@@ -82,13 +85,13 @@ def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
                 bar.update(len(runs))
         except WorkLostError as error:
             raise ResultsError(
-                f"{error} {len(missing_runs(suite, results))} runs are missing in {results.path}, and the "
-                "same command goes on"
+                f"{error} {len(missing_runs(suite, results))} runs are missing in {results.path}; the same "
+                "command goes on from the stored runs"
             ) from error
 
 
 def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
-    """Units of work that have several seeds, where there is work for all; the first seeds come first."""
+    """Return units of work, the first seeds first; each has several seeds if all workers have work then."""
     size = min(max(len(runs) // (UNITS_PER_WORKER * workers), 1), MOST_SEEDS)
     seeds: dict[tuple[str, str], list[int]] = defaultdict(list)
     for controller, scenario, seed in runs:
@@ -102,15 +105,15 @@ def make_units(runs: Sequence[RunKey], workers: int) -> list[Unit]:
 
 
 def run_unit(unit: Unit, suite: Suite, made_with: dict[str, str]) -> list[Run]:
-    """The runs of a unit, one after the other."""
+    """Carry out the runs of a unit, one after the other."""
     return [run_one((unit.controller, unit.scenario, seed), suite, made_with) for seed in unit.seeds]
 
 
 def refuse_missing(suite: Suite, results: Results) -> None:
-    """Make sure that nothing has to be run.
+    """Raise an error if a run of the suite is missing in the database.
 
     Raises:
-        ResultsError: naming what is missing.
+        ResultsError: if runs are missing; the message names them by group and set of scenarios.
     """
     missing = missing_runs(suite, results)
     if missing:
@@ -126,7 +129,7 @@ def refuse_missing(suite: Suite, results: Results) -> None:
 
 
 def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
-    """One run in a single environment, timed."""
+    """Carry out one run in a single environment and measure its processor time."""
     name, scenario, seed = key
     keep = {it for c, s, k, its in suite.snapshots if (c, s, k) == key for it in its}
     episode = Episode(key, suite)
@@ -147,24 +150,24 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
         made_with,
         tuple(snapshots),
         simulation.columns,
-        simulation.way(0),
+        simulation.trajectory(0),
     )
 
 
 def configuration(suite: Suite) -> dict[str, Any]:
-    """What the runs of a suite depend on, for the database to hold them against."""
+    """Return the values that the runs of a suite depend on, by key; the database compares them."""
     found = environment_configuration(suite)
     for name in suite.controllers:
-        controller_name = contestant(name, suite.optimizer).controller
+        controller_name = entrant(name, suite.optimizer).controller
         found[f"controller {name}"] = _identity(controller_name, controller_of(controller_name))
     return found
 
 
 def _identity(name: str, controller: Controller) -> Any:
-    """What a controller is, where its name does not say: files may be replaced."""
-    family, _, argument = name.partition(":")
-    if family == "tuned":
-        return load_tuned(argument)
+    """Return the content of a controller's file, which may be replaced under the same name; else the name."""
+    parts = ControllerName.parse(name)
+    if parts.family == "tuned":
+        return load_tuned(parts.argument)
     if isinstance(controller, FeedforwardController):
         manifest = controller.manifest
         base = manifest["base"]
@@ -172,25 +175,25 @@ def _identity(name: str, controller: Controller) -> Any:
             return manifest["weights_sha256"]
         return (
             manifest["weights_sha256"],
-            manifest.get("corrected_from", 0),
+            manifest["corrected_from"],
             _identity(base, controller_of(base)),
         )
     if isinstance(controller, OpenLoop):
-        return controller.initial_population_size, controller.table.tolist()
+        return controller.initial_population_size, controller.decisions.tolist()
     return controller.lines() if isinstance(controller, DistilledRule) else name
 
 
 def environment_configuration(suite: Suite) -> dict[str, Any]:
-    """The part of `configuration` that takes no controllers, whose policies may be elsewhere."""
+    """Return the part of `configuration` without controllers, whose policies may be missing here."""
     settings = dataclasses.asdict(
         Settings.from_options(
             get_optimizer(suite.optimizer), {"scenario": suite.scenarios[0], **suite.options}
         )
     )
-    # These vary within a suite and are part of the controllers and the runs.
+    # These vary within a suite; they are part of the controllers and the runs.
     for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
         del settings[name]
-    # These are part of the scenarios' problems.
+    # These are part of the problems of the scenarios.
     for name in ("encoding", "num_control_points", "penalty"):
         del settings[name]
     found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
@@ -201,6 +204,7 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
 
 
 def _snapshot(simulation: Any) -> Snapshot:
+    """Return a copy of the current population."""
     return Snapshot(
         int(simulation.iteration[0]),
         simulation.problem_of(0).points(simulation.positions(0)),

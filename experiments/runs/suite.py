@@ -1,4 +1,4 @@
-"""What a suite is: which controllers run on which scenarios and seeds, and what is made of the runs."""
+"""Suites as data: controllers, scenarios and seeds that are run, and tables and figures of the runs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,18 +10,17 @@ from experiments.runs.groups import group_controllers
 PAPER_TABLES = ("summary", "cases", "comparison", "reproduction")
 PAPER_FIGURES = ("snapshots", "collision", "cases")
 
-# Seeds below 100 were looked at when a hyper-parameter was chosen; all below 100,000 are for tests.
+# Hyperparameters were chosen with results of seeds below 100; all seeds below 100,000 are for tests.
 FRESH_SEEDS = 10_000
 
 
 @dataclass(frozen=True)
 class Family:
-    """Controllers that trade quality for cost, reported as one front.
+    """A family of controllers that trade quality for cost, reported as one front.
 
     Attributes:
-        name: as printed.
-        controllers: names for `agents.make_controller`; figures connect their groups in the order of their
-            evaluations.
+        name: name as it is printed.
+        controllers: names for `agents.make_controller`; figures connect their groups, ordered by evaluations.
     """
 
     name: str
@@ -29,31 +28,31 @@ class Family:
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Keys of the groups of the controllers."""
+        """Return the keys of the groups of the controllers."""
         return tuple(group_controllers(self.controllers))
 
 
 @dataclass(frozen=True)
 class Suite:
-    """Every controller runs every (scenario, seed) pair, so that all comparisons are paired.
+    """A suite of runs: every controller on every pair of scenario and seed, so that comparisons are paired.
 
     Attributes:
-        name: what results are filed under.
-        controllers: names for `agents.make_controller`, or of contestants (`experiments.runs.entrants`).
+        name: name under which results are filed.
+        controllers: names for `agents.make_controller`, or of entrants (`experiments.runs.entrants`).
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
-        num_seeds: seeds per scenario, none of which training or validation ever uses.
-        baseline: the controller, or key of the group, that the others are compared with.
-        duels: further pairs that are compared, controllers or keys of groups: a challenger and its rival.
-        snapshots: (controller, scenario, seed, iterations) of runs whose populations are kept.
-        optimizer: name of the optimizer, of controllers whose names do not begin with one.
-        options: of all environments.
-        first_seed: the first seed of the first scenario.
-        seed_step: how far the seeds of a scenario start after those of the one before it; 0: the same.
+        num_seeds: number of seeds per scenario; training and validation never use them.
+        baseline: controller, or key of a group, that the others are compared with.
+        pairs: further pairs to compare, a challenger and its rival: controllers or keys of groups.
+        snapshots: (controller, scenario, seed, iterations) of the populations to store.
+        optimizer: name of the optimizer of controllers whose names do not begin with one.
+        options: options of all environments.
+        first_seed: first seed of the first scenario.
+        seed_step: difference between the first seeds of consecutive scenarios; 0 if all have the same seeds.
         families: controllers whose fronts are measured.
-        reference: evaluations and gap that hypervolumes are measured from; what is worse counts for nothing.
-        tables: names in `experiments.tables.TABLES`.
-        figures: names in `experiments.documents.figures.FIGURES`.
-        replayed: controllers whose first runs a report replays; empty for the baseline and the best one.
+        reference: evaluations and gap from which hypervolumes are measured; worse points contribute nothing.
+        tables: names of tables in `experiments.catalogue`.
+        figures: names of figures in `experiments.catalogue`.
+        replayed: controllers whose first runs a report replays; by default the baseline and the best one.
     """
 
     name: str
@@ -66,7 +65,7 @@ class Suite:
     options: Mapping[str, Any] = field(default_factory=dict)
     first_seed: int = 0
     seed_step: int = 0
-    duels: tuple[tuple[str, str], ...] = ()
+    pairs: tuple[tuple[str, str], ...] = ()
     families: tuple[Family, ...] = ()
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = PAPER_TABLES
@@ -75,7 +74,7 @@ class Suite:
 
     @cached_property
     def seeds(self) -> dict[str, range]:
-        """The seeds of every scenario, by its name."""
+        """Return the seeds of every scenario, by its name."""
         firsts = [self.first_seed + k * self.seed_step for k in range(len(self.scenarios))]
         return {
             name: range(first, first + self.num_seeds)

@@ -1,1 +1,1 @@
-"""What clusters cost and bring: measured on logical nodes of this machine, predicted for larger ones."""
+"""Measurements of what backends add to the work, and predictions for clusters."""

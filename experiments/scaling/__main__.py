@@ -1,7 +1,7 @@
 """Measure what backends add to the work: `python -m experiments.scaling --help`; needs the extra `ray`.
 
-Keep the machine quiet meanwhile. Nodes are logical ones of this machine. What they were measured to add, and
-what the study's work was measured to take, give a prediction for clusters, see `experiments.scaling.model`.
+Keep the machine quiet meanwhile. Nodes are logical nodes of this machine. The measured overheads and the
+measured time of the study's work give a prediction for clusters; see `experiments.scaling.model`.
 """
 
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from tqdm import tqdm
 from agents.backends import BackendError
 from experiments.catalogue import get_suite
 from experiments.runs.runner import all_runs, run_one
-from experiments.scaling import measure
+from experiments.scaling import overheads
 from experiments.scaling.page import Findings, write_page
-from experiments.scaling.study import EVALUATED, TIMED_PRESETS
+from experiments.scaling.study import EVALUATED, TIMED_PRESETS, time_runs, time_training
 from experiments.speed.measurement import machine
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.warm_up import warm_up_single
 
-ROUNDS = 4  # in which backends take turns, lest one of them meet a slow minute of the machine
+ROUNDS = 4  # backends take turns, since the machine may be slow for a while
 
 
 @dataclass(frozen=True)
@@ -31,23 +31,23 @@ class ScalingConfig:
     """Options of the benchmark of backends."""
 
     output: Path = Path("results/scaling")
-    """Where tables and the figure go."""
+    """Folder that tables and the figure are written to."""
     units: int = 1000
-    """Units that backends are compared with."""
+    """Number of units of work that backends are compared with."""
     seconds: float = 0.2
-    """Length of each."""
+    """Length of a unit in seconds."""
     nodes: tuple[int, ...] = (1, 2, 4, 8)
-    """How many logical nodes of four processors; what runs there waits, since the cores are fewer."""
+    """Numbers of logical nodes to measure, e.g. 1 2 4; each has four processors, and its units sleep."""
     units_per_worker: int = 50
-    """Units of each processor of these."""
+    """Number of units for each processor of a logical node."""
     sample: int = 40
-    """Runs of each suite of the study that are timed."""
+    """Number of runs to time of each suite of the study."""
     training_steps: int = 64_000
-    """Steps of the trainings that are timed."""
+    """Environment steps of each training that is timed."""
 
 
 def measure_all(config: ScalingConfig) -> Findings:
-    """All that the tables show.
+    """Measure all that the tables show.
 
     Raises:
         MissingExtraError: if Ray is missing.
@@ -68,38 +68,35 @@ def measure_all(config: ScalingConfig) -> Findings:
         backends = [
             timed
             for _ in range(ROUNDS)
-            for timed in measure.time_backends(config.units // ROUNDS, config.seconds, cores)
+            for timed in overheads.time_backends(config.units // ROUNDS, config.seconds, cores)
         ]
         say("nodes that compute")
         each = max(config.units // 10, 1)
         nodes = [
-            measure.time_nodes(count, 1, "compute", each, config.seconds) for count in range(1, cores + 1)
+            overheads.time_nodes(count, 1, "compute", each, config.seconds) for count in range(1, cores + 1)
         ]
         for count in config.nodes:
             say(f"{count} nodes that wait")
-            nodes.append(measure.time_nodes(count, 4, "wait", config.units_per_worker, config.seconds))
+            nodes.append(overheads.time_nodes(count, 4, "wait", config.units_per_worker, config.seconds))
         say("start")
-        start = measure.time_start(cores)
+        start = overheads.time_start(cores)
         say("units of no length")
-        empty = measure.count_units(config.units, cores)
+        empty = overheads.count_units(config.units, cores)
         say("results and rows")
-        results = measure.count_results(config.units, cores, run, Path(folder))
-        rows = measure.count_rows(10 * config.units, run, Path(folder))
+        results = overheads.count_results(config.units, cores, run, Path(folder))
+        rows = overheads.count_rows(10 * config.units, run, Path(folder))
         runs = {}
         for name in EVALUATED:
             say(f"runs of {name}")
             suite = get_suite(name)
-            runs[name] = measure.time_runs(suite, all_runs(suite), config.sample)
+            runs[name] = time_runs(suite, all_runs(suite), config.sample)
         say("training")
-        steps = {
-            kind: measure.time_training(preset, config.training_steps)
-            for kind, preset in TIMED_PRESETS.items()
-        }
+        steps = {kind: time_training(preset, config.training_steps) for kind, preset in TIMED_PRESETS.items()}
     return Findings(machine(), backends, nodes, start, empty, results, rows, runs, steps)
 
 
 def main() -> None:
-    """Measure, print and store."""
+    """Measure, then print and store the tables."""
     config = tyro.cli(ScalingConfig, description=__doc__)
     with command(MissingExtraError, BackendError):
         page = write_page(measure_all(config), config.output)

@@ -1,14 +1,14 @@
-"""A model of how long work takes on a cluster: what its parts were measured to take, put together.
+"""A model of the wall time of work on a cluster, made of measured parts.
 
-Units are handed to whichever core is free, so that no core is idle before the last unit has begun:
+Units are handed to any free core, so that no core is idle before the last unit has begun:
 
     wall time <= start + max(units * (seconds + overhead) / cores + longest unit,
                              units / (units per second that the driver hands out and takes back),
                              rows / (rows per second that the database takes))
 
-The first is the bound of R. L. Graham, "Bounds on multiprocessing timing anomalies", SIAM Journal on Applied
-Mathematics 17(2):416-429, 1969, but for a factor 1 - 1 / cores of its last term. Assumed is that cores are as
-fast as the one that units were measured on, that nodes become ready side by side, and that nothing is lost.
+The first term is the bound of R. L. Graham, "Bounds on multiprocessing timing anomalies", SIAM Journal on
+Applied Mathematics 17(2):416-429, 1969, without the factor 1 - 1 / cores of its last part. The model assumes
+that cores are as fast as the measured one, that nodes start at the same time, and that no unit is lost.
 """
 
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Work:
-    """Units of work.
+    """An amount of work in units.
 
     Attributes:
-        units: how many.
-        seconds: that one takes on a core, on average.
-        longest: seconds of the longest.
-        rows: of the database that they lead to.
+        units: number of units.
+        seconds: mean time of a unit on one core.
+        longest: time of the longest unit in seconds.
+        rows: number of rows that all units add to the database.
     """
 
     units: int
@@ -33,13 +33,13 @@ class Work:
 
 @dataclass(frozen=True)
 class Overheads:
-    """What a backend adds, as measured.
+    """Measured overheads of a backend.
 
     Attributes:
-        start: seconds before the first unit begins on a node, kernels compiled.
-        per_unit: seconds of a core.
-        units_per_second: that the driver can hand out and take back.
-        rows_per_second: that the database takes.
+        start: seconds before the first unit begins on a node, compilation of kernels included.
+        per_unit: seconds that it adds to each unit on its core.
+        units_per_second: greatest rate at which the driver hands out units and takes back results.
+        rows_per_second: greatest rate at which the database stores rows.
     """
 
     start: float
@@ -50,11 +50,11 @@ class Overheads:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the model says.
+    """A prediction of the model.
 
     Attributes:
         seconds: wall time.
-        bottleneck: what it is the time of, besides the start.
+        bottleneck: part that determines the wall time after the start.
     """
 
     seconds: float
@@ -62,7 +62,7 @@ class Prediction:
 
 
 def predict(work: Work, overheads: Overheads, cores: int) -> Prediction:
-    """Wall time of work on so many cores, and what bounds it."""
+    """Return the wall time of work on a number of cores, and the part that bounds it."""
     spread = work.units * (work.seconds + overheads.per_unit) / cores
     parts = {
         "cores" if spread >= work.longest else "longest unit": spread + work.longest,

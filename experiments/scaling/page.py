@@ -1,4 +1,4 @@
-"""Tables and the figure of what was measured of backends and of what follows for clusters."""
+"""The page of the benchmark of backends: tables and the figure of measurements and predictions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,24 +6,37 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from experiments.plots.style import BLUE, FORMATS, GREY, RED, new_figure, render, settings
+from experiments.plots.style import BLUE, GREY, RED, new_figure, settings, write_figure
 from experiments.runs.runner import MOST_SEEDS
-from experiments.scaling.measure import Timed
 from experiments.scaling.model import Overheads, Work, predict
+from experiments.scaling.overheads import Timed
 from experiments.scaling.study import evaluations, trainings
-from experiments.speed.page import describe, number
+from experiments.speed.page import describe, form_of
 from experiments.tables import Table
-from experiments.tables.table import percent
+from experiments.tables.cell import Cell, Entry, number, share
 from swarm_gym.files import write_atomically
 
 CORES = (10, 100, 1000)
-PRICE = 0.05  # dollars for an hour of a core; a round figure, to be replaced by one's own
+PRICE = 0.05  # dollars for an hour of a core; a round number, to be replaced by your own
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What was measured; see the functions of `experiments.scaling.measure`."""
+    """All measurements; see the functions of `experiments.scaling.overheads` and `experiments.scaling.study`.
+
+    Attributes:
+        machine: machine and versions.
+        backends: several rounds of each backend with the same work.
+        nodes: measurements on logical nodes.
+        start: seconds before the first unit begins, by what they are spent on.
+        empty: units of no length per second, by name of the backend.
+        results: rates of units that return runs, see `count_results`.
+        rows: rows per second that the database stores, by rows per transaction.
+        runs: seconds of some runs of each suite, by its name.
+        steps: seconds of an environment step in training, by kind of learner.
+    """
 
     machine: dict[str, Any]
     backends: list[Timed]
@@ -37,7 +50,7 @@ class Findings:
 
     @property
     def overheads(self) -> Overheads:
-        """Of Ray."""
+        """Return the overheads of Ray."""
         by_ray = [timed for timed in self.backends if timed.backend == "Ray"]
         return Overheads(
             start=sum(self.start.values()),
@@ -48,7 +61,7 @@ class Findings:
 
 
 def write_page(findings: Findings, folder: Path) -> Path:
-    """Write README.md, all tables, and scaling.svg and .png."""
+    """Write README.md, all tables, scaling.svg and scaling.png; return the path of README.md."""
     tables = [
         overhead_table(findings),
         nodes_table(findings),
@@ -58,27 +71,27 @@ def write_page(findings: Findings, folder: Path) -> Path:
     ]
     for table in tables:
         table.write(folder)
-    for form, content in figure(findings).items():
-        write_atomically(folder / f"scaling.{form}", content)
+    with settings():
+        write_figure(draw_scaling(findings), folder, "scaling")
     parts = ["# Scaling\n", *(table.markdown() for table in tables), "![scaling](scaling.svg)\n"]
     return write_atomically(folder / "README.md", "\n".join(parts))
 
 
 def overhead_table(findings: Findings) -> Table:
-    """Backends beside one another, with the same work."""
-    rows = []
+    """Return the table that compares backends with the same work."""
+    rows: list[tuple[Entry, ...]] = []
     for backend in dict.fromkeys(timed.backend for timed in findings.backends):
         rounds = [timed for timed in findings.backends if timed.backend == backend]
         overheads = [timed.overhead for timed in rounds]
         rows.append(
             (
                 backend,
-                str(rounds[0].workers),
-                f"{sum(timed.units for timed in rounds):,}",
-                f"{sum(timed.wall for timed in rounds):.1f}",
-                f"{sum(timed.ideal for timed in rounds):.1f}",
-                percent(overhead_of(rounds)),
-                f"{percent(min(overheads))} to {percent(max(overheads))}",
+                number(rounds[0].workers, "d"),
+                number(sum(timed.units for timed in rounds), ","),
+                number(sum(timed.wall for timed in rounds)),
+                number(sum(timed.ideal for timed in rounds)),
+                share(overhead_of(rounds)),
+                Cell.of("{low:%.1f} % to {high:%.1f} %", low=min(overheads), high=max(overheads)),
             )
         )
     return Table(
@@ -90,13 +103,13 @@ def overhead_table(findings: Findings) -> Table:
 
 
 def overhead_of(rounds: Sequence[Timed]) -> float:
-    """What was added to the work of several rounds, as a share of it."""
+    """Return the overhead of several rounds as a share of their work."""
     return sum(timed.wall for timed in rounds) / sum(timed.ideal for timed in rounds) - 1.0
 
 
 def nodes_table(findings: Findings) -> Table:
-    """Logical nodes, and what the model says of them."""
-    rows = []
+    """Return the table of logical nodes, measured and predicted by the model."""
+    rows: list[tuple[Entry, ...]] = []
     for timed in findings.nodes:
         work = Work(timed.units, timed.seconds, timed.seconds)
         started = replace(findings.overheads, start=0.0)
@@ -104,11 +117,11 @@ def nodes_table(findings: Findings) -> Table:
             (
                 timed.backend,
                 timed.work,
-                f"{timed.units:,}",
-                f"{timed.wall:.1f}",
-                f"{timed.ideal:.1f}",
-                percent(timed.overhead),
-                f"{predict(work, started, timed.workers).seconds:.1f}",
+                number(timed.units, ","),
+                number(timed.wall),
+                number(timed.ideal),
+                share(timed.overhead),
+                number(predict(work, started, timed.workers).seconds),
             )
         )
     return Table(
@@ -120,28 +133,40 @@ def nodes_table(findings: Findings) -> Table:
 
 
 def parts_table(findings: Findings) -> Table:
-    """What the model is made of."""
-    rows = [(f"start: {what}", f"{seconds:.2f}", "s") for what, seconds in findings.start.items()]
-    rows += [(f"units of no length, {name}", number(rate), "per s") for name, rate in findings.empty.items()]
+    """Return the table of the parts of the model."""
+    rows: list[tuple[Entry, ...]] = [
+        (f"start: {what}", number(seconds, ".2f"), "s") for what, seconds in findings.start.items()
+    ]
+    rows += [(f"units of no length, {name}", _rate(rate), "per s") for name, rate in findings.empty.items()]
     of_runs = f"units of {MOST_SEEDS} runs and no length, into the database"
     in_ms = {
         "added to each unit by Ray": findings.overheads.per_unit,
         f"{of_runs}: processor time of the driver": findings.results["driver, seconds per unit"],
     }
-    rows += [(of_runs, number(findings.results["units per second"]), "per s")]
-    rows += [(what, f"{1000 * seconds:.1f}", "ms each") for what, seconds in in_ms.items()]
-    rows += [(f"rows into the database, {k} at a time", number(r), "per s") for k, r in findings.rows.items()]
+    rows += [(of_runs, _rate(findings.results["units per second"]), "per s")]
+    rows += [(what, number(1000 * seconds), "ms each") for what, seconds in in_ms.items()]
+    rows += [(f"rows into the database, {k} at a time", _rate(r), "per s") for k, r in findings.rows.items()]
     return Table("parts", "What was measured, and the model is made of", ("part", "value", "unit"), rows)
 
 
+def _rate(value: float) -> Entry:
+    return number(value, form_of(value))
+
+
 def work_table(findings: Findings) -> Table:
-    """What the study's work takes on one core."""
-    rows = [
-        (f"a run of `{name}`", f"{1000 * float(np.mean(s)):.0f}", f"{1000 * max(s):.0f}", "ms", str(len(s)))
+    """Return the table of the time of the study's work on one core."""
+    rows: list[tuple[Entry, ...]] = [
+        (
+            f"a run of `{name}`",
+            number(1000 * float(np.mean(s)), ".0f"),
+            number(1000 * max(s), ".0f"),
+            "ms",
+            number(len(s), "d"),
+        )
         for name, s in findings.runs.items()
     ]
     rows += [
-        (f"a step of training, {kind}", f"{1000 * seconds:.3f}", "", "ms", "1")
+        (f"a step of training, {kind}", number(1000 * seconds, ".3f"), "", "ms", number(1, "d"))
         for kind, seconds in findings.steps.items()
     ]
     return Table(
@@ -150,8 +175,8 @@ def work_table(findings: Findings) -> Table:
 
 
 def prediction_table(findings: Findings) -> Table:
-    """Wall time and cost on clusters."""
-    rows = []
+    """Return the table of predicted wall time and cost on clusters."""
+    rows: list[tuple[Entry, ...]] = []
     for name, work_on in _works(findings).items():
         for cores in CORES:
             work = work_on(cores)
@@ -160,13 +185,13 @@ def prediction_table(findings: Findings) -> Table:
             rows.append(
                 (
                     name,
-                    f"{cores:,}",
-                    f"{work.units:,}",
-                    _duration(found.seconds),
+                    number(cores, ","),
+                    number(work.units, ","),
+                    Cell.of(_duration(found.seconds), value=found.seconds),
                     found.bottleneck,
-                    f"{hours:,.1f}",
-                    f"{work.units * work.seconds / 3600:,.1f}",
-                    f"{PRICE * hours:,.2f}",
+                    number(hours, ",.1f"),
+                    number(work.units * work.seconds / 3600, ",.1f"),
+                    number(PRICE * hours, ",.2f"),
                 )
             )
     dollars = f"dollars, at {PRICE:g} for an hour"
@@ -178,26 +203,26 @@ def prediction_table(findings: Findings) -> Table:
     )
 
 
-def figure(findings: Findings) -> dict[str, bytes]:
-    """Predicted wall time by cores, beside what could not be less; by file format."""
-    with settings():
-        drawn = new_figure(6.4, 3.6)
-        axes = drawn.subplots()
-        cores = np.unique(np.geomspace(1, 10_000, 81).round().astype(int))
-        for (name, work_on), colour in zip(_works(findings).items(), (BLUE, RED), strict=True):
-            work = [work_on(int(n)) for n in cores]
-            walls = [predict(w, findings.overheads, int(n)).seconds for w, n in zip(work, cores, strict=True)]
-            axes.loglog(cores, walls, color=colour, label=name)
-            ideal = [w.units * w.seconds / n for w, n in zip(work, cores, strict=True)]
-            axes.loglog(cores, ideal, "--", color=GREY, linewidth=0.8)
-            axes.loglog(CORES, np.interp(CORES, cores, walls), "o", color=colour)
-        axes.set_xlabel("cores")
-        axes.set_ylabel("seconds (dashed: work / cores)")
-        axes.legend()
-        return {form: render(drawn, form) for form in FORMATS}
+def draw_scaling(findings: Findings) -> Figure:
+    """Draw the predicted wall time by cores, and work / cores."""
+    figure = new_figure(6.4, 3.6)
+    axes = figure.subplots()
+    cores = np.unique(np.geomspace(1, 10_000, 81).round().astype(int))
+    for (name, work_on), colour in zip(_works(findings).items(), (BLUE, RED), strict=True):
+        work = [work_on(int(n)) for n in cores]
+        walls = [predict(w, findings.overheads, int(n)).seconds for w, n in zip(work, cores, strict=True)]
+        axes.loglog(cores, walls, color=colour, label=name)
+        ideal = [w.units * w.seconds / n for w, n in zip(work, cores, strict=True)]
+        axes.loglog(cores, ideal, "--", color=GREY, linewidth=0.8)
+        axes.loglog(CORES, np.interp(CORES, cores, walls), "o", color=colour)
+    axes.set_xlabel("cores")
+    axes.set_ylabel("seconds (dashed: work / cores)")
+    axes.legend()
+    return figure
 
 
 def _works(findings: Findings) -> dict[str, Any]:
+    """Return functions from a number of cores to the work, by name of the work."""
     return {
         "all evaluations of the study": lambda cores: evaluations(findings.runs, cores),
         "ten trainings of every preset": lambda _: trainings(findings.steps),
@@ -205,6 +230,7 @@ def _works(findings: Findings) -> dict[str, Any]:
 
 
 def _duration(seconds: float) -> str:
+    """Return a time in seconds, minutes or hours."""
     if seconds < 120:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,26 +1,57 @@
-"""The work of the whole study: every run of its suites, and ten trainings of every preset."""
+"""The work of the whole study, every run of its suites and ten trainings of every preset, and its time."""
 
+import contextlib
+import io
+import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from agents.training.presets import load_preset, preset_names
+from agents.training.run import TrainingRun
 from experiments.catalogue import get_suite
-from experiments.runs.runner import all_runs, make_units
+from experiments.runs.run import RunKey
+from experiments.runs.runner import all_runs, make_units, run_one
+from experiments.runs.suite import Suite
 from experiments.scaling.model import Work
+from experiments.speed.measurement import seconds_of
 
 EVALUATED = ("headline", "generalisation", "out-of-distribution", "ablation", "parameters")
 TRAINING_SEEDS = 10
-# Of each kind of learner the preset that is timed; recurrent PPO counts as PPO.
+# The preset that is timed for each kind of learner; recurrent PPO counts as PPO.
 TIMED_PRESETS = {"evolution": "three-cases", "ppo": "three-cases-ppo"}
 
 
+def time_runs(suite: Suite, keys: list[RunKey], sample: int) -> list[float]:
+    """Return the processor times, in seconds, of a random sample of runs with their overheads."""
+    rng = np.random.default_rng(0)
+    found = []
+    for number in rng.choice(len(keys), min(sample, len(keys)), replace=False):
+        run_one(keys[number], suite, {})  # loads files and kernels
+        begin = time.process_time()
+        run_one(keys[number], suite, {})
+        found.append(time.process_time() - begin)
+    return found
+
+
+def time_training(preset: str, steps: int) -> float:
+    """Return the wall time of an environment step in training, validations and checkpoints included."""
+    with TemporaryDirectory() as folder:
+        run = TrainingRun(replace(load_preset(preset), runs=Path(folder), total_steps=steps))
+        with contextlib.redirect_stderr(io.StringIO()):  # hides its progress bars
+            seconds = seconds_of(run.run)
+        return seconds / run.learner.num_steps
+
+
 def evaluations(seconds: Mapping[str, Sequence[float]], cores: int) -> Work:
-    """The runs of all suites, as units that so many cores are given.
+    """Return the work of the runs of all suites, in units for a number of cores.
 
     Args:
-        seconds: by suite, of some of its runs.
-        cores: how many.
+        seconds: times of some runs of each suite, by its name.
+        cores: number of cores.
     """
     total, units, rows, longest = 0.0, 0, 0, 0.0
     for name, sample in seconds.items():
@@ -33,10 +64,10 @@ def evaluations(seconds: Mapping[str, Sequence[float]], cores: int) -> Work:
 
 
 def trainings(seconds_per_step: Mapping[str, float]) -> Work:
-    """All trainings, each of which is a unit.
+    """Return the work of all trainings; each is one unit.
 
     Args:
-        seconds_per_step: of each kind of learner.
+        seconds_per_step: time of an environment step by kind of learner, "evolution" or "ppo".
     """
     lengths = []
     for name in preset_names():

@@ -1,1 +1,1 @@
-"""What `experiments.benchmark` measures: one file per group of quantities."""
+"""Measurements of speed for `experiments.benchmark`: one module for each group of quantities."""

@@ -12,13 +12,13 @@ from swarm_gym.vector_env import SwarmVectorEnv
 SIZES = (30, 60, 100)
 WIDTHS = (8, 64, 512, 4096)
 THREADS = tuple(sorted({1, ALL_THREADS}))
-# All rates are of steps in the same part of an episode: a first iteration makes fewer moves than later ones.
+# All rates are of these steps of an episode, since the first iteration makes fewer moves than later ones.
 FIRST_STEP, LAST_STEP = 10, 90
-SHORT_RUN = 1e6  # moves of a measurement, about
+SHORT_RUN = 1e6  # approximate number of moves of a measurement
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     for size in SIZES:
         yield Quantity(f"single environment, {size} members", "steps/s", single(size))
         for width in WIDTHS:
@@ -27,12 +27,12 @@ def quantities() -> Iterator[Quantity]:
 
 
 def name(width: int, size: int, threads: int) -> str:
-    """Of a quantity on vector environments."""
+    """Return the name of a quantity of vector environments."""
     return f"{width} swarms of {size} members, {threads} thread{'s' * (threads > 1)}"
 
 
 def single(size: int) -> Callable[[], float]:
-    """One environment made by `gymnasium.make`, on each of the three cases in turn."""
+    """Return a function that measures environments of `gymnasium.make`, on the three cases in turn."""
     envs = [
         gymnasium.make("swarm_gym/Firefly-v0", scenario=case, initial_population_size=size) for case in CASES
     ]
@@ -50,11 +50,11 @@ def single(size: int) -> Callable[[], float]:
 
 
 def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Callable[[], float]:
-    """A native vector environment over the three cases; each call goes on where the last one ended.
+    """Return a function that measures a native vector environment over the three cases.
 
-    A call takes as many steps as make about so many moves, and not more than an episode has.
+    Each call continues where the last one ended. It makes about `moves` moves, in at most one episode.
     """
-    env: SwarmVectorEnv | None = None  # made when it is needed: some are large
+    env: SwarmVectorEnv | None = None  # made at the first call, since some are large
     actions = np.tile([float(size), 0.0], (width, 1))
     steps = int(min(LAST_STEP - FIRST_STEP, max(2, moves / (width * size**2 / 2))))
     done = LAST_STEP
@@ -76,7 +76,7 @@ def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Cal
 
 
 def run_steps(env: gymnasium.Env | SwarmVectorEnv, actions: np.ndarray, steps: int) -> float:
-    """Seconds of so many steps."""
+    """Return the wall time of some steps in seconds."""
     begin = time.perf_counter()
     for _ in range(steps):
         env.step(actions)

@@ -1,4 +1,4 @@
-"""How time and memory grow with waypoints, obstacles, population and swarms: exponents of fitted powers."""
+"""Growth of time and memory with waypoints, obstacles, members and swarms: exponents of fitted powers."""
 
 import tracemalloc
 from collections.abc import Callable, Iterator
@@ -18,24 +18,31 @@ START, TARGET = (20.0, 300.0), (980.0, 300.0)
 
 @dataclass(frozen=True)
 class Axis:
-    """Something that grows, and the options of an environment at each of its values."""
+    """Something that grows.
+
+    Attributes:
+        name: name of what grows.
+        values: sizes to measure, so large that all that does not grow is small beside it.
+        measured: "move" or "iteration", whose time is measured.
+        options: function that returns the options of an environment for a value.
+    """
 
     name: str
-    values: tuple[int, ...]  # so large that what does not grow is small beside
-    measured: str  # "move" or "iteration": what the time is of
+    values: tuple[int, ...]
+    measured: str
     options: Callable[[int], dict[str, Any]]
 
     def name_of_time(self, value: int) -> str:
-        """Name of a quantity."""
+        """Return the name of the time at a value."""
         return f"time of {'a move' if self.measured == 'move' else 'an iteration'}, {value} {self.name}"
 
     def name_of_memory(self, value: int) -> str:
-        """Name of a quantity."""
+        """Return the name of the memory at a value."""
         return f"memory, {value} {self.name}"
 
 
 def bars(number: int) -> Scenario:
-    """A map with so many obstacles near every segment: bars from start to target, above each other."""
+    """Return a map with this number of obstacles near every segment: bars above each other."""
     heights = np.linspace(20.0, 270.0, number + 1)
     obstacles = tuple(
         Polygon.rectangle(0.0, float(low), 1000.0, float(low + high) / 2) for low, high in pairwise(heights)
@@ -67,7 +74,7 @@ AXES = (
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     for axis in AXES:
         for value in axis.values:
             yield Quantity(axis.name_of_time(value), "us", microseconds(axis, value))
@@ -76,7 +83,7 @@ def quantities() -> Iterator[Quantity]:
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:
-    """Exponents of time and memory on each axis."""
+    """Return the exponents of time and memory on each axis."""
     found = medians(measurements)
     return [
         derived(
@@ -90,12 +97,12 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
 
 
 def exponent(values: tuple[int, ...], results: list[float]) -> float:
-    """Slope of a least-squares line through the logarithms."""
+    """Return the slope of a least-squares line through the logarithms."""
     return float(_fit(values, results)[0])
 
 
 def fitted_line(values: tuple[int, ...], results: list[float]) -> list[float]:
-    """Heights of that line, as numbers."""
+    """Return the values of the power with this exponent that fits best, see `exponent`."""
     return np.exp(np.polyval(_fit(values, results), np.log(values))).tolist()
 
 
@@ -104,7 +111,7 @@ def _fit(values: tuple[int, ...], results: list[float]) -> np.ndarray:
 
 
 def microseconds(axis: Axis, value: int) -> Callable[[], float]:
-    """Of the compiled part of the second iteration of an episode, or of one of its moves."""
+    """Return a function that measures the compiled part of a second iteration, or one of its moves."""
     options = axis.options(value)
     rows = options["num_envs"]
 
@@ -126,7 +133,7 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
 
 
 def megabytes(axis: Axis, value: int) -> Callable[[], float]:
-    """What an environment holds after its reset."""
+    """Return a function that measures the memory that an environment holds after its reset."""
 
     def once() -> float:
         tracemalloc.start()

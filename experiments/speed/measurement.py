@@ -1,4 +1,4 @@
-"""Quantities and their measurement: the median of repeated runs, with the smallest and the largest."""
+"""Quantities, and their measurements: the median of repeated runs, the smallest and the largest value."""
 
 import json
 import platform
@@ -24,17 +24,24 @@ NUMPY_COST = f"niapy, {IN_NUMPY}"
 
 @dataclass(frozen=True)
 class Quantity:
-    """Something to be measured: each call of `once` returns a value, or several of equal standing."""
+    """A quantity to measure.
+
+    Attributes:
+        name: name of the quantity.
+        unit: unit of its values.
+        once: function that measures it and returns one value, or several of equal standing.
+        repeats: number of runs; None for the number that the benchmark was asked for.
+    """
 
     name: str
     unit: str
     once: Callable[[], float | list[float]]
-    repeats: int | None = None  # None: as often as the benchmark was asked to
+    repeats: int | None = None
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measured quantity."""
+    """A measured quantity: median, smallest and largest value."""
 
     name: str
     unit: str
@@ -44,7 +51,7 @@ class Measurement:
 
 
 def measure(quantity: Quantity, repeats: int) -> Measurement:
-    """Median and spread over repeated runs, after one that is thrown away where there is more than one."""
+    """Return median and range over repeated runs; if there are several, one before them is thrown away."""
     repeats = quantity.repeats or repeats
     if repeats > 1:
         quantity.once()
@@ -55,26 +62,26 @@ def measure(quantity: Quantity, repeats: int) -> Measurement:
 
 
 def derived(name: str, unit: str, value: float) -> Measurement:
-    """A number computed from medians of the same run of the benchmark."""
+    """Return a number that was computed from medians, as a measurement without spread."""
     return Measurement(name, unit, value, value, value)
 
 
 def seconds_of(call: Callable[[], Any]) -> float:
-    """Wall time of a call."""
+    """Return the wall time of a call in seconds."""
     begin = time.perf_counter()
     call()
     return time.perf_counter() - begin
 
 
 def run_python(code: str, environment: dict[str, str] | None = None) -> str:
-    """What a program prints in a fresh interpreter."""
+    """Run a program in a fresh interpreter and return what it prints."""
     return subprocess.run(
         [sys.executable, "-c", code], check=True, env=environment, capture_output=True, text=True
     ).stdout
 
 
 def machine() -> dict[str, Any]:
-    """What the figures belong to."""
+    """Return the machine and the versions that measurements belong to."""
     return {
         "machine": platform.machine(),
         "processor": _processor(),
@@ -94,7 +101,7 @@ def _processor() -> str:
 
 
 def write_measurements(file: Path, groups: dict[str, list[Measurement]]) -> None:
-    """Store groups of measurements, with the machine, as JSON."""
+    """Store groups of measurements and the machine as JSON."""
     content = {
         "machine": machine(),
         "groups": {name: [vars(m) for m in measurements] for name, measurements in groups.items()},
@@ -103,10 +110,10 @@ def write_measurements(file: Path, groups: dict[str, list[Measurement]]) -> None
 
 
 def read_measurements(file: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
-    """The machine and the groups that were stored.
+    """Return the machine and the groups of measurements that are stored in a file.
 
     Raises:
-        ValueError: if the file is not one of `write_measurements`.
+        ValueError: if the file was not written by `write_measurements`.
     """
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
@@ -118,11 +125,19 @@ def read_measurements(file: Path) -> tuple[dict[str, Any], dict[str, list[Measur
         raise ValueError(f"{file}: not a file of the benchmark ({error!r})") from error
 
 
+def measured_before(file: Path) -> dict[str, list[Measurement]]:
+    """Return the groups in a file if they are of this machine and version, else none."""
+    if not file.exists():
+        return {}
+    there, groups = read_measurements(file)
+    return groups if there == machine() else {}
+
+
 def medians(measurements: Iterable[Measurement]) -> dict[str, float]:
-    """Medians by name.
+    """Return medians by name.
 
     Raises:
-        ValueError: if two have the same name.
+        ValueError: if two measurements have the same name.
     """
     found: dict[str, float] = {}
     for measurement in measurements:

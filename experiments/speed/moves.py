@@ -1,4 +1,4 @@
-"""Time of a firefly move with evaluation, of its parts, of whole runs, and of the same in NumPy."""
+"""Time of a firefly move with evaluation, of its parts, of whole runs, and of the same move in NumPy."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.speed.measurement import CASES, Measurement, Quantity, derived, medians, seconds_of
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers.firefly import move_towards, squared_distance
@@ -24,7 +24,7 @@ CALLS = 20_000
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     for case in CASES:
         yield Quantity(f"{case}: move with evaluation", "us", per_move(case, 0.0))
         yield Quantity(f"{case}: move with repair and evaluation", "us", per_move(case, REPAIR_DEGREE))
@@ -35,7 +35,7 @@ def quantities() -> Iterator[Quantity]:
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:
-    """Means over the cases and ratios, from the medians."""
+    """Return ratios and the mean over the cases, computed from medians."""
     found = medians(measurements)
     ours = [found[f"{case}: move with evaluation"] for case in CASES]
     theirs = [found[f"{case}: the same move in NumPy, without repair"] for case in CASES]
@@ -47,7 +47,7 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
 
 
 def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable[[], float]:
-    """The iterations of an FA-60 run in a single environment, per firefly move with evaluation."""
+    """Return a function that measures an FA-60 run in a single environment: time per move with evaluation."""
     env = SwarmEnv(scenario=case, initial_population_size=SIZE, iterations=iterations)
 
     def once() -> float:
@@ -61,7 +61,7 @@ def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable
 
 
 def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
-    """The same in NumPy."""
+    """Return a function that measures an FA-60 run in NumPy: time per firefly move with evaluation."""
 
     def once() -> float:
         swarm = NumpyFirefly(analytic_problem(case), SIZE, seed=0)
@@ -74,7 +74,7 @@ def numpy_per_move(case: str, iterations: int = 2) -> Callable[[], float]:
 
 
 def run_milliseconds(case: str) -> Callable[[], float]:
-    """A whole FA-60 run, reset included."""
+    """Return a function that measures a whole FA-60 run with its reset."""
     env = SwarmEnv(scenario=case, initial_population_size=SIZE)
 
     def run() -> None:
@@ -88,18 +88,18 @@ def run_milliseconds(case: str) -> Callable[[], float]:
 
 
 def run_episode(env: gymnasium.Env, action: np.ndarray) -> dict[str, Any]:
-    """Repeat an action to the end of the episode; returns the last info."""
+    """Repeat an action to the end of the episode and return the last info."""
     ended = False
     while not ended:
         _, _, ended, _, info = env.step(action)
     return info
 
 
-# The parts of a move, each by itself, over and over. What they return depends on what they did, so that none
-# of it can be left out; what they change is too small to matter.
+# The parts of a move, each repeated by itself. Results depend on all of the work, so that the compiler cannot
+# leave out any of it; changes between calls are too small to matter.
 
 
-@kernel
+@entry
 def _random_numbers(table: WaypointTable, work: Workspace, calls: int) -> float:
     stream = np.ones(STREAM_SHAPE, dtype=np.uint64)
     for _ in range(calls):
@@ -107,7 +107,7 @@ def _random_numbers(table: WaypointTable, work: Workspace, calls: int) -> float:
     return work.noise[0] + table.spacing
 
 
-@kernel
+@entry
 def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
     other, total = np.ones_like(work.noise), table.spacing
     for _ in range(calls):
@@ -116,7 +116,7 @@ def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
     return total
 
 
-@kernel
+@entry
 def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
     other = np.ones_like(work.noise)
     for _ in range(calls):
@@ -124,7 +124,7 @@ def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
     return work.path[1]
 
 
-@kernel
+@entry
 def _evaluation(table: WaypointTable, work: Workspace, calls: int) -> float:
     total = 0.0
     for _ in range(calls):
@@ -144,7 +144,7 @@ PARTS: dict[str, Callable[[WaypointTable, Workspace, int], float]] = {
 def part_nanoseconds(
     case: str, part: Callable[[WaypointTable, Workspace, int], float]
 ) -> Callable[[], float]:
-    """One part of a move on a path between the obstacles."""
+    """Return a function that measures one part of a move on a path between the obstacles."""
     problem = analytic_problem(case)
     n = problem.dimension
     work = make_workspace(columns(n))

@@ -1,7 +1,7 @@
-"""The firefly algorithm in NumPy: what the kernels are measured against.
+"""The firefly algorithm in NumPy, with which the kernels are compared.
 
-It is written the way one writes it without a compiler, with the loops over pairs in Python and everything
-else in arrays, and gives the same cost as the kernels up to rounding (a test holds them together).
+It is written as one would write it without a compiler: loops over pairs in Python, everything else in arrays.
+Its cost equals that of the kernels up to rounding, which a test checks.
 """
 
 import numpy as np
@@ -15,12 +15,18 @@ Floats = NDArray[np.float64]
 
 
 def analytic_problem(case: str) -> AnalyticProblem:
-    """The problem of an environment of a scenario with circles and polygons."""
+    """Return the problem of a scenario with circles and polygons, as an environment has it."""
     return AnalyticProblem(require_analytic(make_scenario(case)))
 
 
 class NumpyFirefly:
-    """FA with the SPSFA paper's parameters on circles and polygons, without repair."""
+    """A swarm of the firefly algorithm with the SPSFA paper's parameters, on analytic maps, without repair.
+
+    Args:
+        problem: problem whose cost is minimised.
+        size: population size.
+        seed: seed of all random numbers.
+    """
 
     def __init__(self, problem: AnalyticProblem, size: int, seed: int):
         table = problem.table
@@ -35,14 +41,14 @@ class NumpyFirefly:
         self.evaluations = size
 
     def _tabulate(self, circles: list[Pair], pairs: list[Pair]) -> None:
-        """Arrays over the pairs with circles, and over those with polygons: what does not change."""
+        """Store constant arrays over the pairs of a segment with a circle, and with a polygon."""
         polygons = [pair for pair in pairs if not pair.circle]
         self.circle_segment = np.array([pair.segment for pair in circles], dtype=np.int64)
         columns = np.array([pair.circle for pair in circles]).reshape(-1, 5).T
         self.x, self.y, self.radius, self.begin, self.end = np.ascontiguousarray(columns)
         self.squared_radius = self.radius**2
         self.polygon_segment = np.array([pair.segment for pair in polygons], dtype=np.int64)
-        # Corners as a rectangle (3, pairs, most); the missing ones repeat the last.
+        # Corners as an array (3, pairs, most); polygons with fewer corners repeat their last one.
         most = max((len(pair.corners) for pair in polygons), default=1)
         corners = [[p.corners[min(k, len(p.corners) - 1)] for k in range(most)] for p in polygons]
         self.corner_x, self.corner_top, self.corner_bottom = (
@@ -50,7 +56,7 @@ class NumpyFirefly:
         )
 
     def evaluate(self, position: Floats) -> float:
-        """Fitness of one member, shape (n,)."""
+        """Return the fitness of one member, (n,)."""
         path = self.path
         path[1:-1] = position
         rise = path[1:] - path[:-1]
@@ -75,7 +81,7 @@ class NumpyFirefly:
         return float(self.length_weight * lengths.sum() + (1 - self.length_weight) * collision)
 
     def iterate(self) -> None:
-        """One iteration: every firefly moves towards every brighter one and is evaluated at once."""
+        """Carry out one iteration: every firefly moves towards every brighter one; each move is evaluated."""
         positions, fitness = self.positions, self.fitness
         for i in range(len(positions)):
             for j in range(len(positions)):

@@ -1,9 +1,11 @@
-"""Tables and the figure of a benchmark, from its stored measurements."""
+"""The page of a benchmark: its tables and figure, made from stored measurements."""
 
 from pathlib import Path
 from typing import Any
 
-from experiments.plots.style import BLACK, BLUE, FORMATS, RED, new_figure, render, settings
+from matplotlib.figure import Figure
+
+from experiments.plots.style import BLACK, BLUE, RED, new_figure, settings, write_figure
 from experiments.speed import growth
 from experiments.speed.environments import name as vector_name
 from experiments.speed.measurement import (
@@ -18,6 +20,7 @@ from experiments.speed.rendering import STEP_AND_RENDER
 from experiments.speed.start import PEAK_OF_MANY
 from experiments.speed.training import ENVIRONMENT, PACE
 from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry, number
 from swarm_gym.files import write_atomically
 
 COLUMNS = ("quantity", "median", "range", "unit")
@@ -33,16 +36,16 @@ CAPTIONS = {
     "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
     "fish-peers": "Artificial fish swarms beside others, per evaluation",
 }
-# The groups of peers.json, which may not have been measured.
+# The groups of peers.json, which need not have been measured.
 OF_PEERS = ("peers", "bezier-peers", "fish-peers")
 
 
 def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
-    """Machine and groups of a benchmark, with those of the peers where they were measured.
+    """Return machine and groups of a benchmark; groups of the peers too, if they were measured.
 
     Raises:
-        OSError: if there is no benchmark in the folder.
-        ValueError: if a file there is not a benchmark's, or of another machine or version than the other.
+        OSError: if the folder has no benchmark.
+        ValueError: if a file is not a benchmark's, or if both files are of different machines or versions.
     """
     machine, groups = read_measurements(folder / "benchmark.json")
     peers = folder / "peers.json"
@@ -55,7 +58,7 @@ def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measuremen
 
 
 def write_page(folder: Path) -> Path:
-    """Write README.md with all tables, and growth.svg and .png, from what is stored in the folder."""
+    """Write README.md with all tables, growth.svg and growth.png, from the measurements in the folder."""
     machine, groups = read_folder(folder)
     parts = [f"# Benchmark\n\n{describe(machine)}\n"]
     if set(CAPTIONS) - set(OF_PEERS) <= set(groups):
@@ -63,15 +66,15 @@ def write_page(folder: Path) -> Path:
     parts += [table(name, measurements).markdown() for name, measurements in groups.items()]
     if "growth" in groups:
         parts.append("![growth](growth.svg)\n")
-        for form, content in growth_figure(groups["growth"]).items():
-            write_atomically(folder / f"growth.{form}", content)
+        with settings():
+            write_figure(draw_growth(groups["growth"]), folder, "growth")
     page = folder / "README.md"
     write_atomically(page, "\n".join(parts))
     return page
 
 
 def describe(machine: dict[str, Any]) -> str:
-    """The machine in a sentence."""
+    """Return a sentence about the machine and the versions."""
     return (
         f"{machine['processor']} ({machine['machine']}), {machine['threads']} threads; "
         f"Python {machine['python']}, Numba {machine['numba']}, NumPy {machine['numpy']}, "
@@ -80,22 +83,26 @@ def describe(machine: dict[str, Any]) -> str:
 
 
 def table(group: str, measurements: list[Measurement]) -> Table:
-    """All quantities of a group."""
+    """Return the table of all quantities of a group."""
     return Table(group, CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements])
 
 
-def _row(m: Measurement) -> tuple[str, ...]:
-    spread = "" if m.low == m.high else f"{number(m.low)} to {number(m.high)}"
-    return m.name, number(m.median), spread, m.unit
+def _row(m: Measurement) -> tuple[Entry, ...]:
+    ends = Cell.of(
+        f"{{low:{form_of(m.low)}}} to {{high:{form_of(m.high)}}}",
+        low=m.low,
+        high=m.high,
+    )
+    return m.name, number(m.median, form_of(m.median)), "" if m.low == m.high else ends, m.unit
 
 
-def number(value: float) -> str:
-    """Three digits, or all before the point."""
-    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+def form_of(value: float) -> str:
+    """Return the format of a number with three digits, or with all its digits before the point."""
+    return ",.0f" if abs(value) >= 100 else ".3g"
 
 
 def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:
-    """The few quantities that tell most, each with the group that it is of."""
+    """Return the table of the few most important quantities of all groups."""
     moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
     peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
     others = [
@@ -127,25 +134,24 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
     return Table("headline", f"Speed on {describe(machine)}", COLUMNS, rows)
 
 
-def growth_figure(measurements: list[Measurement]) -> dict[str, bytes]:
-    """Time (above) and memory (below) on every axis, with fitted powers; by file format."""
+def draw_growth(measurements: list[Measurement]) -> Figure:
+    """Draw time (above) and memory (below) on every axis, with fitted powers."""
     found = medians(measurements)
-    with settings():
-        figure = new_figure(11.0, 5.0)
-        panels = figure.subplots(2, len(growth.AXES))
-        for axis, column in zip(growth.AXES, panels.T, strict=True):
-            for panel, kind, name, label, colour in (
-                (column[0], "time", axis.name_of_time, f"microseconds per {axis.measured}", BLUE),
-                (column[1], "memory", axis.name_of_memory, "MB", RED),
-            ):
-                results = [found[name(value)] for value in axis.values]
-                panel.loglog(axis.values, results, "o", color=colour)
-                fitted = growth.fitted_line(axis.values, results)
-                panel.loglog(axis.values, fitted, color=BLACK, linewidth=0.8)
-                slope = found[f"exponent of {kind} in {axis.name}"]
-                panel.set_title(f"{kind}: exponent {slope:.2f}")
-                panel.set_xticks(axis.values, [str(value) for value in axis.values])
-                panel.minorticks_off()
-                panel.set_xlabel(axis.name)
-                panel.set_ylabel(label)
-        return {form: render(figure, form) for form in FORMATS}
+    figure = new_figure(11.0, 5.0)
+    panels = figure.subplots(2, len(growth.AXES))
+    for axis, column in zip(growth.AXES, panels.T, strict=True):
+        for panel, kind, name, label, colour in (
+            (column[0], "time", axis.name_of_time, f"microseconds per {axis.measured}", BLUE),
+            (column[1], "memory", axis.name_of_memory, "MB", RED),
+        ):
+            results = [found[name(value)] for value in axis.values]
+            panel.loglog(axis.values, results, "o", color=colour)
+            fitted = growth.fitted_line(axis.values, results)
+            panel.loglog(axis.values, fitted, color=BLACK, linewidth=0.8)
+            slope = found[f"exponent of {kind} in {axis.name}"]
+            panel.set_title(f"{kind}: exponent {slope:.2f}")
+            panel.set_xticks(axis.values, [str(value) for value in axis.values])
+            panel.minorticks_off()
+            panel.set_xlabel(axis.name)
+            panel.set_ylabel(label)
+    return figure

@@ -1,4 +1,4 @@
-"""Pictures per second, with and without the iteration that each of them shows."""
+"""Pictures per second, with and without the iteration before each of them."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -10,7 +10,7 @@ import numpy as np
 from experiments.speed.measurement import CASES, Quantity
 
 WIDTH, HEIGHT, SIZE = 640, 400, 100
-# A first population is nothing but collisions. Repair makes members feasible, not all of them.
+# All members of a first population collide. Repair makes some of them feasible.
 ACTION = np.array([float(SIZE), 0.5])
 FIRST_STEP, STEPS = 10, 20
 FRAMES = f"frames of {WIDTH} x {HEIGHT}, {SIZE} members"
@@ -18,13 +18,13 @@ STEP_AND_RENDER = f"{FRAMES}, env.step and env.render"
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     yield Quantity(STEP_AND_RENDER, "frames/s", frames_per_second(lambda env: env.step(ACTION)))
     yield Quantity(f"{FRAMES}, env.render alone", "frames/s", frames_per_second(lambda _: None))
 
 
 def frames_per_second(advance: Callable[[Any], Any]) -> Callable[[], float]:
-    """The rate of frames, before each of which the environment is advanced; on the three cases in turn."""
+    """Return a function that measures frames per second on the cases; `advance` runs before each frame."""
     envs = [
         gymnasium.make(
             "swarm_gym/Firefly-v0",
@@ -43,7 +43,7 @@ def frames_per_second(advance: Callable[[Any], Any]) -> Callable[[], float]:
             env.reset(seed=0)
             for _ in range(FIRST_STEP):
                 env.step(ACTION)
-            env.render()  # draws the map, once for all
+            env.render()  # draws the map, which later frames reuse
             begin = time.perf_counter()
             for _ in range(STEPS):
                 advance(env)

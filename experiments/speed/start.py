@@ -1,4 +1,4 @@
-"""What a user waits for: the import, the first step with kernels cached or not; and memory of many swarms."""
+"""Time of the import and of the first step, with and without cached kernels; memory of many swarms."""
 
 import os
 import tempfile
@@ -45,7 +45,7 @@ print(peak_bytes() - before)
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     yield Quantity("import swarm_gym", "s", import_seconds)
     yield Quantity(f"of {', '.join(HEAVY)}, imported with it", "", lambda: float(run_python(IMPORTED)), 1)
     yield Quantity("import and first step, single, kernels cached", "s", first_step(FIRST_STEP, cold=False))
@@ -60,12 +60,12 @@ def quantities() -> Iterator[Quantity]:
 
 
 def import_seconds() -> float:
-    """`import swarm_gym` in a fresh interpreter, less the start of that interpreter."""
+    """Return the time of `import swarm_gym` in a fresh interpreter, without the start of the interpreter."""
     return seconds_of(lambda: run_python("import swarm_gym")) - seconds_of(lambda: run_python("pass"))
 
 
 def first_step(program: str, cold: bool) -> Callable[[], float]:
-    """From the first import to the end of the first step, in a fresh interpreter."""
+    """Return a function that measures the time from the first import to the end of the first step."""
 
     def once() -> float:
         if not cold:
@@ -77,7 +77,7 @@ def first_step(program: str, cold: bool) -> Callable[[], float]:
 
 
 def peak_bytes() -> int:
-    """The most memory that this process ever held."""
+    """Return the peak memory of this process in bytes."""
     try:
         status = Path("/proc/self/status").read_text(encoding="ascii")
     except OSError:  # not Linux
@@ -88,5 +88,5 @@ def peak_bytes() -> int:
 
 
 def peak_mebibytes() -> float:
-    """Growth of a process when many large swarms are made, reset and stepped."""
+    """Return by how much a process grows, in MiB, when many large swarms are made, reset and stepped."""
     return float(run_python(PEAK_MEMORY)) / 2**20

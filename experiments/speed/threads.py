@@ -1,7 +1,7 @@
-"""How well threads share the work, beside what the machine gives to independent processes.
+"""Parallel efficiency of threads, compared with that of independent processes.
 
-A core may run slower when the others are busy, or be slowed by other users for a while. So one thread, all
-threads, and as many processes take turns, and every ratio is of neighbours in time.
+A core may run slower when the others are busy, or while other users need it. So one thread, all threads, and
+as many processes take turns, and every ratio compares measurements that follow each other.
 """
 
 import multiprocessing
@@ -17,16 +17,16 @@ from experiments.speed.environments import vector
 from experiments.speed.measurement import ALL_THREADS, Quantity
 
 SIZE = 60
-SHARE = max(1, 64 // ALL_THREADS)  # swarms of a process
+SHARE = max(1, 64 // ALL_THREADS)  # number of swarms of a process
 WIDTH = SHARE * ALL_THREADS
 TURNS = 15
-LONG_RUN = 5e6  # moves of a measurement: what disturbs a core for milliseconds shall not decide
+LONG_RUN = 5e6  # moves of a measurement, so that disturbances of milliseconds do not matter
 
 Rates = np.ndarray  # (TURNS,) steps per second
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group; nothing where there is one core only."""
+    """Yield the quantities of this group; none if there is only one core."""
     if ALL_THREADS > 1:
         yield Quantity(THREADS_OVER_ONE, "%", lambda: _efficiency(_turns()[1]), 1)
         yield Quantity(PROCESSES_OVER_ONE, "%", lambda: _efficiency(_turns()[2]), 1)
@@ -49,7 +49,7 @@ def _against_processes() -> list[float]:
 
 @cache
 def _turns() -> tuple[Rates, Rates, Rates]:
-    """Steps per second of one thread, of all threads, and of all processes together."""
+    """Return steps per second of one thread, of all threads, and of all processes together."""
     one, threads = vector(WIDTH, SIZE, 1, LONG_RUN), vector(WIDTH, SIZE, ALL_THREADS, LONG_RUN)
     with processes(ALL_THREADS, SHARE, SIZE, LONG_RUN / ALL_THREADS) as together:
         rates = np.array([(one(), threads(), together(), one()) for _ in range(TURNS + 1)])[1:]
@@ -58,7 +58,7 @@ def _turns() -> tuple[Rates, Rates, Rates]:
 
 @contextmanager
 def processes(number: int, width: int, size: int, moves: float) -> Iterator[Callable[[], float]]:
-    """A function that lets so many processes run at the same time, and returns the sum of their rates."""
+    """Yield a function that lets processes run at the same time and returns the sum of their rates."""
     context = multiprocessing.get_context("spawn")
     barrier = context.Barrier(number)
     pipes, children = [], []
@@ -82,7 +82,7 @@ def processes(number: int, width: int, size: int, moves: float) -> Iterator[Call
 
 
 def _run_on_demand(pipe: Connection, barrier: Barrier, width: int, size: int, moves: float) -> None:
-    """Measure whenever asked to; all processes begin at the same time."""
+    """Measure whenever the pipe asks for it; all processes begin at the same time."""
     once = vector(width, size, 1, moves)
     once()  # past the first steps of an episode
     while pipe.recv():

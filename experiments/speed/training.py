@@ -1,4 +1,4 @@
-"""Where the time of PPO training goes: kernels, the environment around them, the adapter, the network."""
+"""Shares of the time of PPO training: kernels, the environment around them, the adapter, the network."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -22,7 +22,7 @@ ROLLOUTS = 5
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     yield Quantity(PACE, "steps/s", lambda: _shares()[0], 1)
     for number, part in enumerate(PARTS):
         yield Quantity(f"share of the time in: {part}", "%", _share(number), 1)
@@ -39,14 +39,14 @@ def _environment_share() -> float:
 
 
 class Stopwatch:
-    """Stands in for a function and adds up the time that it takes."""
+    """A stand-in for a function that adds up the time that its calls take."""
 
     def __init__(self, function: Callable) -> None:
         self.function = function
         self.seconds = 0.0
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
-        """Call the function."""
+        """Call the function and add the time that it takes."""
         begin = time.perf_counter()
         try:
             return self.function(*arguments, **options)
@@ -56,7 +56,7 @@ class Stopwatch:
 
 @cache
 def _shares() -> tuple[float, tuple[float, ...]]:
-    """Steps per second, and the share of each of `PARTS` in percent, over a few rollouts."""
+    """Return steps per second, and the share of each of `PARTS` in per cent, over a few rollouts."""
     import torch
 
     from agents.training.learners.ppo import PPOLearner

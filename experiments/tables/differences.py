@@ -1,4 +1,4 @@
-"""Groups against others on the same scenarios and seeds: all against the baseline, and chosen pairs."""
+"""Tables of paired comparisons on the same scenarios and seeds: with the baseline, and of chosen pairs."""
 
 from collections.abc import Sequence
 
@@ -6,11 +6,11 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import difference, holm
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import Entry, number, share, share_in
+from experiments.tables.table import Table
 
 RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently
 
-SIGNED = "+.2f"  # per cent
 WHAT = (
     "mean difference of the gap in per cent of the optimum (negative is better) [95 % interval over "
     "training seeds, scenarios of a set and seeds], change of the mean gap, ratio of the mean evaluations, "
@@ -21,30 +21,35 @@ COLUMNS = ("difference", "change of mean gap", "evaluations ratio", "A12", "impr
 
 
 def difference_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Every group against the baseline; p-values are corrected over the whole table.
+    """Return a table of every group against the baseline; p-values are corrected over the whole table.
 
-    There is none where the suite is run without its baseline.
+    There is no table where the suite is run without its baseline.
     """
     if suite.baseline not in outcomes.groups:
         return []
     pairs = [(group, suite.baseline) for group in outcomes.groups if group != suite.baseline]
-    rows = [(found[0], label(found[1]), *found[3:]) for found in _compare(outcomes, pairs)]
+    rows = [(found, label(group), *cells) for found, group, _, cells in _compare(outcomes, pairs)]
     caption = f"Paired with {label(suite.baseline)} on the same scenarios and seeds: {WHAT}"
     return [Table("differences", caption, ("scenarios", "controller", *COLUMNS), rows)]
 
 
-def duel_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """The pairs that the suite names, as far as they were run."""
-    pairs = [pair for pair in suite.duels if outcomes.groups.keys() >= set(pair)]
+def paired_comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of the pairs that the suite names, as far as they were run."""
+    pairs = [pair for pair in suite.pairs if outcomes.groups.keys() >= set(pair)]
     if not pairs:
         return []
-    rows = [(found[0], label(found[1]), label(found[2]), *found[3:]) for found in _compare(outcomes, pairs)]
+    rows = [
+        (found, label(group), label(rival), *cells)
+        for found, group, rival, cells in _compare(outcomes, pairs)
+    ]
     caption = f"Paired with a rival of its own on the same scenarios and seeds: {WHAT}"
     return [Table("duels", caption, ("scenarios", "controller", "rival", *COLUMNS), rows)]
 
 
-def _compare(outcomes: Outcomes, pairs: Sequence[tuple[str, str]]) -> list[tuple[str, ...]]:
-    """Set, group, rival and the cells of the columns, of every pair on every set."""
+def _compare(
+    outcomes: Outcomes, pairs: Sequence[tuple[str, str]]
+) -> list[tuple[str, str, str, tuple[Entry, ...]]]:
+    """Return set, group, rival and the cells of `COLUMNS`, for every pair on every set of scenarios."""
     compared = []
     for scenario_set in outcomes.sets:
         for group, other in pairs:
@@ -58,12 +63,14 @@ def _compare(outcomes: Outcomes, pairs: Sequence[tuple[str, str]]) -> list[tuple
             scenario_set,
             group,
             other,
-            f"{percent(found.difference, SIGNED)} {percent_interval(found.interval, SIGNED)}",
-            percent(found.relative_change, "+.1f"),
-            f"{cost:.2f}",
-            f"{found.superiority:.2f}",
-            f"{found.improvement:.2f}",
-            f"{p_value:.2g}",
+            (
+                share_in(found.difference, found.interval, "+.2f"),
+                share(found.relative_change, "+.1f"),
+                number(cost, ".2f"),
+                number(found.superiority, ".2f"),
+                number(found.improvement, ".2f"),
+                number(p_value, ".2g"),
+            ),
         )
         for (scenario_set, group, other, found, cost), p_value in zip(compared, adjusted, strict=True)
     ]

@@ -1,4 +1,4 @@
-"""Quality against cost: which groups are on the front, and how much a family of them covers."""
+"""Tables of quality against cost: groups on the front, and the area that a family of them covers."""
 
 import numpy as np
 
@@ -6,25 +6,25 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Family, Suite
 from experiments.statistics import Interval, hypervolume, interval, means, non_dominated
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import Entry, number, number_in, percent, share_in
+from experiments.tables.table import Table
 
 
 def front_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """The points of all groups, and the hypervolumes of the suite's families if it has any."""
-    rows = []
+    """Return a table of the points of all groups, and one of hypervolumes if the suite has families."""
+    rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         samples = [outcomes.sample(group, scenario_set) for group in outcomes.groups]
         points = np.array([(sample.evaluations.mean(), sample.gap.mean()) for sample in samples])
         for group, sample, point, best in zip(
             outcomes.groups, samples, points, non_dominated(points), strict=True
         ):
-            ends = interval(means(sample.gap, sample.draws()))
             rows.append(
                 (
                     scenario_set,
                     label(group),
-                    f"{point[0]:,.0f}",
-                    f"{percent(point[1], '.2f')} {percent_interval(ends, '.2f')}",
+                    number(point[0], ",.0f"),
+                    share_in(point[1], interval(means(sample.gap, sample.draws())), ".2f"),
                     "yes" if best else "no",
                 )
             )
@@ -41,12 +41,12 @@ def front_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 def family_hypervolume(
     family: Family, outcomes: Outcomes, scenario_set: str, reference: tuple[float, float]
 ) -> tuple[float, Interval]:
-    """Hypervolume of the groups of a family that were run, decades of evaluations times gap.
+    """Return the hypervolume of the groups of a family that were run, decades of evaluations times gap.
 
     Args:
         family: the family; at least one of its groups was run.
-        outcomes: of the suite.
-        scenario_set: key of the set.
+        outcomes: runs of the suite.
+        scenario_set: key of the set of scenarios.
         reference: evaluations and gap.
 
     Returns:
@@ -65,12 +65,12 @@ def family_hypervolume(
 
 def _hypervolume_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     present = [family for family in suite.families if not outcomes.groups.keys().isdisjoint(family.groups)]
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for family in present:
             found, ends = family_hypervolume(family, outcomes, scenario_set, suite.reference)
             members = ", ".join(label(group) for group in family.groups if group in outcomes.groups)
-            rows.append((scenario_set, family.name, members, f"{found:.4f} [{ends[0]:.4f}, {ends[1]:.4f}]"))
+            rows.append((scenario_set, family.name, members, number_in(found, ends, ".4f")))
     evaluations, gap = suite.reference
     table = Table(
         "hypervolume",

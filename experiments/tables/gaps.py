@@ -1,4 +1,4 @@
-"""How far the runs of each group end from the optimum, and at what cost."""
+"""Tables of optimality gaps: how far the runs of each group end from the optimum, and at what cost."""
 
 import numpy as np
 
@@ -6,15 +6,16 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, means, summarise_group
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import Entry, number, share, share_in
+from experiments.tables.table import Table
 
 NEAR = 0.01  # of the optimum
 FINE = ".2f"  # per cent; controllers differ by little
 
 
 def gap_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
-    """Optimality gap, feasibility and cost, a row per set of scenarios and group of controllers."""
-    rows = []
+    """Return a table of gap, feasibility and cost, a row per set of scenarios and group of controllers."""
+    rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for group in outcomes.groups:
             sample = outcomes.sample(group, scenario_set)
@@ -23,18 +24,17 @@ def gap_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
                 (
                     scenario_set,
                     label(group),
-                    str(sample.gap.size),
-                    str(sample.num_training_seeds),
-                    f"{percent(found.mean, FINE)} {percent_interval(found.interval, FINE)}",
-                    f"{percent(found.inter_quartile_mean, FINE)} "
-                    f"{percent_interval(found.inter_quartile_interval, FINE)}",
-                    percent(found.median, FINE),
-                    percent(found.minimum, FINE),
-                    percent(found.maximum, FINE),
-                    percent(found.deviation, FINE),
-                    percent(sample.feasible.mean()),
-                    f"{sample.evaluations.mean():,.0f}",
-                    f"{sample.seconds.mean():.3f}",
+                    number(sample.gap.size, "d"),
+                    number(sample.num_training_seeds, "d"),
+                    share_in(found.mean, found.interval, FINE),
+                    share_in(found.inter_quartile_mean, found.inter_quartile_interval, FINE),
+                    share(found.median, FINE),
+                    share(found.minimum, FINE),
+                    share(found.maximum, FINE),
+                    share(found.deviation, FINE),
+                    share(sample.feasible.mean()),
+                    number(sample.evaluations.mean(), ",.0f"),
+                    number(sample.seconds.mean(), ".3f"),
                 )
             )
     return [
@@ -52,14 +52,14 @@ def gap_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
 
 
 def near_optimum_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
-    """The share of runs that end within 1 % of the optimum, a row per group and a column per set."""
-    rows = []
+    """Return a table of the share of runs within 1 % of the optimum, a row per group, a column per set."""
+    rows: list[tuple[Entry, ...]] = []
     for group in outcomes.groups:
         cells = []
         for scenario_set in outcomes.sets:
             sample = outcomes.sample(group, scenario_set)
             near = (sample.gap <= NEAR).astype(np.float64)
-            cells.append(f"{percent(near.mean())} {percent_interval(interval(means(near, sample.draws())))}")
+            cells.append(share_in(near.mean(), interval(means(near, sample.draws()))))
         rows.append((label(group), *cells))
     return [
         Table(

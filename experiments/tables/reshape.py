@@ -1,60 +1,70 @@
-"""Parts of tables, for documents that have no room for all of one."""
+"""Parts of results tables, for documents that have no room for a whole table."""
 
+from dataclasses import replace
+
+from experiments.tables.cell import MISSING, Entry
 from experiments.tables.table import Table
 
-SETS = "scenarios"  # the column of the sets of scenarios
-NOTHING = "–"
+SETS = "scenarios"  # head of the column with the sets of scenarios
 
 
 def select(table: Table, columns: tuple[str, ...]) -> Table:
-    """The table with these columns, in this order.
+    """Return the table with these columns, in this order.
 
     Raises:
-        ValueError: if it lacks one.
+        ValueError: if the table lacks one of them.
     """
     places = [_place(table, column) for column in columns]
     rows = [tuple(row[place] for place in places) for row in table.rows]
-    return Table(table.name, table.caption, columns, rows)
+    return replace(table, columns=columns, rows=rows)
 
 
 def split(table: Table, column: str = SETS) -> dict[str, Table]:
-    """A table for each value of a column, without it, in the order that the values come in."""
+    """Return a table for each entry of a column, without this column, in the order of the entries."""
     place = _place(table, column)
     rest = tuple(name for name in table.columns if name != column)
     found = {}
-    for value in dict.fromkeys(row[place] for row in table.rows):
-        rows = [row for row in table.rows if row[place] == value]
-        found[value] = select(Table(table.name, table.caption, table.columns, rows), rest)
+    for value in dict.fromkeys(str(row[place]) for row in table.rows):
+        rows = [row for row in table.rows if str(row[place]) == value]
+        found[value] = select(replace(table, rows=rows), rest)
     return found
 
 
 def spread(table: Table, keys: tuple[str, ...], value: str, column: str = SETS) -> Table:
-    """A row for each combination of the keys, and a column with the value for each entry of a column."""
+    """Return a table with a row for each combination of the keys, and a column for each entry of a column.
+
+    Args:
+        table: table to reshape.
+        keys: heads of the columns that name a row.
+        value: head of the column whose entries fill the new columns.
+        column: head of the column whose entries become the heads of the new columns.
+    """
     places = [_place(table, key) for key in keys]
     parts = split(table, column)
-    cells = {
-        (tuple(row[place] for place in places), row[_place(table, column)]): row[_place(table, value)]
+    cells: dict[tuple[tuple[str, ...], str], Entry] = {
+        (tuple(str(row[place]) for place in places), str(row[_place(table, column)])): row[
+            _place(table, value)
+        ]
         for row in table.rows
     }
     rows = [
-        (*key, *(cells.get((key, part), NOTHING) for part in parts))
+        (*key, *(cells.get((key, part), MISSING) for part in parts))
         for key in dict.fromkeys(key for key, _ in cells)
     ]
-    return shorten_heads(Table(table.name, table.caption, (*keys, *parts), rows))
+    return shorten_heads(replace(table, columns=(*keys, *parts), rows=rows))
 
 
 def join(table: Table, other: Table, keys: tuple[str, ...], value: str) -> Table:
-    """The table with a column more, of another table's rows with the same keys."""
-    values = {row[:-1]: row[-1] for row in select(other, (*keys, value)).rows}
-    found = (values.get(key, NOTHING) for key in select(table, keys).rows)
+    """Return the table with one more column, taken from the rows of another table with the same keys."""
+    values = {tuple(map(str, row[:-1])): row[-1] for row in select(other, (*keys, value)).rows}
+    found = (values.get(tuple(map(str, key)), MISSING) for key in select(table, keys).rows)
     rows = [(*row, cell) for row, cell in zip(table.rows, found, strict=True)]
-    return Table(table.name, table.caption, (*table.columns, value), rows)
+    return replace(table, columns=(*table.columns, value), rows=rows)
 
 
 def shorten_heads(table: Table) -> Table:
-    """The table with `test` as the head of a column `random-fields:test`."""
-    heads = tuple(column.rpartition(":")[2] for column in table.columns)
-    return Table(table.name, table.caption, heads, table.rows)
+    """Return the table with `test` as the head of a column `random-fields:test`."""
+    return replace(table, columns=tuple(column.rpartition(":")[2] for column in table.columns))
 
 
 def _place(table: Table, column: str) -> int:

@@ -1,57 +1,75 @@
-"""A table as Markdown, CSV and LaTeX, and how its cells are written."""
+"""A results table: cells with numbers, and its renderings as Markdown, LaTeX, CSV and JSON."""
 
 import csv
 import io
-from collections.abc import Sequence
+import json
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
+from experiments.tables.cell import MISSING, Cell, Entry, plain_text
 from swarm_gym.files import write_atomically
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table: file name, caption, column heads and cells, already formatted."""
+    """A results table.
+
+    Attributes:
+        name: name of its files, without a suffix.
+        caption: text above the table.
+        columns: heads of the columns.
+        rows: entries of every row, one per column: cells with numbers, or text.
+        scenario: name of the scenario that the table is about, if its suite has such a table for each of its
+            scenarios; None for a table about all of them.
+    """
 
     name: str
     caption: str
     columns: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
-
-    def markdown(self) -> str:
-        """GitHub's Markdown, with the caption above."""
-        lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
-        body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-        return f"**{self.caption}**\n\n{body}\n"
-
-    @classmethod
-    def from_markdown(cls, name: str, text: str) -> "Table":
-        """What `markdown` wrote.
-
-        Raises:
-            ValueError: if it is something else.
-        """
-        caption, *body = text.strip().split("\n")
-        rows = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in body[1:]]
-        if len(rows) < 2 or any(len(row) != len(rows[0]) for row in rows) or set(rows[1]) != {"---"}:
-            raise ValueError(f"table {name!r} is not as it was written")
-        return cls(name, caption.removeprefix("**").removesuffix("**"), rows[0], rows[2:])
+    rows: Sequence[tuple[Entry, ...]]
+    scenario: str | None = None
 
     def write(self, folder: Path) -> None:
-        """Write <name>.md, <name>.csv and <name>.tex."""
-        for suffix, text in (("md", self.markdown()), ("csv", self.csv()), ("tex", self.latex())):
+        """Write <name>.md, <name>.tex, <name>.csv and <name>.json."""
+        for suffix, text in (
+            ("md", self.markdown()),
+            ("tex", self.latex()),
+            ("csv", self.csv()),
+            ("json", self.json()),
+        ):
             write_atomically(folder / f"{self.name}.{suffix}", text)
 
-    def csv(self) -> str:
-        """Comma-separated values with a head line."""
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([self.columns, *self.rows])
-        return text.getvalue()
+    @classmethod
+    def read(cls, path: Path) -> "Table":
+        """Return the table of a JSON file that `write` made.
+
+        Raises:
+            OSError: if the file cannot be read.
+            ValueError: if it is not a table.
+        """
+        text = path.read_text(encoding="utf-8")
+        try:
+            stored = json.loads(text)
+            rows = [tuple(map(_entry, row)) for row in stored["rows"]]
+            table = cls(stored["name"], stored["caption"], tuple(stored["columns"]), rows, stored["scenario"])
+        except (ValueError, LookupError, TypeError, AttributeError) as error:
+            raise ValueError(f"{path} is not a table as `Table.write` stores it: {error}") from error
+        if any(len(row) != len(table.columns) for row in rows):
+            raise ValueError(f"{path} is not a table: a row does not have {len(table.columns)} entries")
+        return table
+
+    def markdown(self) -> str:
+        """Return the table in GitHub's Markdown, with the caption above."""
+        lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
+        body = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+        return f"**{self.caption}**\n\n{body}\n"
 
     def latex(self) -> str:
-        """A `table` environment with booktabs rules."""
+        """Return a `table` environment with booktabs rules."""
         lines = [" & ".join(map(_escape, line)) + r" \\" for line in (self.columns, *self.rows)]
         return "\n".join(
             [
@@ -70,19 +88,71 @@ class Table:
             ]
         )
 
+    def csv(self) -> str:
+        """Return comma-separated values with a head line: one column per number, in full precision.
 
-def percent(value: float, form: str = ".1f") -> str:
-    """A share as a percentage, in a format for numbers; a dash where there is none."""
-    return "–" if np.isnan(value) else f"{100 * value:{form}} %"
+        The number `value` of a column has the head of the column, any other its name behind that, such as
+        "mean gap low". Shares are numbers from 0 to 1; what is missing is empty.
+        """
+        heads: list[str] = []
+        columns: list[list[str]] = []
+        for place, head in enumerate(self.columns):
+            entries = [row[place] for row in self.rows]
+            names = list(dict.fromkeys(name for e in entries if isinstance(e, Cell) for name in e.numbers))
+            for name in names or ["value"]:
+                heads.append(_unused(head if name == "value" else f"{head} {name}", heads))
+                columns.append([_plain_value(entry, name) for entry in entries])
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([heads, *zip(*columns, strict=True)])
+        return text.getvalue()
+
+    def json(self) -> str:
+        """Return the table as JSON that `read` takes, a row a line."""
+        rows = ",\n".join(
+            json.dumps([_stored(entry) for entry in row], ensure_ascii=False) for row in self.rows
+        )
+        facts = {name: getattr(self, name) for name in ("name", "caption", "scenario", "columns")}
+        return f'{json.dumps(facts, ensure_ascii=False)[:-1]}, "rows": [\n{rows}\n]}}\n'
 
 
-def percent_interval(ends: tuple[float, float], form: str = ".1f") -> str:
-    """Two shares in per cent, in brackets."""
-    return f"[{100 * ends[0]:{form}}, {100 * ends[1]:{form}}]"
+def text_columns(table: Table) -> list[bool]:
+    """Return for every column whether it holds no numbers."""
+    return [
+        not any(isinstance(row[place], Cell) for row in table.rows) for place in range(len(table.columns))
+    ]
 
 
-def _escape(text: str) -> str:
-    text = text.replace("**", "").replace("–", "--")
+def _plain_value(entry: Entry, name: str) -> str:
+    """Return what CSV has of an entry: a number of a cell, or a text in place of the number `value`."""
+    if isinstance(entry, Cell):
+        return repr(entry.numbers[name]) if name in entry.numbers else ""
+    return plain_text(entry) if name == "value" and entry != MISSING else ""
+
+
+def _unused(head: str, heads: Iterable[str]) -> str:
+    """Return the head, or with a number behind it if there is such a head already."""
+    if head not in heads:
+        return head
+    return next(other for k in count(2) if (other := f"{head} ({k})") not in heads)
+
+
+def _stored(entry: Entry) -> Any:
+    """Return an entry as JSON has it; numbers that are not finite are strings there."""
+    if not isinstance(entry, Cell):
+        return entry
+    numbers = {name: v if math.isfinite(v) else repr(v) for name, v in entry.numbers.items()}
+    return {"template": entry.template, "numbers": numbers}
+
+
+def _entry(stored: Any) -> Entry:
+    if isinstance(stored, str):
+        return stored
+    numbers = {name: float(v) if isinstance(v, str) else v for name, v in stored["numbers"].items()}
+    return Cell(stored["template"], numbers)
+
+
+def _escape(entry: Entry) -> str:
+    text = plain_text(entry).replace(MISSING, "--")
     for character in "&%$#_":
         text = text.replace(character, "\\" + character)
     return text

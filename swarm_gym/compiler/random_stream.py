@@ -8,7 +8,7 @@ is an array of 4 x 8 words, advanced in place, one per swarm: it needs no lock a
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.compiler.simd import NUM_LANES, as_float, load, store
 
 STREAM_SHAPE = (4, NUM_LANES)
@@ -29,11 +29,16 @@ def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
     """
     stream = np.ones(STREAM_SHAPE, dtype=np.uint64)  # the last row counts from one
     stream[:3] = sequence.generate_state(3 * NUM_LANES, np.uint64).reshape(NUM_LANES, 3).T
-    fill_uniform(stream, np.empty(_DISCARDED * NUM_LANES))
+    _discard_first(stream)
     return stream
 
 
-@inlined_kernel
+@entry
+def _discard_first(stream: NDArray[np.uint64]) -> None:
+    fill_uniform(stream, np.empty(_DISCARDED * NUM_LANES))
+
+
+@kernel(inline="late")
 def fill_uniform(stream: NDArray[np.uint64], out: NDArray[np.float64]) -> None:
     """Fill `out`, whose length is a multiple of eight, with numbers uniform in [0, 1); advances `stream`.
 

@@ -1,4 +1,4 @@
-"""Everything that decides the next population size and repair degree, made by name; needs no torch."""
+"""Controllers that decide the next population size and repair degree, made by name; torch is not needed."""
 
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.registry import CONTROLLERS, make_controller

@@ -1,4 +1,4 @@
-"""A controller: from what is seen of a swarm to its next population size and repair degree."""
+"""The interface of controllers, which map observations of swarms to population sizes and repair degrees."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SizeLimits:
-    """The population sizes that an environment allows; the defaults are the environments'."""
+    """Population sizes that an environment allows; the defaults are those of the environments."""
 
     smallest: int = 2
     largest: int = 200
@@ -25,20 +25,21 @@ class SizeLimits:
             )
 
     def clip(self, size: int) -> int:
-        """The nearest size that is allowed."""
+        """Return the nearest allowed size."""
         return min(max(size, self.smallest), self.largest)
 
 
 class Controller(ABC):
-    """Decides for many swarms at once; decisions for a swarm do not depend on the others.
+    """A rule that decides for many swarms at once; decisions for a swarm do not depend on the others.
 
     Attributes:
         observation: name of the observation layout that `act` expects.
-        action: name of the action layout that `act` answers in.
-        initial_population_size: PS(0), to be given to the environment.
-        max_evaluations: evaluation budget of an episode, where the controller needs one.
-        price: what evaluations cost, where the controller sees it.
-        corrects: its base, if it corrects another controller; `observation` begins with the layout of that.
+        action: name of the layout of the actions that `act` returns.
+        initial_population_size: PS(0), an option of the environment.
+        max_evaluations: evaluation budget of an episode; None if the controller needs none.
+        price: price of 100,000 evaluations; None if the controller does not observe it.
+        corrects: controller whose decisions this one corrects, if any; `observation` begins with the layout
+            of that controller.
     """
 
     observation: str = "paper"
@@ -50,18 +51,18 @@ class Controller(ABC):
 
     @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Begin episodes of this many swarms; the random decisions of swarm b are seeded with seed + b."""
+        """Begin episodes of this many swarms; random decisions of swarm b are seeded with seed + b."""
 
     @abstractmethod
     def act(self, observations: NDArray) -> NDArray:
-        """Actions (num_swarms, number of decisions), in the layout `action`.
+        """Return actions (num_swarms, number of decisions) in the layout `action`.
 
         Args:
             observations: shape (num_swarms, k), in the layout `observation`.
         """
 
     def env_options(self) -> dict[str, Any]:
-        """What the environment has to be made with for this controller."""
+        """Return the options that the environment of this controller needs."""
         options: dict[str, Any] = {
             "observation": self.observation,
             "action": self.action,
@@ -74,15 +75,41 @@ class Controller(ABC):
         return options
 
 
-def require_fitting(controller: Controller, max_evaluations: int | None) -> None:
-    """Refuse a controller that is to decide in episodes made for another one, but needs others.
+class Wrapper(Controller):
+    """A controller around another one, with the same environment; it changes observations or decisions.
+
+    A subclass implements `act`, which is called once per iteration: it asks `_controller` and adds one to
+    `_iteration`.
 
     Args:
-        controller: what is to decide.
-        max_evaluations: budget of these episodes; None is no budget.
+        controller: controller to wrap.
+    """
+
+    def __init__(self, controller: Controller):
+        self._controller = controller
+        self._iteration = 0
+        self.observation = controller.observation
+        self.action = controller.action
+        self.initial_population_size = controller.initial_population_size
+        self.max_evaluations = controller.max_evaluations
+        self.price = controller.price
+        self.corrects = controller.corrects
+
+    def reset(self, num_swarms: int, seed: int = 0) -> None:
+        """Begin episodes; all swarms are in the same iteration."""
+        self._iteration = 0
+        self._controller.reset(num_swarms, seed)
+
+
+def require_fitting(controller: Controller, max_evaluations: int | None) -> None:
+    """Raise an error if a controller cannot decide in episodes that were made for another one.
+
+    Args:
+        controller: controller that shall decide.
+        max_evaluations: evaluation budget of these episodes; None is no budget.
 
     Raises:
-        ValueError: if it was made for another budget, or for a price that it sees.
+        ValueError: if the controller needs another budget, or observes a price.
     """
     if controller.max_evaluations not in (None, max_evaluations):
         raise ValueError(
@@ -90,4 +117,4 @@ def require_fitting(controller: Controller, max_evaluations: int | None) -> None
             f"{max_evaluations or 'no budget'}"
         )
     if controller.price is not None:
-        raise ValueError(f"it is told a price, {controller.price:g}, that these episodes need not have")
+        raise ValueError(f"it observes a price, {controller.price:g}, which these episodes need not have")

@@ -1,9 +1,9 @@
-"""Distilled rules: what a trained policy does, said in at most ten numbers, as a controller of its own.
+"""Distilled rules: controllers with at most ten numbers fitted to the decisions of a trained policy.
 
-A rule is PS(0) and one formula per decision: phi is a weighted sum of a few inputs, population size and
-parameters of the optimizer are the exponential of one, each within the bounds of the decision. All numbers of
-a rule are PS(0), constants and weights; inputs hold none that was fitted, and are the same for all rules. See
-`agents.distil` for where rules come from.
+A rule is PS(0) and one formula per decision. Phi is a weighted sum of a few inputs; population size and
+parameters of the optimizer are the exponential of such a sum. Each is clipped to the bounds of the decision.
+The numbers of a rule are PS(0), constants and weights. Inputs are the same for all rules and have no fitted
+numbers. `agents.distil` makes rules.
 """
 
 import json
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
-from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
+from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
@@ -28,7 +28,7 @@ from swarm_gym.settings import Settings
 FORMAT = "swarm_gym distilled rule 1"
 DISTILLED = Path(__file__).parent / "data" / "distilled"
 MOST_NUMBERS = 10
-DIGITS = 3  # significant ones, of every number
+DIGITS = 3  # significant digits of every number
 OBSERVATION = "rich"
 LINEAR = "repair degree"  # all other decisions are exponentials
 
@@ -36,7 +36,7 @@ _COLUMNS = {feature.name: place for place, feature in enumerate(OBSERVATIONS[OBS
 
 
 class DistilledFileError(ValueError):
-    """A file of a rule is missing or damaged; the message names it."""
+    """A file of a rule that is missing or damaged; the message names it."""
 
 
 def _column(name: str, scale: float = 1.0, power: int = 1) -> Callable[[NDArray], Floats]:
@@ -47,8 +47,8 @@ def _column(name: str, scale: float = 1.0, power: int = 1) -> Callable[[NDArray]
 CURRENT_SIZE = "log(1+size)/log(1+largest size)"
 _TIME = "share of the iterations done"
 _LOG_TIME = "log(1 + iteration), relative to that of the last"
-# What formulas are made of, by how it is written: of observations (B, k) to (B,). t is the iteration, T the
-# last one; "size" is the population size relative to the largest.
+# Inputs of formulas by their text: functions from observations (B, k) to (B,). t is the iteration, T the last
+# one; "size" is the population size relative to the largest.
 INPUTS: dict[str, Callable[[NDArray], Floats]] = {
     "t/T": _column(_TIME),
     "(t/T)^2": _column(_TIME, power=2),
@@ -69,12 +69,12 @@ INPUTS: dict[str, Callable[[NDArray], Floats]] = {
 
 @dataclass(frozen=True)
 class Formula:
-    """One decision: a constant plus weighted inputs, of which the exponential is taken unless it is phi.
+    """The formula of one decision: a constant plus weighted inputs, and the exponential of it except for phi.
 
     Attributes:
-        decision: its name in the action layout.
-        constant: the sum without inputs.
-        weights: of inputs, by name in `INPUTS`.
+        decision: name of the decision in the action layout.
+        constant: value of the sum without inputs.
+        weights: weights of inputs by their names in `INPUTS`.
     """
 
     decision: str
@@ -91,16 +91,16 @@ class Formula:
 
     @property
     def num_numbers(self) -> int:
-        """How many numbers it has."""
+        """Number of constants and weights in the formula."""
         return 1 + len(self.weights)
 
     def rounded(self) -> "Formula":
-        """The same with numbers as they are printed."""
+        """Return the formula with its numbers rounded as they are printed."""
         weights = {name: _round(weight) for name, weight in self.weights.items()}
         return Formula(self.decision, _round(self.constant), weights)
 
     def evaluate(self, seen: NDArray, low: float, high: float) -> Floats:
-        """(B,) decisions in natural units within bounds, of observations (B, k) in the layout `rich`."""
+        """Return (B,) decisions in natural units within bounds, given observations (B, k), layout `rich`."""
         total = np.full(len(seen), float(self.constant))
         for name, weight in self.weights.items():  # row by row: the width does not matter
             total += weight * INPUTS[name](seen)
@@ -117,14 +117,14 @@ class Formula:
 
 
 class DistilledRule(Controller):
-    """Decides by formulas.
+    """A controller that decides by formulas.
 
     Args:
         initial_population_size: PS(0).
-        formulas: one per decision, in the order of the action layout `natural` or `extended`.
-        optimizer: whose parameters the further decisions are.
-        max_evaluations: budget of an episode, where the policy that it was distilled from needs one.
-        limits: the sizes that the environment allows.
+        formulas: one formula per decision, in the order of the action layout `natural` or `extended`.
+        optimizer: optimizer whose parameters are the further decisions.
+        max_evaluations: evaluation budget of an episode, if the distilled policy needs one.
+        limits: population sizes that the environment allows.
 
     Raises:
         ValueError: for more than `MOST_NUMBERS` numbers, or decisions that no layout has.
@@ -140,7 +140,7 @@ class DistilledRule(Controller):
         max_evaluations: int | None = None,
         limits: SizeLimits = SizeLimits(),  # noqa: B008
     ):
-        self.formulas = tuple(formula.rounded() for formula in formulas)  # what is printed is what is done
+        self.formulas = tuple(formula.rounded() for formula in formulas)  # decides as its text says
         self.optimizer = optimizer
         self.action = "natural" if len(self.formulas) == 2 else "extended"
         self.max_evaluations = max_evaluations
@@ -155,11 +155,11 @@ class DistilledRule(Controller):
 
     @property
     def num_numbers(self) -> int:
-        """How many numbers the rule has: PS(0), constants and weights."""
+        """Number of all fitted numbers: PS(0), constants and weights."""
         return 1 + sum(formula.num_numbers for formula in self.formulas)
 
     def lines(self) -> list[str]:
-        """The rule as text."""
+        """Return the rule as text."""
         return [
             f"first population size = {self.initial_population_size}",
             *(
@@ -169,10 +169,10 @@ class DistilledRule(Controller):
         ]
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Nothing to begin."""
+        """Do nothing; the controller has no state."""
 
     def act(self, observations: NDArray) -> Floats:
-        """What the formulas say."""
+        """Return (B, k) decisions of the formulas."""
         return np.stack(
             [
                 formula.evaluate(observations, low, high)
@@ -183,7 +183,7 @@ class DistilledRule(Controller):
 
 
 def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float, float]]:
-    """Bounds of all that can be decided for an optimizer, in natural units, in the order of actions."""
+    """Return the bounds (low, high) of all decisions for an optimizer, in natural units, in order."""
     chosen = get_optimizer(optimizer)
     settings = Settings(
         action="extended" if chosen.decided_knobs() else "natural",
@@ -195,16 +195,16 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
     return {name: (scale.low, scale.high) for name, scale in zip(layout.labels, layout.scales, strict=True)}
 
 
-def shipped_rules() -> list[str]:
-    """Names of the rules that come with the project."""
-    return shipped_names(DISTILLED, ".json")
+def packaged_rules() -> list[str]:
+    """Return the names of the rules in the package."""
+    return packaged_names(DISTILLED, ".json")
 
 
 def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  # noqa: B008
-    """A rule from a shipped file by name, or from the file that is given.
+    """Return the rule of a packaged file by its name, or of the file at a path.
 
     Raises:
-        DistilledFileError: if there is none, or its content is not what it should be.
+        DistilledFileError: if there is no such file, or its content is invalid.
     """
     path = find_json("distilled rule", name, DISTILLED, DistilledFileError)
     try:
@@ -221,7 +221,7 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
 
 
 def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Mapping[str, Any]) -> None:
-    """Write a rule, as text and as numbers, with what is known of it, at once or not at all."""
+    """Write a rule, as text and as numbers, with the manifest of its origin, atomically."""
     content = {
         "format": FORMAT,
         "rule": rule.lines(),

@@ -1,4 +1,4 @@
-"""Controllers that do not look: a constant size, and chance."""
+"""Controllers that ignore observations: a constant population size, and random decisions."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ LARGEST = 10_000
 class Fixed(Controller):
     """A constant population size without repair: FA-60, FA-80 and FA-100 of the SPSFA paper.
 
-    A size beyond the limits has the environment made for it.
+    For a size above the limits, the environment is made with a larger maximum.
     """
 
     def __init__(self, population_size: int, limits: SizeLimits = SizeLimits()):  # noqa: B008
@@ -25,22 +25,22 @@ class Fixed(Controller):
         self._limits = limits
 
     def env_options(self) -> dict[str, Any]:
-        """What the environment has to be made with for this controller."""
+        """Return the options that the environment of this controller needs."""
         options = super().env_options()
         if self.initial_population_size > self._limits.largest:
             options["max_population_size"] = self.initial_population_size
         return options
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Nothing to begin."""
+        """Do nothing; the controller has no state."""
 
     def act(self, observations: NDArray) -> Floats:
-        """The same size always, phi = 0."""
+        """Return (B, 2) decisions: the constant size, and phi = 0."""
         return np.tile([float(self.initial_population_size), 0.0], (len(observations), 1))
 
 
 class Random(Controller):
-    """Uniform over all population sizes and phi: the floor of every comparison."""
+    """Uniformly random population sizes and phi: the lower end of every comparison."""
 
     def __init__(self, limits: SizeLimits = SizeLimits()):  # noqa: B008
         self.limits = limits
@@ -52,7 +52,7 @@ class Random(Controller):
         self._generators = [np.random.default_rng(seed + row) for row in range(num_swarms)]
 
     def act(self, observations: NDArray) -> Floats:  # noqa: ARG002
-        """A fresh draw per swarm."""
+        """Draw (B, 2) decisions, one row per swarm."""
         draws = np.array([generator.random(2) for generator in self._generators])
         low = [self.limits.smallest, 0.0]
         high = [self.limits.largest, 1.0]

@@ -1,8 +1,8 @@
-"""A blind controller: population size and phi, and further decisions, as fixed functions of the iteration.
+"""Open loops: population size, phi and further decisions as fixed functions of the iteration.
 
-The decisions are given at a few iterations, the knots, and interpolated between them: sizes and parameters of
-the optimizer in the logarithm, phi in its square root. Where the knots come from is told by their file; see
-`agents.tune`.
+The decisions are given at a few iterations, the knots. Between knots, sizes and parameters of the optimizer
+are interpolated in the logarithm, and phi in its square root. The manifest of a file states how its knots
+were tuned; see `agents.tune`.
 """
 
 import json
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
-from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
+from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
@@ -23,28 +23,28 @@ from swarm_gym.optimizers import get_optimizer
 
 FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "data" / "open_loops"
-# Far beyond an episode; the table of decisions has as many rows.
+# Far beyond the length of an episode; `OpenLoop.decisions` has a row for each iteration up to the last knot.
 MAX_KNOT = 10**5
 
 
 class OpenLoopFileError(ValueError):
-    """A file of knots is missing or damaged; the message names it."""
+    """A file of knots that is missing or damaged; the message names it."""
 
 
 class OpenLoop(Controller):
     """Decisions interpolated between knots.
 
     Args:
-        initial_population_size: PS(0); what the first knot says holds from iteration 1 on.
+        initial_population_size: PS(0); the decision at the first knot is the size of iteration 1.
         knots: iterations in increasing order, the first one 0.
         sizes: population size at each knot.
         repair_degrees: phi at each knot, in [0, 1].
         knobs: further decisions at each knot by name, positive, in the order of the extended action.
-        limits: the sizes that the environment allows.
-        optimizer: the optimizer whose parameters the further decisions are.
+        limits: population sizes that the environment allows.
+        optimizer: optimizer whose parameters are the further decisions.
 
     Attributes:
-        table: (iterations up to the last knot, number of decisions) what is decided, in natural units.
+        decisions: (iterations up to the last knot, number of decisions) decisions in natural units.
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class OpenLoop(Controller):
         optimizer: str = "firefly",
     ):
         knobs = dict(knobs or {})
-        columns = [sizes, repair_degrees, *knobs.values()]
-        if any(len(column) != len(knots) for column in columns):
-            raise ValueError(f"open loop: {len(knots)} knots, but {[len(c) for c in columns]} values")
+        lengths = [len(values) for values in (sizes, repair_degrees, *knobs.values())]
+        if any(length != len(knots) for length in lengths):
+            raise ValueError(f"open loop: {len(knots)} knots, but {lengths} values")
         whole = all(isinstance(knot, int | np.integer) for knot in knots)
         if not whole or len(knots) < 1 or knots[0] != 0 or any(b <= a for a, b in pairwise(knots)):
             raise ValueError(
@@ -82,31 +82,31 @@ class OpenLoop(Controller):
             )
         self.initial_population_size = limits.clip(int(initial_population_size))
         iterations = np.arange(knots[-1] + 1)
-        # Clipped, since exp(log(x)) may be the next number after x, and x the bound of an action.
-        table = [
+        # Clipped, since exp(log(x)) may be the next number after x, and x may be the bound of an action.
+        columns = [
             np.clip(np.exp(np.interp(iterations, knots, np.log(column))), min(column), max(column))
             for column in positive
         ]
-        table[0] = np.clip(table[0], limits.smallest, limits.largest)
-        table.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
-        self.table: Floats = np.stack(table, axis=1)
+        columns[0] = np.clip(columns[0], limits.smallest, limits.largest)
+        columns.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
+        self.decisions: Floats = np.stack(columns, axis=1)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Nothing to begin."""
+        """Do nothing; the controller has no state."""
 
     def act(self, observations: NDArray) -> Floats:
-        """What the knots say for the next iteration; beyond the last knot it stays as it is."""
-        iteration = np.minimum(observations[:, ITERATION].astype(np.int64), len(self.table) - 1)
-        return self.table[iteration]
+        """Return (B, k) decisions for the next iteration; those at the last knot hold ever after."""
+        iteration = np.minimum(observations[:, ITERATION].astype(np.int64), len(self.decisions) - 1)
+        return self.decisions[iteration]
 
 
-def shipped_open_loops() -> list[str]:
-    """Names of the open loops that come with the project."""
-    return shipped_names(OPEN_LOOPS, ".json")
+def packaged_open_loops() -> list[str]:
+    """Return the names of the open loops in the package."""
+    return packaged_names(OPEN_LOOPS, ".json")
 
 
 def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
-    """Refuse what is not decided by an extended action, in its order and within its ranges."""
+    """Raise an error for decisions that an extended action lacks, in another order or outside its ranges."""
     cls = get_optimizer(optimizer)
     names = list(cls.knobs)
     decided = {names[place]: knob.decided for place, knob in cls.decided_knobs().items()}
@@ -122,10 +122,10 @@ def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
 
 
 def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  # noqa: B008
-    """An open loop from a shipped file by name, or from the file that is given.
+    """Return the open loop of a packaged file by its name, or of the file at a path.
 
     Raises:
-        OpenLoopFileError: if there is none, or its content is not what it should be.
+        OpenLoopFileError: if there is no such file, or its content is invalid.
     """
     path = find_json("open loop", name, OPEN_LOOPS, OpenLoopFileError)
     try:
@@ -151,7 +151,7 @@ def save_open_loop(
     knobs: Mapping[str, list[float]],
     manifest: Mapping[str, Any],
 ) -> None:
-    """Write knots with what is known of them, at once or not at all."""
+    """Write knots and the manifest of their origin to a file, atomically."""
     content = {
         "format": FORMAT,
         "initial_population_size": initial_population_size,

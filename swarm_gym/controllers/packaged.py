@@ -1,4 +1,4 @@
-"""Files that come with the project: found by name, or at the path that is given."""
+"""Files of the package, found by name, and files of a user, found by path."""
 
 import json
 import os
@@ -7,29 +7,29 @@ from typing import Any
 
 from swarm_gym.errors import shown
 
-# Of the text files of controllers and presets, in bytes; the largest that ships has 51 kB.
+# Largest size of text files of controllers and presets, in bytes; the largest packaged one has 51 kB.
 MAX_TEXT_FILE = 2**20
 
 
-def shipped_names(folder: Path, suffix: str) -> list[str]:
-    """Names of the files with that suffix in a folder; of those in folders of it, `<folder>/<file>`."""
+def packaged_names(folder: Path, suffix: str) -> list[str]:
+    """Return the sorted names of all files below a folder, relative to it and without their suffix."""
     files = (path.relative_to(folder) for path in folder.rglob(f"*{suffix}"))
     return sorted(file.with_suffix("").as_posix() for file in files)
 
 
 def find_file(name: str, folder: Path, suffix: str) -> Path | None:
-    """The shipped file of that name, or the one at that path, or nothing."""
+    """Return the packaged file of that name, else the file at that path, else None."""
     for path in (folder / f"{name}{suffix}", Path(name)):
-        if os.path.isfile(path):  # unlike the method of `Path`, this takes any name
+        if os.path.isfile(path):  # unlike `Path.is_file`, this takes any name
             return path
     return None
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
-    """The content of a regular file of at most so many bytes.
+    """Return the content of a regular file of at most `limit` bytes.
 
     Raises:
-        OSError: if it cannot be read, or is no regular file: a device might have no end.
+        OSError: if it cannot be read, or is no regular file: a device could have no end.
         ValueError: if it has more bytes.
     """
     if not os.path.isfile(path):
@@ -42,20 +42,20 @@ def read_bytes(path: Path, limit: int) -> bytes:
 
 
 def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Path:
-    """The JSON file of that name, or at that path.
+    """Return the packaged JSON file of that name, else the file at that path.
 
     Raises:
-        ValueError: of the class `error`, if there is neither; the message lists those that ship.
+        ValueError: an instance of `error`, if neither exists; the message lists the packaged files.
     """
     path = find_file(name, folder, ".json")
     if path is None:
-        shipped = ", ".join(shipped_names(folder, ".json")) or "none"
-        raise error(f"{kind} {shown(name)}: neither a shipped one ({shipped}) nor a file")
+        packaged = ", ".join(packaged_names(folder, ".json")) or "none"
+        raise error(f"{kind} {shown(name)}: neither a packaged one ({packaged}) nor a file")
     return path
 
 
 def read_json(path: Path, form: str) -> Any:
-    """The content of a JSON file, held against the format that it has to state.
+    """Return the content of a JSON file whose entry `format` has to be `form`.
 
     Raises:
         OSError, KeyError, TypeError, ValueError: if it is not readable, or of another format.

@@ -1,4 +1,4 @@
-"""Parameters of a controller: their ranges, and how names state them, as `spsfa:growth=500,decay=0.1`."""
+"""Parameters of controllers: their ranges, and their text in names, e.g. `spsfa:growth=500,decay=0.1`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,17 +11,17 @@ Number = float | int
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers that a parameter may be: from `low` to `high`, both included."""
+    """Valid values of a parameter: numbers from `low` to `high`, both included."""
 
     low: Number
     high: Number
     integer: bool = False
 
     def require(self, name: str, value: object) -> None:
-        """Refuse what is not in the range.
+        """Raise an error if a value is not in the range.
 
         Raises:
-            SettingError: with name, value and range.
+            SettingError: naming the parameter, the value and the range.
         """
         if self.integer:
             require_integer(name, value, int(self.low), int(self.high))
@@ -33,11 +33,11 @@ class Range:
 
 
 def parse_parameters(argument: str, ranges: Mapping[str, Range]) -> dict[str, Number]:
-    """The values that `key=value,key=value` states; nothing states none.
+    """Return the values in `key=value,key=value` by key; empty text has none.
 
     Raises:
-        SettingError: for an unknown or doubled key, or a value that is no number or out of its range; the
-            message lists the valid keys and their ranges.
+        SettingError: for an unknown key, a repeated key, or a value that is no number or outside its range;
+            the message lists the valid keys and ranges.
     """
     values: dict[str, Number] = {}
     for part in argument.split(",") if argument else ():
@@ -56,7 +56,7 @@ def parse_parameters(argument: str, ranges: Mapping[str, Range]) -> dict[str, Nu
 
 
 def format_parameters(values: Mapping[str, Number]) -> str:
-    """`key=value,key=value`, the shortest that `parse_parameters` reads as the same values."""
+    """Return `key=value,key=value`, the shortest text that `parse_parameters` reads as the same values."""
     return ",".join(f"{key}={repr(value).removesuffix('.0')}" for key, value in values.items())
 
 

@@ -1,31 +1,80 @@
 """Controllers of population size and repair degree, made by name.
 
-To add one: write a subclass of `swarm_gym.controllers.controller.Controller` in a file of its own and enter
+To add one, write a subclass of `swarm_gym.controllers.controller.Controller` in a module of its own and enter
 it in `CONTROLLERS`.
 """
 
+import os
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.distilled import load_rule
-from swarm_gym.controllers.diversity_ladder import DiversityLadder
 from swarm_gym.controllers.fixed import Fixed, Random
-from swarm_gym.controllers.learned.load import load_learned
-from swarm_gym.controllers.linear_reduction import LinearReduction
+from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
-from swarm_gym.controllers.status_monitor import StatusMonitor
+from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.errors import shown
 
-__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
+__all__ = ["CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller"]
+
+
+def make_controller(name: str | ControllerName, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
+    """Return a controller by its name, e.g. `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
+
+    Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
+    `linear-reduction:start=120`. The argument of `learned:`, `open-loop:`, `tuned:` and `distilled:` is the
+    name of a packaged file or the path of a file. Policies of one recipe are called
+    `learned:<preset>/<training seed>`; `learned:<policy>@0.3` sets the price of 100,000 evaluations that a
+    policy observes. `swarm_gym.controllers.names` describes all parts of a name.
+
+    Args:
+        name: the family, and after a colon its argument.
+        limits: population sizes that the environment allows.
+
+    Raises:
+        UnknownNameError: for an unknown family; the message lists the valid ones.
+        ValueError: for an argument that the family cannot take.
+        PolicyFileError: for a policy that is missing, damaged or made for something else.
+    """
+    parts = ControllerName.parse(str(name))
+    if parts.optimizer is not None:
+        raise ValueError(
+            f"controller {shown(str(name))}: the optimizer {shown(parts.optimizer)} may only be named in a "
+            f"suite; the controller is {shown(str(parts.controller))}"
+        )
+    return look_up("controller", parts.family, CONTROLLERS)(parts.argument, limits)
+
+
+def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> FeedforwardController:  # noqa: B008
+    """Return the controller of a packaged policy or of a policy file; `<policy>@<price>` sets its price.
+
+    Raises:
+        PolicyFileError: if the file is missing, damaged or made for something else.
+    """
+    name, price = ControllerName.of("learned", str(policy)), None
+    is_file = os.path.isfile(policy)  # the path of a file may end in what looks like a price
+    path = resolve(str(policy) if is_file else name.without_price.argument)
+    if name.price is not None and not is_file:
+        try:
+            price = float(name.price)
+        except ValueError as error:
+            raise PolicyFileError(
+                f"policy {shown(str(policy))}: {shown(name.price)} is not a price; expected a number after @"
+            ) from error
+    weights, manifest = load_policy(path)
+    return NETWORKS[manifest["network"]](path, weights, manifest, limits, price, make_controller)
 
 
 def _fixed(argument: str, limits: SizeLimits) -> Controller:
-    if not argument.isdigit():
-        raise ValueError(f"controller 'fixed:{argument}': expected a population size, as fixed:60")
+    if not argument.isdecimal():
+        raise ValueError(f"controller 'fixed:{argument}': expected a population size, e.g. fixed:60")
     return Fixed(int(argument), limits)
 
 
@@ -42,7 +91,7 @@ def _tuned(argument: str, limits: SizeLimits) -> Controller:
     return make_controller(load_tuned(argument), limits)
 
 
-# Family name to a function of what stands after the colon and the size limits.
+# Family name to a function of the text after the colon and the size limits.
 CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": _fixed,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
@@ -56,25 +105,3 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "tuned": _tuned,
     "distilled": load_rule,
 }
-
-
-def make_controller(name: str, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
-    """A controller by name, as `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
-
-    Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
-    `linear-reduction:start=120`; a wrong one is refused with the list of those there are. What follows
-    `learned:`, `open-loop:`, `tuned:` and `distilled:` is shipped under that name, or a file. Policies of one
-    recipe are `learned:<preset>/<training seed>`; one that sees the price of evaluations is told it:
-    `learned:<policy>@0.3`.
-
-    Args:
-        name: the family, and after a colon its argument.
-        limits: the population sizes that the environment allows.
-
-    Raises:
-        UnknownNameError: for an unknown family; the message lists the valid ones.
-        ValueError: for an argument that the family cannot take.
-        PolicyFileError: for a policy that is missing, damaged or made for something else.
-    """
-    family, _, argument = str(name).partition(":")
-    return look_up("controller", family, CONTROLLERS)(argument, limits)

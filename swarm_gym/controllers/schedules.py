@@ -12,22 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.parameters import Number, Range, format_parameters, parse_parameters
 
 
 @dataclass
 class SelfAdaptiveSchedule(Controller):
-    """SPSFA: grow while the population collides worse than at first, then shrink with E(P).
+    """The schedule SPSFA: sizes grow while E(P) exceeds that of the first population, then shrink with E(P).
 
     Attributes:
-        treats_infeasible_paths: whether phi is decided too (SPSFA-TIP), or is 0 (SPSFA).
-        growth: omega of the up rule.
-        decay: eta of the down rule.
-        low_deviation: T_low; phi is used only where the standard deviation of the collision is no larger.
-        initial_population_size: PS(0); the default gives way to the limits.
-        smallest: floor of the population size; None is the limits' smallest. Not in the paper.
+        treats_infeasible_paths: True decides phi too (SPSFA-TIP); False is phi = 0 (SPSFA).
+        growth: omega of the growing rule, eq. 9.
+        decay: eta of the shrinking rule, eq. 10 and 11.
+        low_deviation: T_low; phi is 0 where the standard deviation of the collision is larger.
+        initial_population_size: PS(0); the default is clipped to the limits.
+        smallest: smallest population size; None is that of the limits. This parameter is not in the paper.
         repair_factor: factor on phi of eq. 17, before phi is clipped to [0, 1]; 1 is the paper's rule.
-        limits: the sizes that the environment allows.
+        limits: population sizes that the environment allows.
 
     Raises:
         SettingError: for a parameter outside its range, see `parameter_ranges`.
@@ -56,33 +57,34 @@ class SelfAdaptiveSchedule(Controller):
     def from_argument(
         cls, argument: str, limits: SizeLimits, treats_infeasible_paths: bool
     ) -> "SelfAdaptiveSchedule":
-        """The schedule whose name has this argument, as `growth=500,decay=0.1`; empty is the paper's.
+        """Return the schedule with parameters such as `growth=500,decay=0.1`; empty text is the paper's.
 
         Raises:
-            SettingError: for an unknown or doubled key or a value out of its range; the message lists both.
+            SettingError: for an unknown key, a repeated key or a value outside its range; the message lists
+                the valid keys and ranges.
         """
         values: dict[str, Any] = parse_parameters(argument, parameter_ranges(limits))
         return cls(treats_infeasible_paths, **values, limits=limits)
 
     @property
     def name(self) -> str:
-        """What `make_controller` makes this schedule of: the family, and parameters that differ from it."""
+        """The name for `make_controller`: the family, and all parameters that differ from the defaults."""
         family = "spsfa-tip" if self.treats_infeasible_paths else "spsfa"
         changed = {
             name: getattr(self, name)
             for name, default in _defaults(self.limits).items()
             if getattr(self, name) != default
         }
-        return f"{family}:{format_parameters(changed)}" if changed else family
+        return str(ControllerName(family, parameters=format_parameters(changed) if changed else None))
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
-        """Forget E_init, the sizes and PS_max."""
+        """Forget E_init, the population sizes and PS_max."""
         self._first = np.zeros(num_swarms)  # E_init
         self._size = np.zeros(num_swarms)
         self._largest = np.zeros(num_swarms)  # PS_max
 
     def act(self, observations: NDArray) -> Floats:
-        """Next sizes and phi; an observation of iteration 0 begins an episode of that swarm."""
+        """Return (B, 2) next sizes and phi; iteration 0 in an observation begins an episode of that swarm."""
         current, _, deviation, iteration = observations.T
         begin = iteration == 0
         self._first = np.where(begin, current, self._first)
@@ -93,7 +95,7 @@ class SelfAdaptiveSchedule(Controller):
         return np.stack([self._size, np.where(gated, 0.0, repair)], axis=1)
 
     def _next_size(self, current: Floats) -> Floats:
-        # Divisions by zero belong to episodes that are just beginning, or are replaced below.
+        # Divisions by zero occur where an episode begins, or their results are replaced below.
         with np.errstate(divide="ignore", invalid="ignore"):
             up = self._size + self.growth / self._size  # eq. 9
             down = self._largest * (current / self._first) ** self.decay  # eq. 10, 11
@@ -104,7 +106,7 @@ class SelfAdaptiveSchedule(Controller):
 
 
 def parameter_ranges(limits: SizeLimits) -> dict[str, Range]:
-    """What the parameters of the schedule may be; the reals are only kept from what cannot be meant."""
+    """Return the range of every parameter; those of real numbers only exclude absurd values."""
     sizes = Range(limits.smallest, limits.largest, integer=True)
     return {
         "growth": Range(0.0, 1e6),
@@ -117,7 +119,7 @@ def parameter_ranges(limits: SizeLimits) -> dict[str, Range]:
 
 
 def _defaults(limits: SizeLimits) -> dict[str, Number | None]:
-    """Of the parameters, under these limits."""
+    """Return the default of every parameter, given these limits."""
     found = {name: getattr(SelfAdaptiveSchedule, name) for name in parameter_ranges(limits)}
     found["initial_population_size"] = limits.clip(found["initial_population_size"])
     return found

@@ -1,6 +1,6 @@
-"""Tuned controllers: files that hold the name of a controller with its parameters, and where these come from.
+"""Tuned controllers: files with the name of a controller, its parameters, and their origin.
 
-Written by `agents.tune`. `tuned:<name or path>` is the controller that the file names.
+`agents.tune` writes them. `tuned:<name or path>` is the controller that the file names.
 """
 
 import json
@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swarm_gym.controllers.packaged import find_json, read_json, shipped_names
+from swarm_gym.controllers.names import ControllerName
+from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
@@ -17,26 +18,26 @@ TUNED = Path(__file__).parent / "data" / "tuned"
 
 
 class TunedFileError(ValueError):
-    """A file of a tuned controller is missing or damaged; the message names it."""
+    """A file of a tuned controller that is missing or damaged; the message names it."""
 
 
-def shipped_tuned() -> list[str]:
-    """Names of the tuned controllers that come with the project."""
-    return shipped_names(TUNED, ".json")
+def packaged_tuned() -> list[str]:
+    """Return the names of the tuned controllers in the package."""
+    return packaged_names(TUNED, ".json")
 
 
 def load_tuned(name: str) -> str:
-    """What `make_controller` makes the controller of, from a shipped file by name, or from the file given.
+    """Return the controller's name in a packaged file, found by its name, or in the file at a path.
 
     Raises:
-        TunedFileError: if there is none, or its content is not what it should be.
+        TunedFileError: if there is no such file, or its content is invalid.
     """
     path = find_json("tuned controller", name, TUNED, TunedFileError)
     try:
         content = read_json(path, FORMAT)
         controller = content["controller"]
-        # Files of these two families may name others, and so each other for ever.
-        if not isinstance(controller, str) or controller.partition(":")[0] in ("tuned", "learned"):
+        # Files of these two families name other controllers, and could name each other for ever.
+        if not isinstance(controller, str) or ControllerName.parse(controller).family in ("tuned", "learned"):
             raise ValueError(
                 f"expected the name of a controller with its parameters, got {shown(controller)}"
             )
@@ -46,6 +47,6 @@ def load_tuned(name: str) -> str:
 
 
 def save_tuned(path: Path, controller: str, manifest: Mapping[str, Any]) -> None:
-    """Write the name of a controller with what is known of it, at once or not at all."""
+    """Write the name of a controller and the manifest of its origin to a file, atomically."""
     content = {"format": FORMAT, "controller": controller, "manifest": dict(manifest)}
     write_atomically(path, json.dumps(content, indent=2) + "\n")

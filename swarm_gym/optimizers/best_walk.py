@@ -5,12 +5,12 @@
 
 import math
 
-from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.population import Swarms
 from swarm_gym.problem.walk.table import WalkTable, share_blocked_between
 
 
-@inner_kernel
+@kernel
 def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
     """Length of the first points of the walk, in map units."""
     walk, length = swarms.walk[b], 0.0
@@ -19,7 +19,7 @@ def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
     return length
 
 
-@inner_kernel
+@kernel
 def re_evaluate_walk(swarms: Swarms, b: int, table: WalkTable) -> None:
     """Evaluate the best path so far on a map that changed, all of it."""
     swarms.evaluations[b] += 1

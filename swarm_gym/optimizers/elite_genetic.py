@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
@@ -28,7 +28,7 @@ class EliteGeneticRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: EliteGeneticRules,  # noqa: ARG001
     swarms: Swarms,
@@ -69,7 +69,7 @@ def iterate(
         evaluate_member(swarms, b, i, table, work)
 
 
-@inner_kernel
+@kernel
 def _wheel(fitness: Floats) -> Floats:
     """Cumulative weights of the members, from 0 to 1: the smaller the fitness, the larger a weight."""
     worst = fitness.max()
@@ -81,7 +81,7 @@ def _wheel(fitness: Floats) -> Floats:
     return sums / total
 
 
-@inner_kernel
+@kernel
 def _spin(wheel: Floats, share: float) -> int:
     """The member at this share of the wheel, in [0, 1)."""
     for i in range(wheel.shape[0] - 1):
@@ -90,7 +90,7 @@ def _spin(wheel: Floats, share: float) -> int:
     return wheel.shape[0] - 1
 
 
-@inner_kernel
+@kernel
 def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> None:
     """Draw some genes of `work.path` anew inside the bounds."""
     fill_uniform(swarms.stream[b], work.noise)

@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.optimizers import loop
@@ -30,7 +30,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def squared_distance(path: Floats, position: Floats) -> float:
     """Squared distance of a path with its start, shape (C + 1,), from a position, shape (C,)."""
     squares = broadcast(0.0)
@@ -40,7 +40,7 @@ def squared_distance(path: Floats, position: Floats) -> float:
     return total(squares)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def move_towards(
     table: Table,
     work: Workspace,
@@ -63,7 +63,7 @@ class FireflyRules(NamedTuple):
     """Chooses the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: FireflyRules,  # noqa: ARG001
     swarms: Swarms,

@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
@@ -27,7 +27,7 @@ class GenerationalFireflyRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: GenerationalFireflyRules,  # noqa: ARG001
     swarms: Swarms,
@@ -58,7 +58,7 @@ def iterate(
         evaluate_member(swarms, b, i, table, work)
 
 
-@inner_kernel
+@kernel
 def _approach(
     table: Table,
     work: Workspace,

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inner_kernel, kernel, kernel_by_class
+from swarm_gym.compiler.jit import entry, kernel, kernel_by_class
 from swarm_gym.population import (
     Swarms,
     Workspace,
@@ -30,7 +30,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@inner_kernel
+@kernel
 def draw_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -44,7 +44,7 @@ def draw_population(
     add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
 
 
-@inner_kernel
+@kernel
 def resize_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -57,7 +57,7 @@ def resize_population(
     resize(swarms, b, table, work, size)
 
 
-@inner_kernel
+@kernel
 def adopt_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -70,7 +70,7 @@ def adopt_population(
     adopt_members(swarms, b, table, work, size)
 
 
-@inner_kernel
+@kernel
 def re_evaluate_population(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -122,7 +122,7 @@ def enter(rules: type, kernels: Kernels) -> None:
         _BY_RULES[name][rules] = own
 
 
-@kernel
+@entry
 def begin_chosen(
     rules: Any,
     swarms: Swarms,
@@ -146,7 +146,7 @@ def begin_chosen(
             summarise(swarms, b, mean_weight)
 
 
-@kernel
+@entry
 def step_chosen(
     rules: Any,
     swarms: Swarms,
@@ -167,7 +167,7 @@ def step_chosen(
             summarise(swarms, b, mean_weight)
 
 
-@kernel
+@entry
 def re_evaluate_chosen(rules: Any, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float) -> None:
     """Evaluate the chosen swarms anew, on problems that have changed, and summarise them."""
     for b in range(chosen.shape[0]):

@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Knob, Optimizer
@@ -28,7 +28,7 @@ class ParticleSwarmRules(NamedTuple):
     """
 
 
-@inner_kernel
+@kernel
 def settle(swarms: Swarms, b: int, first: int) -> None:
     """Let the members from `first` on begin where they are, at rest."""
     width = swarms.positions.shape[2]
@@ -39,7 +39,7 @@ def settle(swarms: Swarms, b: int, first: int) -> None:
         swarms.memory[b, i, 2 * width] = swarms.fitness[b, i]
 
 
-@inner_kernel
+@kernel
 def begin(
     rules: ParticleSwarmRules,
     swarms: Swarms,
@@ -59,7 +59,7 @@ def begin(
             swarms.memory[b, i, k] = knobs[4] * extent * (2.0 * work.noise[k] - 1.0)
 
 
-@inner_kernel
+@kernel
 def adopt(
     rules: ParticleSwarmRules,
     swarms: Swarms,
@@ -73,7 +73,7 @@ def adopt(
     settle(swarms, b, 0)
 
 
-@inner_kernel
+@kernel
 def change_size(
     rules: ParticleSwarmRules,
     swarms: Swarms,
@@ -88,7 +88,7 @@ def change_size(
     settle(swarms, b, kept)
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: ParticleSwarmRules,  # noqa: ARG001
     swarms: Swarms,
@@ -131,7 +131,7 @@ def iterate(
             memory[2 * width] = swarms.fitness[b, i]
 
 
-@inner_kernel
+@kernel
 def re_evaluate(
     rules: ParticleSwarmRules,  # noqa: ARG001
     swarms: Swarms,

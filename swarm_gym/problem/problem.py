@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_number
 from swarm_gym.problem.layout import columns
-from swarm_gym.problem.tables import Table, evaluate, repair
+from swarm_gym.problem.tables import Table, evaluate_entry, repair_entry
 from swarm_gym.scenarios import StaticScenario
 
 Floats = NDArray[np.float64]
@@ -77,13 +77,13 @@ class Problem(ABC):
 
     def evaluate(self, vector: ArrayLike) -> tuple[float, float]:
         """Fitness and degree of collision of one decision vector."""
-        return evaluate(self.table, self._path(vector))
+        return evaluate_entry(self.table, self._path(vector))
 
     def repaired(self, vector: ArrayLike, repair_degree: float) -> Floats:
         """A decision vector after one repair pass of degree phi."""
         require_number("repair_degree", repair_degree, 0.0, 1.0)
         path = self._path(vector)
-        repair(self.table, path, repair_degree)
+        repair_entry(self.table, path, repair_degree)
         return path[1 : self.dimension + 1]
 
     def _path(self, vector: ArrayLike) -> Floats:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import kernel, kernel_by_class
+from swarm_gym.compiler.jit import entry, kernel, kernel_by_class
 from swarm_gym.problem.analytic import cost
 from swarm_gym.problem.analytic import repair as shift_repair
 from swarm_gym.problem.analytic import table as analytic_table
@@ -73,6 +73,18 @@ def _one(table: Any) -> float:  # noqa: ARG001
 unit_length = kernel_by_class(
     {WaypointTable: _root_of_dimension, GridTable: _root_of_dimension, FunctionTable: _one}
 )
+
+
+@entry
+def evaluate_entry(table: Table, path: NDArray[np.float64]) -> tuple[float, float]:
+    """Return what `evaluate` does; for callers in Python."""
+    return evaluate(table, path)
+
+
+@entry
+def repair_entry(table: Table, path: NDArray[np.float64], repair_degree: float) -> None:
+    """Do what `repair` does; for callers in Python."""
+    repair(table, path, repair_degree)
 
 
 def stack(tables: list[Table]) -> Table:

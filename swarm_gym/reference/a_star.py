@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference.grid_input import as_free_cell, as_grid
 from swarm_gym.reference.priority_queue import PriorityQueue, enter, make_queue, take_first
@@ -63,13 +63,13 @@ def shortest_grid_path(blocked: NDArray[np.bool_], start: Sequence[int], goal: S
     return GridPath(float(queue.way[end]), np.stack([columns, rows], axis=-1), expansions)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def way_of(straight: int, diagonal: int) -> float:
     """Length of so many steps: from counts, so that ways of equal length are equal to the bit."""
     return straight + diagonal * DIAGONAL
 
 
-@kernel
+@entry
 def search(
     blocked: NDArray[np.bool_],
     start: int,

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_grid, as_point
@@ -88,7 +88,7 @@ class AnyAnglePlanner:
         return [*kept, points[-1]]
 
 
-@kernel
+@entry
 def search(
     grid: SightGrid,
     start_x: float,

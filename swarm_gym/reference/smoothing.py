@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.problem.geometry.traversal import segment_is_free
 
 
-@kernel
+@entry
 def smooth(blocked: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Go from each cell of a path straight to the last one in sight.
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.problem import AnalyticProblem, Problem
@@ -86,7 +86,7 @@ def _best_on_grid(problem: AnalyticProblem, middle: Floats, step: float, reach: 
     return best_path(problem.table, np.pad(grid, ((1, 1), (0, 0))))[1:-1]
 
 
-@kernel
+@entry
 def best_path(table: WaypointTable, candidates: Floats) -> Floats:
     """Find the path of least fitness, shape (n + 2,), among all of given candidate offsets.
 

@@ -1,4 +1,4 @@
-"""Pictures of a running swarm with pygame, which is imported only for the first of them."""
+"""Pictures of a running swarm, drawn with pygame, which is imported only for the first picture."""
 
 from swarm_gym.rendering.pen import DESIGN, HEIGHTS, WIDTHS
 from swarm_gym.rendering.renderer import Renderer

@@ -1,4 +1,4 @@
-"""Test functions with members as dots, in the plane of the first two components."""
+"""The view of test functions, with members as dots in the plane of the first two components."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,20 +12,20 @@ from swarm_gym.scenarios import FunctionScenario
 
 Floats = NDArray[np.float64]
 
-# Values along the longer side; between them, the picture is smooth.
+# Number of values along the longer side; the picture interpolates between them.
 RESOLUTION = 256
-# Values are told apart from this part of the largest one on.
+# Values below this fraction of the largest one can hardly be told apart.
 LEAST_SHARE = 0.02
-# Height of the picture of one component, in widths.
+# Height of the picture of a function of one component, as a fraction of its width.
 STRIP = 0.2
-# The largest value; dots and marks stand out from it.
+# Colour of the largest value; dots and marks stand out from it.
 WORST: Colour = (164, 170, 180)
 
 
 class FunctionView(View):
-    """A function of the first two components, the others at the optimum; of one component, a strip.
+    """The values of a function in the plane of its first two components, the others at the optimum.
 
-    The darker, the worse, on a logarithmic scale.
+    A function of one component is shown as a strip. Darker colours are larger values, on a logarithmic scale.
     """
 
     scenario: FunctionScenario
@@ -36,7 +36,7 @@ class FunctionView(View):
         super().__init__(scenario, pen, (low, share * low, high, share * high))
 
     def draw_swarm(self, pen: Pen, scene: Scene) -> None:
-        """Draw the optimum, above it the members, and the best on top."""
+        """Draw the optimum, then the members, and the best on top."""
         pen.surface.set_clip(self.border)
         self._draw_optimum(pen, self._place(np.array(self.scenario.optimum)))
         for member in scene.paths:
@@ -46,7 +46,7 @@ class FunctionView(View):
         pen.surface.set_clip(None)
 
     def draw_legend(self, pen: Pen, scene: Scene) -> None:
-        """Draw a mark of each kind below the picture, and how many there are."""
+        """Draw a mark of each kind below the picture, and the number of members."""
         at = np.array([pen.px(MARGIN) + pen.px(6), self.border.bottom + pen.px(38)])
         for draw, text in (
             (self._draw_best, "best so far"),
@@ -70,7 +70,7 @@ class FunctionView(View):
         return super()._height_limits() if self.scenario.dimension > 1 else ("", "")
 
     def _place(self, vector: Floats) -> Floats:
-        """Where in the picture a decision vector is; 0 stands for a component that there is not."""
+        """Return the position of a decision vector in the picture; a missing second component counts as 0."""
         return self.pixels(np.append(vector[:2], 0.0)[:2])
 
     def _draw_optimum(self, pen: Pen, at: Floats) -> None:
@@ -80,7 +80,7 @@ class FunctionView(View):
         _draw_dot(pen, at, FEASIBLE, 2.5)
 
     def _draw_best(self, pen: Pen, at: Floats) -> None:
-        _draw_dot(pen, at, BEST, 4.0)  # below it the optimum can be seen
+        _draw_dot(pen, at, BEST, 4.0)  # small, so that the optimum can be seen below it
 
 
 def _draw_dot(pen: Pen, at: Floats, colour: Colour, radius: float) -> None:

@@ -1,4 +1,4 @@
-"""Maps with paths on them."""
+"""The view of maps, with members as paths."""
 
 from collections.abc import Callable
 
@@ -42,18 +42,18 @@ class MapView(View):
         draw_feasible, draw_colliding = _drawn_by(pen, scene)
         draw_colliding(COLLIDING, paths[~scene.feasible], 1)
         draw_feasible(FEASIBLE, paths[scene.feasible], 1)
-        is_away = len(scene.way) > 1
+        is_away = len(scene.trajectory) > 1
         if is_away:
-            pen.lines(START, self.pixels(scene.way[None]), 2.8)
+            pen.lines(START, self.pixels(scene.trajectory[None]), 2.8)
         if np.isfinite(scene.best_fitness):
             pen.lines(BEST, self.pixels(scene.best_path[None]), 2.8)
         pen.surface.set_clip(None)
-        robot = scene.way[-1] if is_away else self.scenario.start
+        robot = scene.trajectory[-1] if is_away else self.scenario.start
         self._draw_end(pen, "robot" if is_away else "start", robot, START, corners=48)
         self._draw_end(pen, "target", self.scenario.target, TARGET, corners=4)
 
     def draw_legend(self, pen: Pen, scene: Scene) -> None:
-        """Draw a line or point of each kind below the map, and how many there are."""
+        """Draw a line or point of each kind below the map, and the number of members of that kind."""
         draw_feasible, draw_colliding = _drawn_by(pen, scene)
         x, y = pen.px(MARGIN), self.border.bottom + pen.px(38)
         for draw, colour, width, text in (
@@ -99,5 +99,5 @@ class MapView(View):
 
 
 def _drawn_by(pen: Pen, scene: Scene) -> tuple[Draw, Draw]:
-    """What draws feasible and colliding members: lines and dashes; dots and rings where they are points."""
+    """Return the functions that draw feasible and colliding members: lines and dashes, or dots and rings."""
     return (pen.dots, pen.rings) if scene.are_points else (pen.lines, pen.dashes)

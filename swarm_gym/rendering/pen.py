@@ -1,4 +1,4 @@
-"""What pictures are drawn with: colours, lengths, and a pen on a pygame surface."""
+"""Tools for drawing: colours, lengths, and a pen for a pygame surface."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
-# The hues are Okabe and Ito's, which colour-blind readers can tell apart too.
+# The hues are those of Okabe and Ito, which colour-blind readers can tell apart.
 FEASIBLE: Colour = (0, 114, 178)
 COLLIDING: Colour = (230, 120, 0)
 START: Colour = (0, 158, 115)
@@ -27,20 +27,20 @@ SHADE: Colour = (226, 229, 234)
 MAP: Colour = (249, 249, 246)
 PAPER: Colour = (255, 255, 255)
 
-# Pygame smooths no thick lines, so that everything is drawn larger than it is shown.
+# Pygame does not smooth thick lines, so everything is drawn larger by this factor and then scaled down.
 OVERSAMPLING = 2
 
-# Lengths in these files are meant for a picture of this size, in pixels, and scale with it.
+# Lengths in this package refer to a picture of this size, in pixels, and scale with the picture.
 DESIGN, SMALLEST_SCALE = (960, 520), 0.8
-# Of a picture, in pixels: below, the map has no room; above, nobody has a screen.
+# Limits of a picture, in pixels: smaller ones have no room for the map, larger ones exceed all screens.
 WIDTHS, HEIGHTS = (320, 4096), (240, 4096)
 MARGIN, HEADER, FOOTER, CHART_COLUMN = 44, 54, 62, 276
-DOT = 2.5  # half its breadth
-SMALL, MEDIUM, LARGE = 17, 20, 26  # of letters
+DOT = 2.5  # radius of a dot
+SMALL, MEDIUM, LARGE = 17, 20, 26  # heights of letters
 
 
 class Pen:
-    """Draws on an oversampled surface, whose pixels `px` counts."""
+    """A pen for an oversampled surface."""
 
     def __init__(self, surface: "pygame.Surface"):
         self.surface = surface
@@ -54,9 +54,9 @@ class Pen:
         self._texts_before: dict[tuple[str, int], pygame.Surface] = {}
 
     def begin(self, background: "pygame.Surface") -> None:
-        """Begin a picture with this one, of the same size; texts of the last one are kept."""
+        """Begin a picture with a background of the same size; texts of the last picture are kept."""
         self.surface.blit(background, (0, 0))
-        # Fonts are made anew, because they do not outlive a `pygame.quit` of somebody else; written texts do.
+        # Fonts are made for each picture, because `pygame.quit` ends them; rendered texts stay valid.
         self._fonts = {}
         self._texts_before, self._texts = self._texts, {}
 
@@ -79,24 +79,26 @@ class Pen:
         segment = np.repeat(np.arange(len(steps)), counts)
         number = np.arange(len(segment)) - (np.cumsum(counts) - counts)[segment]
         dash = (steps / counts[:, None])[segment]
-        # Where a line begins its dashes differs between lines, lest neighbours leave common gaps.
+        # The dashes of each line begin at another place, so that neighbouring lines have no common gaps.
         shift = 0.4 * (0.618 * (segment // (lines.shape[1] - 1)) % 1.0)
         begins = lines[:, :-1].reshape(-1, 2)[segment] + (number + shift)[:, None] * dash
         self._strokes(colour, begins, 0.6 * dash, self.px(width))
 
     def dots(self, colour: Colour, lines: Floats, width: float) -> None:
-        """Draw a dot where each of the lines (m, k, 2) begins."""
+        """Draw a dot at the first point of each of the lines (m, k, 2)."""
         for point in lines[:, 0]:
             self.draw.circle(self.surface, colour, point, self.px(DOT + width / 2))
 
     def rings(self, colour: Colour, lines: Floats, width: float) -> None:
-        """Draw a ring where each of the lines (m, k, 2) begins."""
+        """Draw a ring at the first point of each of the lines (m, k, 2)."""
         for point in lines[:, 0]:
             self.draw.circle(self.surface, colour, point, self.px(DOT + width / 2), self.px(width))
 
     def _strokes(self, colour: Colour, begins: Floats, steps: Floats, thickness: int) -> None:
-        """Draw straight lines from points (m, 2), so far each; all at once, since there are thousands."""
-        lengths = np.ceil(np.abs(steps).max(axis=1)).astype(np.int64)  # pixels along the axis that is nearer
+        """Draw straight lines from points (m, 2) by steps (m, 2), all at once, since there are thousands."""
+        lengths = np.ceil(np.abs(steps).max(axis=1)).astype(
+            np.int64
+        )  # pixels along the axis that is closer to the line
         counts, per_pixel = lengths + 1, steps / np.maximum(lengths, 1)[:, None]
         firsts = np.cumsum(counts) - counts
         pixel = np.arange(counts.sum())
@@ -112,12 +114,12 @@ class Pen:
         aside = np.repeat(np.where(is_steep, 1, self.width), counts)[inside]
         index = (rows * np.int32(self.width) + columns)[inside]
         pixels = self.pygame.surfarray.pixels2d(self.surface).T.reshape(-1)
-        assert not pixels.flags.owndata  # they are those of the surface
+        assert not pixels.flags.owndata  # a view of the surface's pixels, not a copy
         for k in range(-before, after + 1):
             pixels[index + k * aside] = self.surface.map_rgb(colour)
 
     def text(self, text: str, at: Point, anchor: str, size: int = SMALL) -> "pygame.Rect":
-        """Write text, small text faintly, at the point that pygame's rectangles call `anchor`."""
+        """Write text, small text faintly, at a point that pygame's rectangles call `anchor`."""
         key = (text, size)
         image = self._texts[key] = self._texts.get(key) or self._texts_before.get(key) or self._written(*key)
         return self.surface.blit(image, image.get_rect(**{anchor: at}))
@@ -130,7 +132,7 @@ class Pen:
 
 
 def require_pygame() -> Any:
-    """Pygame, which is imported only for the first picture.
+    """Return pygame, which is imported only for the first picture.
 
     Raises:
         DependencyNotInstalled: if it is missing.

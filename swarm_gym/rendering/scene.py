@@ -1,4 +1,4 @@
-"""What a picture shows: the state of one swarm."""
+"""Scenes: the state of one swarm, as pictures show it."""
 
 from dataclasses import dataclass
 
@@ -12,30 +12,43 @@ from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
 
-# Of a path; a curve that is sampled more densely looks the same.
+# Maximum number of segments of a path; a curve of more samples looks the same.
 MOST_SEGMENTS = 100
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What one picture shows of one swarm; lengths in map units, paths as in `Problem.points`.
+    """The state of one swarm that a picture shows; lengths in map units, paths as in `Problem.points`.
 
-    Of members that are points and not whole paths, `paths` are what is left to go from there.
+    Attributes:
+        scenario: task, on the present map.
+        paths: (members, k, 2) paths of the members; if members are points, the remaining paths from there.
+        are_points: whether members are points, as in walks, and not whole paths.
+        feasible: (members,) which paths do not collide.
+        best_path: (k, 2) best path so far.
+        trajectory: (j, 2) points that the robot has passed; empty if it does not drive.
+        best_fitness: best fitness so far; infinite before the first evaluation.
+        best_feasible: whether the best path so far does not collide.
+        iteration: iterations done in this episode.
+        iterations: iterations of an episode.
+        evaluations: evaluations in this episode.
+        max_population_size: largest population size that an action can ask for.
+        courses: columns of the history by name, (iteration + 1,) each.
     """
 
     scenario: StaticScenario
-    paths: Floats  # (members, k, 2)
-    are_points: bool  # whether members are points
-    feasible: NDArray[np.bool_]  # (members,) which paths do not collide
-    best_path: Floats  # (k, 2) best so far
-    way: Floats  # (j, 2) where the robot has driven; empty where it does not drive
-    best_fitness: float  # infinite before the first evaluation
+    paths: Floats
+    are_points: bool
+    feasible: NDArray[np.bool_]
+    best_path: Floats
+    trajectory: Floats
+    best_fitness: float
     best_feasible: bool
     iteration: int
     iterations: int
     evaluations: int
     max_population_size: int
-    courses: dict[str, Floats]  # (iteration + 1,) each, the columns of the history
+    courses: dict[str, Floats]
 
     @classmethod
     def of(cls, simulation: Simulation, row: int = 0) -> "Scene":
@@ -48,7 +61,7 @@ class Scene:
             are_points=isinstance(problem, WalkProblem),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
             best_path=_shown(problem, simulation.best_path(row)),
-            way=simulation.way(row),
+            trajectory=simulation.trajectory(row),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),
             iteration=iteration,
@@ -62,9 +75,9 @@ class Scene:
 
 
 def _shown(problem: Problem, paths: Floats) -> Floats:
-    """Paths (..., k, 2) with fewer points, the first and the last of them kept, where there are very many.
+    """Return paths (..., k, 2) with at most about `MOST_SEGMENTS` segments; first and last point are kept.
 
-    Of a test function, the first two components.
+    For a test function, return the first two components.
     """
     if isinstance(problem, FunctionProblem):
         return paths[..., :2, :]

@@ -1,4 +1,4 @@
-"""Where the swarm is drawn: the part of a picture with its frame and axes."""
+"""Views: the part of a picture that shows the swarm, with its border and axes."""
 
 from abc import ABC, abstractmethod
 
@@ -23,12 +23,12 @@ Extent = tuple[float, float, float, float]
 
 
 class View(ABC):
-    """The picture of a scenario without a swarm, and where points are on it.
+    """The view of a scenario: its picture without a swarm, and the positions of points on it.
 
     Attributes:
-        scenario: what is shown.
-        background: the surface with the picture.
-        border: the rectangle that it fills, in pixels.
+        scenario: scenario that is shown.
+        background: surface with the picture.
+        border: rectangle that the view fills, in pixels.
     """
 
     def __init__(self, scenario: StaticScenario, pen: Pen, extent: Extent, y_up: bool = True):
@@ -55,7 +55,7 @@ class View(ABC):
         pen.text(top, (before, border.top), "topright")
 
     def pixels(self, points: Floats) -> Floats:
-        """Convert coordinates (..., 2) to the picture's, whose y grows downward."""
+        """Convert coordinates (..., 2) to those of the picture, whose y grows downwards."""
         x_min, y_min, _, y_max = self._extent
         if self._y_up:
             return self._origin + (points - (x_min, y_min)) * [self._scale, -self._scale]
@@ -67,17 +67,17 @@ class View(ABC):
 
     @abstractmethod
     def draw_legend(self, pen: Pen, scene: Scene) -> None:
-        """Explain below the border what is drawn."""
+        """Explain the colours and marks, below the border."""
 
     def _height_limits(self) -> tuple[str, str]:
-        """What is written beside the bottom and the top of the frame."""
+        """Return the texts beside the bottom and the top of the border."""
         _, low, _, high = self._extent
         bottom, top = (low, high) if self._y_up else (high, low)
         return f"{bottom:g}", f"{top:g}"
 
     @abstractmethod
     def _draw_ground(self, pen: Pen) -> None:
-        """Draw what lies below the swarm, over the whole border."""
+        """Draw the background below the swarm, over the whole border."""
 
     def _draw_mark(self, pen: Pen, at: Floats, colour: Colour, corners: int) -> None:
         """Draw a polygon at a point (2,) of the picture."""

@@ -1,4 +1,4 @@
-"""The window that shows pictures, and what its user can do in it."""
+"""The window that shows pictures, and the keys of its user."""
 
 import time
 from typing import TYPE_CHECKING, Any
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 TITLE = "swarm_gym"
 KEYS = "space: pause, →: step, + -: faster, slower, q: close"
 SLOWEST, FASTEST = 1.0, 1000.0  # pictures per second
-# How often a window that waits looks what its user does, in seconds.
-PATIENCE = 1 / 30
+# Interval in seconds at which a waiting window looks for input of its user.
+POLL_INTERVAL = 1 / 30
 
 
 class Window:
-    """Shows pictures of one size, at most `fps` per second, in a window of any size.
+    """A window of any size that shows pictures of one size, at most `fps` per second.
 
-    While it is paused, `show` returns for a single step, when it goes on, or when it is closed. Once the user
-    has closed it, it stays closed, and nothing waits for it any more.
+    While the window is paused, `show` returns when the user asks for a single step, ends the pause or closes
+    the window. Once the user has closed it, it stays closed, and nothing waits for it any more.
 
     Raises:
         DependencyNotInstalled: by the first picture, if pygame is missing.
@@ -31,20 +31,20 @@ class Window:
         self.is_paused = False
         self.is_dismissed = False
         self._may_step = False
-        self._picture: pygame.Surface | None = None  # None: nothing is open
+        self._picture: pygame.Surface | None = None  # None if no window is open
         self._window_size = size
         self._shown_at = float("-inf")
 
     def show(self, picture: "pygame.Surface") -> None:
-        """Put a picture into the window; return when the next one is wanted."""
+        """Show a picture; return when the next one is due."""
         if self.is_dismissed:
             return
         pygame = require_pygame()
-        self.respond()  # lest a window that was resized be taken for somebody else's
+        self.respond()  # reads resizing first, so that this window is not taken for another one
         if self.is_dismissed:
             return
         window = pygame.display.get_surface()
-        # Pygame has one window per process, so that another one of these may have closed or resized it.
+        # Pygame has one window per process, so another `Window` may have closed or resized it.
         if window is None or window.get_size() != self._window_size:
             pygame.display.set_mode(self.size, pygame.RESIZABLE)
             self._window_size = self.size
@@ -53,11 +53,11 @@ class Window:
         self._wait()
 
     def respond(self) -> None:
-        """React to everything that the user has done until now."""
+        """React to all input of the user until now."""
         if self._picture is None:
             return
         pygame = require_pygame()
-        if not pygame.display.get_init():  # somebody else quit pygame
+        if not pygame.display.get_init():  # pygame was quit elsewhere
             return
         for event in pygame.event.get():
             if event.type == pygame.QUIT:
@@ -73,7 +73,7 @@ class Window:
                 self._redraw()
 
     def close(self) -> None:
-        """Close the window, if anything was shown; the next picture opens another one."""
+        """Close the window if anything was shown; the next picture opens another one."""
         if self._picture is not None:
             self._picture = None
             require_pygame().display.quit()
@@ -95,7 +95,7 @@ class Window:
         self.is_dismissed = True
 
     def _redraw(self) -> None:
-        """Show the picture as large as the window has room for, and the state in the title."""
+        """Show the picture as large as it fits into the window, and the state in the title."""
         pygame = require_pygame()
         window, picture = pygame.display.get_surface(), self._picture
         if window is None or picture is None:
@@ -110,7 +110,7 @@ class Window:
         pygame.display.flip()
 
     def _wait(self) -> None:
-        """Stay until the next picture is due, or while paused until the user asks for one."""
+        """Wait until the next picture is due or, while paused, until the user asks for one."""
         pygame = require_pygame()
         while True:
             self.respond()
@@ -119,8 +119,8 @@ class Window:
             if self._may_step:
                 self._may_step = False
                 break
-            left = PATIENCE if self.is_paused else self._shown_at + 1 / self.fps - time.perf_counter()
+            left = POLL_INTERVAL if self.is_paused else self._shown_at + 1 / self.fps - time.perf_counter()
             if left <= 0:
                 break
-            time.sleep(min(left, PATIENCE))
+            time.sleep(min(left, POLL_INTERVAL))
         self._shown_at = time.perf_counter()

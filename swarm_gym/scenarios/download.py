@@ -14,18 +14,31 @@ from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios.formats.data_files import data_folder
 
-TIMEOUT = 30  # seconds without an answer
+TIMEOUT = 30  # seconds to wait for an answer of the server
 
 
 class Source(NamedTuple):
-    """Where files come from: a folder of one commit of a repository, whose content does not change."""
+    """A folder of one commit of a repository, so that its files do not change.
+
+    Attributes:
+        url: address of the folder.
+        credit: authors and licence.
+    """
 
     url: str
     credit: str
 
 
 class RemoteFile(NamedTuple):
-    """A file below the url of its source, and its name below the data folder; sha256 has 64 digits."""
+    """A file to download.
+
+    Attributes:
+        source: folder that has the file.
+        path: path of the file below the url of the source.
+        local: path of the file below the data folder.
+        size: size in bytes.
+        sha256: digest of the content, 64 hexadecimal digits.
+    """
 
     source: Source
     path: str
@@ -35,7 +48,7 @@ class RemoteFile(NamedTuple):
 
 
 class DownloadError(Exception):
-    """A file could not be had; the message says why."""
+    """A file could not be downloaded; the message names the file and the reason."""
 
 
 MOVING_AI = Source(
@@ -65,7 +78,7 @@ def _turtlebot(name: str, size: int, sha256: str) -> RemoteFile:
     return RemoteFile(TURTLEBOT_SIMULATOR, f"turtlebot_gazebo/maps/{name}", f"ros/{name}", size, sha256)
 
 
-# The files of each map.
+# Files of each map.
 MAPS: dict[str, tuple[RemoteFile, ...]] = {
     "den400d": (
         _moving_ai(
@@ -128,14 +141,18 @@ MAPS: dict[str, tuple[RemoteFile, ...]] = {
 
 
 def download(file: RemoteFile, force: bool = False) -> str:
-    """Bring a file into the data folder, whole or not at all, unless it is there; returns what was done.
+    """Download a file into the data folder unless it is there; it is written completely or not at all.
 
     Args:
-        file: what to download.
-        force: whether a file of another content is replaced.
+        file: file to download.
+        force: whether to replace a file of different content.
+
+    Returns:
+        What was done, for a message.
 
     Raises:
-        DownloadError: if it cannot be had, is not what it should be, or another file is in its place.
+        DownloadError: if the file cannot be downloaded, its content differs from the expected one, or another
+            file is in its place.
     """
     target = data_folder() / file.local
     try:
@@ -143,7 +160,7 @@ def download(file: RemoteFile, force: bool = False) -> str:
             if _digest(target.read_bytes()) == file.sha256:
                 return "is there"
             if not force:
-                raise DownloadError(f"{target} differs from the public file; --force replaces it")
+                raise DownloadError(f"{target} differs from the public file; replace it with --force")
         write_atomically(target, _fetch(file))
     except OSError as error:
         raise DownloadError(f"{target} cannot be written: {error}") from error
@@ -151,13 +168,20 @@ def download(file: RemoteFile, force: bool = False) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Download the maps of some names, or all; returns 0, or 1 if one could not be had."""
+    """Download the given maps, or all; return 0, or 1 if a download failed."""
     parser = argparse.ArgumentParser(
         prog="python -m swarm_gym.scenarios.download",
         description="Download public maps into the data folder (SWARM_GYM_DATA, or the user's data folder).",
     )
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"maps; none for all: {', '.join(MAPS)}")
-    parser.add_argument("--force", action="store_true", help="replace files that differ")
+    parser.add_argument(
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help=f"map to download, e.g. arena; without a name all: {', '.join(MAPS)}",
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="replace files whose content differs from the public one"
+    )
     options = parser.parse_args(arguments)
     for name in options.names:
         if name not in MAPS:
@@ -165,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     files = [file for name in options.names or MAPS for file in MAPS[name]]
     print(f"into {data_folder()}")
     failed = 0
-    with command(kept="files that are whole are kept"):
+    with command(kept="complete files are kept"):
         for file in files:
             try:
                 print(f"{file.local}: {download(file, options.force)}", flush=True)
@@ -175,7 +199,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for source in dict.fromkeys(file.source for file in files):
         print(source.credit)
     if failed:
-        print(f"{failed} of {len(files)} files could not be had", file=sys.stderr)
+        print(f"{failed} of {len(files)} files could not be downloaded", file=sys.stderr)
     return int(failed > 0)
 
 
@@ -186,9 +210,11 @@ def _fetch(file: RemoteFile) -> bytes:
             content = response.read(file.size + 1)
     except (OSError, http.client.HTTPException) as error:
         reason = error.reason if isinstance(error, urllib.error.URLError) else error
-        raise DownloadError(f"{url} cannot be reached: {reason}") from error
+        raise DownloadError(
+            f"{url} cannot be downloaded: {reason}; check the connection and try again"
+        ) from error
     if len(content) != file.size or _digest(content) != file.sha256:
-        raise DownloadError(f"{url} is not the file that was expected: its SHA-256 differs")
+        raise DownloadError(f"{url} has changed: expected {file.size} bytes with SHA-256 {file.sha256}")
     return content
 
 

@@ -1,4 +1,7 @@
-"""Families: scenarios that are generated from their names, `<family>:<more>`, or read from files."""
+"""Families of scenarios, whose names have the form `<family>:<more>`.
+
+The scenarios of a family are generated from their names, or read from files.
+"""
 
 import re
 from collections.abc import Callable
@@ -7,20 +10,21 @@ from typing import NamedTuple
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic.scenario import AnyScenario
 
-# How many scenarios one name can stand for.
+# Maximum number of scenarios that one name can stand for.
 MAX_RANGE = 200_000
-# The pattern of a number in a name: no sign and no leading zero, so that a scenario has one name.
+# Pattern of a number in a name: without sign and leading zero, so that every scenario has only one name.
 NUMBER = "(?:0|[1-9][0-9]{0,8})"
 
 
 class Family(NamedTuple):
-    """How the names of a family are read.
+    """A family of scenarios: the form of its names, and how they are read.
 
     Attributes:
-        usage: the form of the names, for messages.
-        samples: some names, one of each sort; none where files are needed.
-        expand: the names of single scenarios that a name stands for; refuses what is no name.
-        make: the single scenario of a name.
+        usage: form of the names, for messages.
+        samples: some names, one of each form; empty if the scenarios need files.
+        expand: function that returns the names of the single scenarios that a name stands for, and raises
+            `ScenarioError` for a name of another form.
+        make: function that returns the single scenario of a name.
     """
 
     usage: str
@@ -30,14 +34,17 @@ class Family(NamedTuple):
 
 
 def parse_numbers(text: str, name: str) -> range:
-    """The numbers that `7` or `0-511` stands for, the last included; none if it is no such text.
+    """Return the numbers that a text such as `7` or `0-511` stands for, the last one included.
 
     Args:
-        text: what stands for numbers.
-        name: of the scenarios, which it is a part of.
+        text: part of the name that stands for numbers.
+        name: whole name, for messages.
+
+    Returns:
+        The numbers; empty if the text has another form.
 
     Raises:
-        ScenarioError: if they are more than `MAX_RANGE`.
+        ScenarioError: if there are more than `MAX_RANGE` numbers.
     """
     match = re.fullmatch(rf"({NUMBER})(?:-({NUMBER}))?", text)
     numbers = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)

@@ -1,9 +1,9 @@
-"""Test functions of optimizers, whose least value is looked for: no map, no path.
+"""Test functions for optimizers: the task is to find the minimum; there is no map and no path.
 
 Source: Y. Zhang, G. Guan, X. Pu, "The robot path planning based on improved artificial fish swarm algorithm",
-Mathematical Problems in Engineering, 2016, which compares optimizers on these five. Formulas as in S.
-Surjanovic, D. Bingham, "Virtual library of simulation experiments: test functions and datasets"; here with
-z = x - o, o being where the least value is, and with a constant that makes this value 0:
+Mathematical Problems in Engineering, 2016, which compares optimizers on these five functions. The formulas
+follow S. Surjanovic, D. Bingham, "Virtual library of simulation experiments: test functions and datasets".
+Here z = x - o, where o is the position of the minimum, and a constant is added so that the minimum is 0:
 
 | name | f(x) | o |
 |---|---|---|
@@ -13,10 +13,15 @@ z = x - o, o being where the least value is, and with a constant that makes this
 | `booth` | (z_1 + 2 z_2)^2 + (2 z_1 + z_2)^2, summed over the pairs (1, 2), (3, 4), ... | 1, 3, 1, 3, ... |
 | `bohachevsky` | z_k^2 + 2 z_(k+1)^2 - 0.3 cos(3 pi z_k) - 0.4 cos(4 pi z_(k+1)) + 0.7, over all k < D | 0 |
 
-In two dimensions Easom's is -cos(x_1) cos(x_2) exp(-(x_1 - pi)^2 - (x_2 - pi)^2), to which the paper adds 1,
-Booth's (x_1 + 2 x_2 - 7)^2 + (2 x_1 + x_2 - 5)^2, and Bohachevsky's the first of the three of that name.
-Their forms in more dimensions are ours, but for the chain of Bohachevsky's, which is common. The paper does
-not print the domains: a reading is [-5.12, 5.12] for Rastrigin's and [-10, 10] for the others.
+In two dimensions these are the usual functions:
+
+* Easom's is -cos(x_1) cos(x_2) exp(-(x_1 - pi)^2 - (x_2 - pi)^2), to which the paper adds 1.
+* Booth's is (x_1 + 2 x_2 - 7)^2 + (2 x_1 + x_2 - 5)^2.
+* Bohachevsky's is the first of the three functions of that name.
+
+Their forms in more dimensions are defined here, except the chain of Bohachevsky's, which is common. The paper
+does not print the domains; [-5.12, 5.12] for Rastrigin's and [-10, 10] for the others is a reading, see
+docs/readings.md.
 """
 
 import math
@@ -33,12 +38,12 @@ MAX_DIMENSION = 1000
 
 
 class Definition(NamedTuple):
-    """What there is to know of a function besides its values.
+    """The domain, the minimum and the dimensions of a function.
 
     Attributes:
-        reach: components lie in [-reach, reach].
-        optimum: where its least value is, repeated over the components.
-        dimensions: that it is defined for.
+        reach: bound of the domain: components lie in [-reach, reach].
+        optimum: position of the minimum, repeated over the components.
+        dimensions: dimensions that the function is defined for.
     """
 
     reach: float
@@ -46,7 +51,7 @@ class Definition(NamedTuple):
     dimensions: range = range(1, MAX_DIMENSION + 1)
 
 
-# By name; `problem.functions` has the values.
+# By name; `swarm_gym.problem.function` computes the values.
 FUNCTIONS = {
     "rastrigin": Definition(5.12),
     "sum-squares": Definition(10.0),
@@ -58,22 +63,25 @@ FUNCTIONS = {
 
 @dataclass(frozen=True)
 class FunctionScenario:
-    """Find where a function has its least value, which is 0; there is nothing to collide with.
+    """The task to find the minimum of a function, whose value there is 0; nothing can collide.
 
-    So collision, and with it E(P), is 0 throughout, every member is feasible, repair changes nothing whatever
-    phi is, and the schedule of the SPSFA paper, which compares E(P) with its first value, keeps its size.
-    Where maps have paths, there are vectors in parallel coordinates: points (number of the component, from 1;
-    its value). Lengths in map units are in units of the components.
+    The degree of collision, and with it E(P), is always 0. Every member of a population is feasible, and
+    repair changes nothing, whatever phi is. The schedule of the SPSFA paper compares E(P) with its first
+    value, so it keeps its population size.
+
+    Where scenarios on maps have a path, a test function has a decision vector in parallel coordinates: points
+    (number of the component, counted from 1; value of the component). Lengths are in units of the components.
 
     Attributes:
-        name: what results are filed under.
+        name: name under which results are filed.
         function: a name in `FUNCTIONS`.
         dimension: D, the length of a decision vector.
-        optimum: (D,) where the function is 0, inside the domain; by default where its formula has it.
+        optimum: (D,) position of the minimum, inside the domain; by default that of the formula.
 
     Raises:
         UnknownNameError: if there is no such function.
-        ScenarioError: if it has not that dimension, or the optimum is malformed or outside the domain.
+        ScenarioError: if the function is not defined for this dimension, or the optimum is malformed or
+            outside the domain.
     """
 
     name: str
@@ -99,22 +107,23 @@ class FunctionScenario:
 
     @property
     def domain(self) -> tuple[float, float]:
-        """The least and the largest value of every component."""
+        """The smallest and the largest value of every component."""
         reach = FUNCTIONS[self.function].reach
         return -reach, reach
 
 
 def require_dimension(where: str, function: str, dimension: object) -> None:
-    """Refuse a dimension that a function has not.
+    """Raise an error if a function is not defined for a dimension.
 
     Raises:
         UnknownNameError: if there is no such function.
-        ScenarioError: if it has not that dimension.
+        ScenarioError: if the function is not defined for this dimension.
     """
     dimensions = look_up("test function", function, FUNCTIONS).dimensions
     is_integer = isinstance(dimension, int | np.integer) and not isinstance(dimension, bool)
     if not is_integer or dimension not in dimensions:
         first, second, last = dimensions[0], dimensions[1], dimensions[-1]
         raise ScenarioError(
-            f"{where}: {function!r} has the dimensions {first}, {second}, ..., {last}, not {shown(dimension)}"
+            f"{where}: {function!r} is defined for the dimensions {first}, {second}, ..., {last}, got "
+            f"{shown(dimension)}"
         )

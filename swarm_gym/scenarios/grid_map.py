@@ -1,4 +1,4 @@
-"""An occupancy grid: which cells of a map are blocked, and where they lie."""
+"""Occupancy grids: maps of cells, each free or blocked."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -13,28 +13,28 @@ from swarm_gym.scenarios.scenario import Point
 
 Cell = tuple[int, int]
 
-# Cells along a side, of a map that is read from a file.
+# Maximum number of cells along a side of a map that is read from a file.
 MAX_SIDE = 4096
-# Of the side of a cell and of coordinates, in map units: cells stay apart in double precision.
+# Limits of the side of a cell and of coordinates, in map units, where doubles tell cells apart.
 MIN_RESOLUTION, MAX_RESOLUTION, MAX_ORIGIN = 1e-6, 1e6, 1e9
 
 
 @dataclass(frozen=True, eq=False)
 class GridMap:
-    """A map of square cells, each free or blocked; equal to any other of the same content, whatever its name.
+    """A map of square cells, each free or blocked; maps of the same content are equal, whatever their names.
 
-    Cells are (column, row), row 0 on top. In cell coordinates, which are real numbers, cell (c, r) covers
-    c - 0.5 <= column < c + 0.5, r - 0.5 <= row < r + 0.5.
+    Cells are (column, row), with row 0 on top. Cell coordinates are real numbers. Cell (c, r) covers columns
+    from c - 0.5 to c + 0.5 and rows from r - 0.5 to r + 0.5, without the upper bounds.
 
     Attributes:
-        name: what messages call it.
+        name: name of the map in messages.
         blocked: bool, shape (height, width); a read-only copy is kept.
-        resolution: side of a cell in map units.
-        origin: map coordinates of the centre of cell (0, 0).
-        y_up: whether y grows upwards, against the rows.
+        resolution: side of a cell in map units, in [`MIN_RESOLUTION`, `MAX_RESOLUTION`].
+        origin: map coordinates (x, y) of the centre of cell (0, 0), at most `MAX_ORIGIN` in size.
+        y_up: whether y grows upwards, opposite to the rows.
 
     Raises:
-        ScenarioError: if an attribute is malformed; the message names it and its value.
+        ScenarioError: if an attribute is malformed; the message names the attribute and its value.
     """
 
     name: str
@@ -77,14 +77,14 @@ class GridMap:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """(x_min, y_min, x_max, y_max) of the areas of all cells, in map units."""
+        """(x_min, y_min, x_max, y_max) of the area of all cells, in map units."""
         corners = self.to_map([(-0.5, -0.5), (self.width - 0.5, self.height - 0.5)])
         (x_min, y_min), (x_max, y_max) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         return x_min, y_min, x_max, y_max
 
     @cached_property
     def digest(self) -> str:
-        """A digest of cells and geometry, 64 hexadecimal digits; the name is not in it."""
+        """SHA-256 of cells and geometry, without the name, as 64 hexadecimal digits."""
         digest = hashlib.sha256(repr((self.blocked.shape, *self._geometry())).encode())
         digest.update(np.packbits(self.blocked).tobytes())
         return digest.hexdigest()
@@ -93,8 +93,8 @@ class GridMap:
     def components(self) -> NDArray[np.int32]:
         """Numbers of the connected components of the free cells, shape (height, width); 0 where blocked.
 
-        A step leads to one of the eight neighbours, diagonally only between two free cells. These could be
-        stepped on as well, so that components are those of steps to four neighbours.
+        A path steps to one of the eight neighbours, and diagonally only between two free cells. Two straight
+        steps replace such a diagonal step, so the components are those of steps to four neighbours.
         """
         from scipy import ndimage
 
@@ -103,39 +103,39 @@ class GridMap:
         return labels
 
     def to_map(self, cells: ArrayLike) -> NDArray[np.float64]:
-        """Map coordinates (x, y) of cell coordinates (column, row), both of shape (..., 2)."""
+        """Return the map coordinates (x, y) of cell coordinates (column, row), both of shape (..., 2)."""
         return np.asarray(self.origin) + np.asarray(cells, dtype=np.float64) * self._scale()
 
     def to_cells(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Cell coordinates (column, row) of map coordinates (x, y), both of shape (..., 2)."""
+        """Return the cell coordinates (column, row) of map coordinates (x, y), both of shape (..., 2)."""
         return (np.asarray(points, dtype=np.float64) - np.asarray(self.origin)) / self._scale()
 
     def cell_of(self, point: Point) -> Cell:
-        """The (column, row) that a point of finite map coordinates lies in, on the map or beside it."""
+        """Return the (column, row) of the cell of a point in finite map coordinates, on the map or not."""
         column, row = np.floor(self.to_cells(point) + 0.5).tolist()
         return int(column), int(row)
 
     def is_free(self, cell: Cell) -> bool:
-        """Whether a (column, row) is on the map and not blocked."""
+        """Return True if the cell (column, row) is on the map and not blocked."""
         column, row = cell
         return 0 <= column < self.width and 0 <= row < self.height and not self.blocked[row, column]
 
     def inflated(self, radius: float) -> "GridMap":
-        """The map for a robot of that radius, in map units.
+        """Return the map for a robot of that radius, in map units.
 
-        Blocked is also a cell whose centre lies closer than `radius` to the area of a blocked one. What lies
-        beyond the edge of the map counts as free.
+        In the new map a cell is also blocked if its centre is closer than `radius` to the area of a blocked
+        cell. The area outside the map counts as free.
 
         Raises:
-            ScenarioError: if the radius is negative, or no finite number.
+            ScenarioError: if the radius is negative or not a finite number.
         """
         from scipy import ndimage
 
         radius = self._number("radius", radius, 0.0, MAX_ORIGIN)
         blocked = self.blocked
         if radius > 0 and blocked.any():
-            # On a grid of half cells: the point of a cell's area that is closest to another cell's centre is
-            # a corner, or the middle of an edge.
+            # Distances are measured on a grid of half cells, because the point of a cell's area that is
+            # closest to the centre of another cell is a corner or the middle of an edge.
             areas = np.zeros((2 * self.height + 1, 2 * self.width + 1), dtype=np.bool_)
             areas[1::2, 1::2] = blocked
             areas = ndimage.binary_dilation(areas, np.ones((3, 3), dtype=np.bool_))
@@ -145,7 +145,7 @@ class GridMap:
         return GridMap(name, blocked, self.resolution, self.origin, self.y_up)
 
     def cut(self, rows: slice, columns: slice) -> "GridMap":
-        """The part of the map in these rows and columns; map coordinates stay what they are."""
+        """Return the part of the map in these rows and columns; its cells keep their map coordinates."""
         first = self.to_map((range(self.width)[columns][0], range(self.height)[rows][0]))
         x, y = first.tolist()
         return GridMap(self.name, self.blocked[rows, columns], self.resolution, (x, y), self.y_up)
@@ -156,7 +156,7 @@ class GridMap:
     def __hash__(self) -> int:
         return hash(self.digest)
 
-    # Copies are made anew, since an array that was unpickled is no longer read-only.
+    # Pickling calls the constructor again, since an unpickled array would no longer be read-only.
     def __reduce__(self) -> tuple[Any, ...]:
         return GridMap, (self.name, self.blocked, self.resolution, self.origin, self.y_up)
 
@@ -175,4 +175,4 @@ class GridMap:
             raise ScenarioError(
                 f"map {shown(self.name)}: {part} must lie in [{low:g}, {high:g}], got {value!r}"
             )
-        return number + 0.0  # no negative zero, which would be told apart
+        return number + 0.0  # turns -0.0 into 0.0, since the digest would differ

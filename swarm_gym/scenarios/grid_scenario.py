@@ -10,16 +10,16 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.scenario import Point, require_numbers
 
-# Cells that pictures show around what can be reached.
+# Number of cells that pictures show around the cells that can be reached.
 SURROUNDINGS = 3
 
 
 @dataclass(frozen=True)
 class GridScenario:
-    """From a start to a target on a grid map, both in map coordinates.
+    """The task to find a path from a start to a target on a grid map, both in map coordinates.
 
     Attributes:
-        name: what results are filed under.
+        name: name under which results are filed.
         map: the grid.
         start: (x, y) where the robot is, in a free cell.
         target: (x, y) where it has to go, in a free cell; there is a path that does not cut corners.
@@ -38,7 +38,9 @@ class GridScenario:
             raise ScenarioError(f"scenario {shown(self.name)}: map must be a GridMap, got {self.map!r}")
         cells = {role: self._check(role) for role in ("start", "target")}
         if self.start == self.target:
-            raise ScenarioError(f"{self._where()}: start and target are the same point {self.start}")
+            raise ScenarioError(
+                f"{self._where()}: start and target must be different points, both are {self.start}"
+            )
         (from_column, from_row), (to_column, to_row) = cells.values()
         components = self.map.components
         if components[from_row, from_column] != components[to_row, to_column]:
@@ -49,7 +51,7 @@ class GridScenario:
 
     @property
     def y_up(self) -> bool:
-        """Whether y grows upwards in pictures."""
+        """True if y grows upwards in pictures."""
         return self.map.y_up
 
     @property
@@ -64,7 +66,7 @@ class GridScenario:
 
     @cached_property
     def window(self) -> tuple[slice, slice]:
-        """Rows and columns of the map that pictures show: all that can be reached, and a little around it."""
+        """Rows and columns of the map that pictures show: all cells that can be reached, and a margin."""
         column, row = self.map.cell_of(self.start)
         reached = self.map.components == self.map.components[row, column]
         ranges = []
@@ -84,7 +86,7 @@ class GridScenario:
         return x_min, y_min, x_max, y_max
 
     def _check(self, role: str) -> Cell:
-        """The cell of start or target, which are stored as floats."""
+        """Return the cell of start or target, whose coordinates are stored as floats."""
         x, y = require_numbers(self._where(), role, getattr(self, role), 2)
         object.__setattr__(self, role, (x, y))
         x_min, y_min, x_max, y_max = self.map.extent
@@ -94,7 +96,9 @@ class GridScenario:
             )
         cell = self.map.cell_of((x, y))
         if not self.map.is_free(cell):
-            raise ScenarioError(f"{self._where()}: {role} {(x, y)} lies in cell {cell}, which is not free")
+            raise ScenarioError(
+                f"{self._where()}: {role} {(x, y)} lies in cell {cell}, which is not free; choose a free cell"
+            )
         return cell
 
     def _where(self) -> str:

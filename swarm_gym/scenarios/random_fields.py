@@ -1,8 +1,9 @@
-"""Random fields, as many as needed: the scenarios `random-fields:<split>:<number>`.
+"""Random fields of obstacles, in any number: the scenarios `random-fields:<split>:<number>`.
 
-The splits `train`, `validation` and `test` are drawn alike, and about as hard as the paper's cases: obstacles
-of such sizes, scattered around the line from (20, 300) to (980, 300) in a workspace of 1000 x 600. The other
-splits are for the evaluation of what was trained on these; each differs from them in one respect.
+The splits `train`, `validation` and `test` are drawn from one distribution. Their fields are about as hard as
+the cases of the SPSFA paper: obstacles of similar sizes are scattered around the line from (20, 300) to (980,
+300) in a workspace of 1000 x 600. The other splits test how controllers generalise; each differs from the
+first three in one respect.
 """
 
 from collections.abc import Callable
@@ -12,8 +13,8 @@ import numpy as np
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.drawn_fields import Scatter, Walls
 from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.field_generators import Scatter, Walls
 from swarm_gym.scenarios.scenario import Scenario
 
 NAME = "random-fields"
@@ -21,15 +22,20 @@ USAGE = f"{NAME}:<split>:<number>"
 
 
 class Split(NamedTuple):
-    """Field k of a split is drawn by the generator of seed `first_seed` + k, for k below `size`."""
+    """A split of the random fields.
+
+    Attributes:
+        first_seed: seed of field 0; field k is drawn by the generator of seed `first_seed` + k.
+        size: number of fields.
+        draw: function that draws a field, given its name and the generator.
+    """
 
     first_seed: int
     size: int
     draw: Callable[[str, np.random.Generator], Scenario]
 
 
-# The ranges of seeds are disjoint. A published split keeps its seeds and its way of drawing: results refer
-# to it.
+# The ranges of seeds are disjoint. Never change the seeds or the generator of a split: results refer to them.
 SPLITS = {
     "train": Split(0, 1_000_000, Scatter().draw),
     "validation": Split(1_000_000, 100_000, Scatter().draw),
@@ -49,7 +55,7 @@ SPLITS = {
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single fields that a name stands for: `...:0-511` for 512 of them, the last included.
+    """Return the names of the single fields that a name stands for; `...:0-511` stands for 512 of them.
 
     Raises:
         UnknownNameError: if there is no such split.
@@ -70,7 +76,7 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> Scenario:
-    """The single field of that name."""
+    """Return the single field of that name."""
     _, split, number = name.split(":")
     first_seed, _, draw = SPLITS[split]
     return draw(name, np.random.Generator(np.random.PCG64(first_seed + int(number))))

@@ -1,4 +1,7 @@
-"""A scenario: a workspace with obstacles, a start and a target; checked when it is made."""
+"""Scenarios on analytic maps: a workspace with obstacles, a start and a target.
+
+Values are checked when an object is made.
+"""
 
 import math
 from dataclasses import dataclass
@@ -9,10 +12,10 @@ from swarm_gym.errors import ScenarioError, shown
 
 Point = tuple[float, float]
 
-# Of coordinates and lengths, in map units: products of two, and what they differ by, stay numbers.
+# Largest coordinate or length, in map units; products and differences of two such numbers stay finite.
 MAX_COORDINATE = 1e9
-# How deep, in map units, what only touches an obstacle may lie in it, since numbers are rounded; more than a
-# path may and still be called feasible.
+# Depth in map units up to which a point counts as touching an obstacle, because numbers are rounded. It is
+# larger than the depth up to which a path counts as feasible.
 TOUCHING = 1e-8
 
 
@@ -30,21 +33,21 @@ class Circle:
             raise ScenarioError(f"{self}: the radius must be positive, got {self.radius!r}")
 
     def contains(self, point: Point) -> bool:
-        """Whether a point lies in the open disc."""
+        """Return True if a point lies in the open disc."""
         return self.depth(point) > 0
 
     def depth(self, point: Point) -> float:
-        """Distance of a point in the disc from its edge; negative outside."""
+        """Return the distance of a point in the disc from its edge; it is negative outside."""
         return self.radius - math.hypot(point[0] - self.x, point[1] - self.y)
 
     def moved(self, by: Point) -> "Circle":
-        """The same disc elsewhere."""
+        """Return the disc, moved by (x, y)."""
         return Circle(self.x + by[0], self.y + by[1], self.radius)
 
 
 @dataclass(frozen=True)
 class Polygon:
-    """A convex obstacle: its vertices in order, clockwise or not, in map units."""
+    """A convex obstacle: its vertices in map units, given in either direction, stored counter-clockwise."""
 
     vertices: tuple[Point, ...]
 
@@ -56,39 +59,43 @@ class Polygon:
         if len(vertices) < 3:
             raise ScenarioError(f"{self}: a polygon needs at least 3 vertices, got {len(vertices)}")
         if len(set(vertices)) < len(vertices):
-            raise ScenarioError(f"{self}: a vertex is given twice")
+            raise ScenarioError(f"{self}: the vertices must be different points, got one twice")
         if _signed_area(vertices) < 0:
             vertices = vertices[::-1]
-        # Stored counter-clockwise, so that every edge has the inside on its left.
+        # Counter-clockwise, so that every edge has the inside on its left.
         object.__setattr__(self, "vertices", vertices)
         self._require_convex()
 
     @classmethod
     def rectangle(cls, x_min: float, y_min: float, x_max: float, y_max: float) -> "Polygon":
-        """An axis-parallel rectangle from its extremes."""
+        """Return an axis-parallel rectangle.
+
+        Raises:
+            ScenarioError: if the extremes are not numbers, or not x_min < x_max and y_min < y_max.
+        """
         extremes = (x_min, y_min, x_max, y_max)
         try:
             ordered = x_min < x_max and y_min < y_max
         except (TypeError, ValueError) as error:
             raise ScenarioError(f"rectangle {shown(extremes)}: expected four numbers") from error
         if not ordered:
-            raise ScenarioError(f"rectangle {shown(extremes)}: needs x_min < x_max and y_min < y_max")
+            raise ScenarioError(f"rectangle {shown(extremes)}: expected x_min < x_max and y_min < y_max")
         return cls(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
     def edges(self) -> list[tuple[Point, Point]]:
-        """The edges, counter-clockwise."""
+        """Return the edges, counter-clockwise."""
         return list(pairwise((*self.vertices, self.vertices[0])))
 
     def contains(self, point: Point) -> bool:
-        """Whether a point lies in the open polygon."""
+        """Return True if a point lies in the open polygon."""
         return all(_cross(a, b, point) > 0 for a, b in self.edges())
 
     def depth(self, point: Point) -> float:
-        """Distance of a point in the polygon from its edges; negative outside."""
+        """Return the distance of a point in the polygon from its edges; it is negative outside."""
         return min(_cross(a, b, point) / math.dist(a, b) for a, b in self.edges())
 
     def moved(self, by: Point) -> "Polygon":
-        """The same polygon elsewhere."""
+        """Return the polygon, moved by (x, y)."""
         return Polygon(tuple((x + by[0], y + by[1]) for x, y in self.vertices))
 
     def _require_convex(self) -> None:
@@ -104,7 +111,7 @@ class Polygon:
             heading_in = math.atan2(here[1] - before[1], here[0] - before[0])
             heading_out = math.atan2(after[1] - here[1], after[0] - here[0])
             turn += (heading_out - heading_in) % math.tau
-        # Left turns only, but more than once around: a star.
+        # A star turns left at every vertex, but more than once around.
         if round(turn / math.tau) != 1:
             raise ScenarioError(f"{self}: the outline crosses itself")
 
@@ -114,16 +121,16 @@ Obstacle = Circle | Polygon
 
 @dataclass(frozen=True)
 class Scenario:
-    """A path-planning task on an analytic map, in map units.
+    """A path-planning task on a map of circles and polygons, in map units.
 
     Attributes:
-        name: what results are filed under.
+        name: name under which results are filed.
         start: (x, y) where the robot is.
         target: (x, y) where it has to go.
         obstacles: circles and convex polygons; they may overlap.
         workspace: (x_min, y_min, x_max, y_max); start and target lie in it.
-        initial_range: (low, high) of the first waypoints, as offsets to the left of the line from start
-            to target; None takes the extent of the obstacles.
+        initial_range: (low, high) of the first waypoints, as offsets to the left of the line from start to
+            target; None takes the extent of the obstacles.
 
     Raises:
         ScenarioError: if the task is malformed; the message names the part and its value.
@@ -145,9 +152,11 @@ class Scenario:
                 object.__setattr__(self, part, require_numbers(where, part, given, length))
         x_min, y_min, x_max, y_max = self.workspace
         if not (x_min < x_max and y_min < y_max):
-            raise ScenarioError(f"{where}: the workspace {self.workspace} is empty")
+            raise ScenarioError(
+                f"{where}: workspace needs x_min < x_max and y_min < y_max, got {self.workspace}"
+            )
         if self.start == self.target:
-            raise ScenarioError(f"{where}: start and target are the same point {self.start}")
+            raise ScenarioError(f"{where}: start and target must be different points, both are {self.start}")
         for role, point in (("start", self.start), ("target", self.target)):
             if not (x_min <= point[0] <= x_max and y_min <= point[1] <= y_max):
                 raise ScenarioError(f"{where}: {role} {point} lies outside the workspace {self.workspace}")
@@ -159,21 +168,23 @@ class Scenario:
                 if obstacle.depth(point) > TOUCHING:
                     raise ScenarioError(f"{where}: {role} {point} lies inside obstacle {number}, {obstacle}")
         if self.initial_range is not None and self.initial_range[0] >= self.initial_range[1]:
-            raise ScenarioError(f"{where}: initial_range needs low < high, got {self.initial_range}")
+            raise ScenarioError(
+                f"{where}: initial_range (low, high) needs low < high, got {self.initial_range}"
+            )
 
     @property
     def y_up(self) -> bool:
-        """Whether y grows upwards in pictures."""
+        """True if y grows upwards in pictures."""
         return True
 
     @property
     def view(self) -> tuple[float, float, float, float]:
-        """(x_min, y_min, x_max, y_max) that pictures show: the workspace."""
+        """(x_min, y_min, x_max, y_max) of the area that pictures show: the workspace."""
         return self.workspace
 
     @property
     def straight_line(self) -> float:
-        """Distance from start to target: no path is shorter."""
+        """Distance from start to target in map units: no path is shorter."""
         return math.hypot(self.target[0] - self.start[0], self.target[1] - self.start[1])
 
 
@@ -185,14 +196,20 @@ def _sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
 
 
 def require_numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
-    """The values as a tuple of that many floats, at most `MAX_COORDINATE` in size.
+    """Return the values as a tuple of floats, `length` of them and none larger than `MAX_COORDINATE` in size.
+
+    Args:
+        where: object or text that a message begins with.
+        part: name of the values, for messages.
+        values: sequence of numbers.
+        length: expected number of values.
 
     Raises:
-        ScenarioError: if they are not.
+        ScenarioError: if the values are not such numbers.
     """
     try:
         given = tuple(islice(values, length + 1))
-        # A text of digits is no number here, and a circle keeps what it is given.
+        # float() would accept a text of digits, but a circle keeps the values as they are given.
         if any(isinstance(value, str | bytes) for value in given):
             raise TypeError
         numbers = tuple(float(value) for value in given)
@@ -211,12 +228,12 @@ def require_numbers(where: object, part: str, values: Any, length: int) -> tuple
 
 
 def _shown(where: object) -> str:
-    """What an error is about: a text as it is, or an object that may hold anything."""
+    """Return the subject of a message: a text as it is, any other object in short form."""
     return where if isinstance(where, str) else shown(where)
 
 
 def _cross(a: Point, b: Point, c: Point) -> float:
-    """Twice the signed area of the triangle a, b, c: positive for a left turn."""
+    """Return twice the signed area of the triangle a, b, c; it is positive for a left turn."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

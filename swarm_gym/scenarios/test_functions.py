@@ -1,8 +1,7 @@
 """Test functions by name: the scenarios `function:<function>-<dimension>`, see `function_scenario`.
 
-`function:<function>-<dimension>-shifted:<number>` is the same with the optimum drawn uniformly from the
-middle 80 % of the domain, so that an optimizer that drifts to the origin, or to the middle of the domain, is
-found out.
+In `function:<function>-<dimension>-shifted:<number>` the optimum is drawn uniformly from the middle 80 % of
+the domain. These scenarios expose optimizers that drift to the origin or to the middle of the domain.
 """
 
 import hashlib
@@ -18,16 +17,16 @@ NAME = "function"
 USAGE = f"{NAME}:<function>-<dimension>[-shifted:<number>]"
 
 NUM_SHIFTED = 1_000_000
-# How much of the domain is left out, on either side, where the optimum is drawn.
+# Fraction of the domain, on either side, in which no optimum is drawn.
 RIM = 0.1
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single functions that a name stands for: `...-shifted:0-49` for fifty of them.
+    """Return the names of the single functions that a name stands for; `...-shifted:0-49` stands for fifty.
 
     Raises:
         UnknownNameError: if there is no such function.
-        ScenarioError: if the name has another form, or the function has not that dimension.
+        ScenarioError: if the name has another form, or the function is not defined for this dimension.
     """
     function, dimension, numbers = _parse(name)
     require_dimension(f"scenario {shown(name)}", function, dimension)
@@ -43,11 +42,11 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> FunctionScenario:
-    """The single function of that name."""
+    """Return the single function of that name."""
     function, dimension, number = _parse(name)
     if number is None:
         return FunctionScenario(name, function, dimension)
-    # A published name keeps its way of drawing: results refer to it.
+    # Never change how the optimum is drawn: results refer to these names.
     seed = int.from_bytes(hashlib.sha256(name.encode()).digest(), "big")
     shares = np.random.Generator(np.random.PCG64(seed)).random(dimension)
     reach = FUNCTIONS[function].reach
@@ -56,7 +55,7 @@ def make(name: str) -> FunctionScenario:
 
 
 def _parse(name: str) -> tuple[str, int, str | None]:
-    """Function, dimension, and what stands for the numbers of shifted ones."""
+    """Return the function, the dimension, and the text that stands for the numbers of shifted functions."""
     match = re.fullmatch(rf"{NAME}:([a-z-]+)-([1-9][0-9]{{0,8}})(?:-shifted:(.*))?", name, re.DOTALL)
     if match is None:
         raise ScenarioError(

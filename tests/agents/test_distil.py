@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.distil import DistilConfig, assess, distil
-from agents.evaluation.rule_fit import Fit, fit_within, select_forward, share_out
+from agents.distillation.rule_fit import Fit, fit_within, select_forward, share_out
+from agents.distillation.run import DistilConfig, assess, distil
 from agents.runs.seeds import ANALYSIS, VALIDATION
 from agents.training.config import TrainConfig, stored_config
 from swarm_gym.controllers.controller import Controller
@@ -21,8 +21,8 @@ from swarm_gym.controllers.distilled import (
     DistilledRule,
     Formula,
     load_rule,
+    packaged_rules,
     save_rule,
-    shipped_rules,
 )
 from swarm_gym.observation import OBSERVATIONS
 
@@ -216,8 +216,8 @@ def test_a_missing_rule_is_refused():
         load_rule("no-such-rule")
 
 
-@pytest.mark.parametrize("name", shipped_rules())
-def test_shipped_rules_say_where_they_come_from(name):
+@pytest.mark.parametrize("name", packaged_rules())
+def test_packaged_rules_say_where_they_come_from(name):
     content = json.loads((DISTILLED / f"{name}.json").read_text())
     assert content["manifest"]["policy"].startswith("learned:")
     assert content["num_numbers"] == load_rule(name).num_numbers <= MOST_NUMBERS
@@ -251,10 +251,12 @@ def test_numbers_are_shared_out_where_they_help_and_pairs_are_seen():
 
 
 def test_the_configuration_of_a_policy_is_read_from_its_manifest():
-    manifest = {"config": {"price": 0.3, "scenarios": ["case2"], "long_gone": 1, "seed": 4}}
+    manifest = {"config": {"price": [0.3], "scenarios": ["case2"], "seed": 4}}
     expected = dataclasses.replace(TrainConfig(), price=(0.3,), scenarios=("case2",), seed=4)
     assert stored_config(manifest) == expected
-    assert stored_config({}) == TrainConfig()
+    assert stored_config({}) == stored_config({"config": {}}) == TrainConfig()
+    with pytest.raises(ValueError, match=r"unknown options.*long_gone"):
+        stored_config({"config": {"long_gone": 1}})
 
 
 def test_seeds_of_analyses_select_no_model():

@@ -7,8 +7,8 @@ import pytest
 
 from agents.export_onnx import STATE, main, to_onnx
 from helpers.trainings import add_memory, make_policy
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import ITERATION
 
 onnx = pytest.importorskip("onnx", reason="needs the extra `onnx`")

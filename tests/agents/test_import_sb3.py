@@ -12,8 +12,8 @@ import pytest
 from gymnasium.spaces import Box
 
 from agents.import_sb3 import main
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.controllers.registry import load_learned
 
 torch = pytest.importorskip("torch")
 stable_baselines3 = pytest.importorskip("stable_baselines3")

@@ -3,6 +3,7 @@
 import numpy as np
 
 from helpers.builders import walk_problem
+from helpers.compiled import compiled
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.problem import WalkProblem
 from swarm_gym.reference import shortest_grid_path
@@ -49,6 +50,6 @@ def trails_of(swarms, problem):
     array = swarms.field[0].copy()
     tau = np.empty((grid.height * grid.width, 8))
     for cell in range(len(tau)):
-        place = trails.current_trails(array, cell)
+        place = compiled(trails.current_trails)(array, cell)
         tau[cell] = array[place : place + 8]
     return tau.reshape(grid.height, grid.width, 8)

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import shapely
 
+from helpers.compiled import compiled
 from oracles import naive, naive_optimizers, naive_swarm
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import Swarms, make_workspace
 from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, WalkProblem
 from swarm_gym.problem.layout import columns
-from swarm_gym.problem.tables import stack
+from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario, rasterised
 
 CASES = ("case1", "case2", "case3")
@@ -281,10 +282,11 @@ def make_twins(problem, population, seed, budget=UNLIMITED):
 
 
 def twins_of(source, size, seed, num_waypoints, **options):
-    """(swarms, tables, twin) of a random population of fireflies."""
+    """(swarms, table, workspace, twin) of a random population of fireflies."""
     problem = problem_of(source, num_waypoints)
     population = random_population(np.random.default_rng(seed), problem, size)
-    return make_twins(problem, population, seed, **options)
+    swarms, tables, twin = make_twins(problem, population, seed, **options)
+    return swarms, compiled(select)(tables, 0), workspace(num_waypoints), twin
 
 
 def workspace(num_waypoints):

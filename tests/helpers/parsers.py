@@ -20,10 +20,10 @@ from agents import make_controller
 from agents.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
 from swarm_gym.controllers.learned.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
 from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
 from swarm_gym.scenarios import expand_name
@@ -130,7 +130,7 @@ def _read_manifest(path: Path) -> object:
         raise PolicyFileError("no JSON") from error
     if not isinstance(manifest, dict):
         raise PolicyFileError("no manifest")
-    check_manifest(path, {**manifest, "weights_sha256": "0" * 64})
+    check_manifest(path, {**manifest, "weights_sha256": "0" * 64, "manifest_sha256": "0" * 64})
     shapes = tensor_shapes(manifest)
     if 4 * sum(map(math.prod, shapes.values())) > MAX_FILE / 64:  # to be fast
         raise PolicyFileError("large")
@@ -142,7 +142,7 @@ def _read_manifest(path: Path) -> object:
     return load_learned(path, limits)
 
 
-def _shipped_json(folder: Path) -> list[bytes]:
+def _packaged_json(folder: Path) -> list[bytes]:
     files = sorted(folder.rglob("*.json"), key=lambda path: path.stat().st_size)
     found = [json.loads(path.read_text()) for path in files[:3]]
     return [json.dumps({**content, "manifest": {}}).encode() for content in found]
@@ -204,13 +204,13 @@ PARSERS = {
         ".json", _manifests, _read_manifest, (PolicyFileError,), (*_JSON, "priced", "base", "lstm")
     ),
     "open-loop": Parser(
-        ".json", lambda: _shipped_json(OPEN_LOOPS), _deciding("open-loop"), (OpenLoopFileError,), _JSON
+        ".json", lambda: _packaged_json(OPEN_LOOPS), _deciding("open-loop"), (OpenLoopFileError,), _JSON
     ),
     # What a file of a tuned controller names may be unknown or out of range.
     "tuned": Parser(
-        ".json", lambda: _shipped_json(TUNED), _deciding("tuned"), (TunedFileError, ValueError), _JSON
+        ".json", lambda: _packaged_json(TUNED), _deciding("tuned"), (TunedFileError, ValueError), _JSON
     ),
     "distilled": Parser(
-        ".json", lambda: _shipped_json(DISTILLED), _deciding("distilled"), (DistilledFileError,), _JSON
+        ".json", lambda: _packaged_json(DISTILLED), _deciding("distilled"), (DistilledFileError,), _JSON
     ),
 }

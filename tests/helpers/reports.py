@@ -1,4 +1,4 @@
-"""A small suite with every kind of member, for tests of reports."""
+"""A small suite with every kind of scenario and controller, for tests of reports."""
 
 from experiments.runs.suite import Suite
 

@@ -1,14 +1,19 @@
-"""What tests of tables share, which are made of stored runs."""
+"""Helpers for tests of results tables and of databases of runs."""
 
 
 def cells_of(tables, name):
-    """The rows of the table of that name, as dictionaries of what stands in each column."""
+    """Return the rows of the table of that name, as dictionaries of printed texts by column."""
     (found,) = [table for table in tables if table.name == name]
-    return [dict(zip(found.columns, row, strict=True)) for row in found.rows]
+    return [dict(zip(found.columns, row, strict=True)) for row in printed_rows(found)]
+
+
+def printed_rows(table):
+    """Return the rows of a table as tuples of printed texts."""
+    return [tuple(map(str, row)) for row in table.rows]
 
 
 def make_database(path, suite):
-    """The database of a suite with all of its runs, made in this process."""
+    """Make the database of a suite with all of its runs, in this process, and return its path."""
     from agents.backends.local import LocalBackend  # these imports take seconds
     from experiments.runs.database import Results
     from experiments.runs.runner import configuration, run_missing

@@ -43,14 +43,20 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     manifest = {
         "action": "normalised",
         "base": "none",
+        "config": {},
+        "corrected_from": 0,
         "features": features,
         "hidden_layers": [8],
         "initial_population_size": 80,
+        "lstm_size": None,
+        "max_evaluations": None,
         "max_population_size": 200,
         "min_population_size": 2,
+        "network": "feedforward",
         "num_decisions": 2,
         "observation": observation,
         "optimizer": "firefly",
+        "price": None,
         **changes,
     }
     save_policy(path, weights, manifest)

@@ -1,9 +1,9 @@
-"""Fuzz the parsers of files, guided by what lines they reach: `make fuzz SECONDS=3600`.
+"""Fuzz the parsers of files, guided by the lines that they reach: `make fuzz SECONDS=3600`.
 
-What makes a parser raise an undocumented error, run for more than 5 s or take more than 200 MiB at once is
-kept in fuzz_finds/<parser> beside this file, where test_fuzz_finds.py tries it from then on.
+Some inputs make a parser raise an undocumented error, run for more than 5 s or take more than 200 MiB at
+once. They are kept in fuzz_finds/<parser> beside this file. From then on test_fuzz_finds.py tries them.
 
-Source: Atheris, https://github.com/google/atheris, which tells libFuzzer what lines of Python are reached.
+Source: Atheris, https://github.com/google/atheris, which tells libFuzzer which lines of Python are reached.
 """
 
 import argparse
@@ -29,7 +29,7 @@ MAX_LENGTH = 1 << 14
 
 
 def fuzz(name: str, seconds: int, corpus: Path, folder: Path) -> None:
-    """Fuzz one parser in this process, which then ends; the folder is for its files meanwhile."""
+    """Fuzz one parser in this process, which then ends; the folder is for the files of the parser."""
     import atheris
 
     atheris.enabled_hooks.add("str")
@@ -61,7 +61,7 @@ def fuzz(name: str, seconds: int, corpus: Path, folder: Path) -> None:
 
 
 def main() -> None:
-    """Fuzz all parsers, or those that are named, for equal shares of the time."""
+    """Fuzz all parsers, or the named ones, each for the same time."""
     from helpers.parsers import PARSERS
 
     cli = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -108,12 +108,12 @@ fuzz.fuzz(sys.argv[1], int(sys.argv[2]), *map(pathlib.Path, sys.argv[3:]))
 
 
 def _quoted(word: str) -> str:
-    """A line of libFuzzer's dictionaries."""
+    """Return a line of libFuzzer's dictionaries."""
     return '"' + "".join(f"\\x{byte:02x}" for byte in word.encode("utf-8", "surrogatepass")) + '"'
 
 
 def _fast_folder() -> str | None:
-    """A folder in memory, where there is one."""
+    """Return a folder in memory if there is one."""
     memory = Path("/dev/shm")
     return str(memory) if memory.is_dir() else None
 

@@ -1,4 +1,4 @@
-"""Same seed, same bits: alone, in a vector of any width, with any threads, elsewhere, after copying."""
+"""Equal seeds give equal bits: alone, in a vector of any width, with any threads, after copying."""
 
 import copy
 import hashlib
@@ -30,7 +30,7 @@ WIDEST = 64
 
 
 def actions(seed):
-    """Eight decisions for the swarm of a seed."""
+    """Return eight decisions for the swarm of a seed."""
     generator = np.random.default_rng(seed)
     return np.stack([generator.integers(2, 31, 8), generator.random(8).round(1)], axis=1)
 
@@ -149,7 +149,7 @@ def test_in_a_subprocess():
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
 @pytest.mark.parametrize("processor", ["x86-64", "haswell"])
 def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
-    # Two and four lanes at a time instead of, perhaps, eight; whatever the processor here is called.
+    # Two and four lanes at a time instead of, perhaps, eight, whatever the name of the processor.
     found = fingerprint_elsewhere(
         NUMBA_CPU_NAME=processor, NUMBA_CPU_FEATURES="", SWARM_GYM_CACHE=str(tmp_path)
     )

@@ -1,4 +1,4 @@
-"""What goes wrong around a command: it says so, its exit status tells it, and what was finished is kept."""
+"""Faults around a command: the message and exit status report them, and finished work is kept."""
 
 import os
 import re
@@ -31,7 +31,7 @@ if not sys.platform.startswith("linux"):
 
 pytestmark = pytest.mark.slow
 
-PATIENCE = 400  # seconds, for a command
+COMMAND_TIMEOUT = 400  # seconds, for a command
 CAN_MOUNT = subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode == 0
 needs_mounts = pytest.mark.skipif(not CAN_MOUNT, reason="needs `unshare -rm`, to mount file systems")
 
@@ -46,9 +46,9 @@ COMMANDS = {
 GOES_ON = {
     "evaluate": "the same command goes on",
     "evaluate on Ray": "the same command goes on",
-    "train": "--resume goes on",
-    "tune": "--resume goes on",
-    "tune with Optuna": "--resume goes on",
+    "train": "--resume continues",
+    "tune": "--resume continues",
+    "tune with Optuna": "--resume continues",
 }
 
 
@@ -76,32 +76,32 @@ class Running:
             )
 
     def wait_until_it_has_begun(self):
-        """Until something is finished, as its progress bar says."""
+        """Wait until the progress bar shows that something is finished."""
         self.wait_until(lambda: re.search(r" [1-9][0-9]*/[0-9]+ \[", self.log.read_text()))
 
     def wait_until(self, happened):
-        """Until that is so, which has to be before the command ends."""
-        end = time.monotonic() + PATIENCE
+        """Wait until a condition holds, which has to be before the command ends."""
+        end = time.monotonic() + COMMAND_TIMEOUT
         while not happened():
             assert self.process.poll() is None, self.log.read_text()
             assert time.monotonic() < end
             time.sleep(0.02)
 
     def workers(self):
-        """Process ids of its workers."""
+        """Return the process ids of its workers."""
         found = subprocess.run(["pgrep", "-g", str(self.process.pid), "-f", "loky.backend.popen_loky"],
                                capture_output=True, text=True, check=False)  # fmt: skip
         return [int(pid) for pid in found.stdout.split()]
 
     def end(self):
-        """Wait for its end; the exit status and what it said, which is no traceback."""
-        status = self.process.wait(PATIENCE)
+        """Wait for its end; return the exit status and the printed text, which has no traceback."""
+        status = self.process.wait(COMMAND_TIMEOUT)
         said = self.log.read_text()
         assert "Traceback" not in said, said
         return status, said
 
     def is_gone(self):
-        """Whether all its processes have ended."""
+        """Return True if all its processes have ended."""
         try:
             os.killpg(self.process.pid, 0)
         except ProcessLookupError:
@@ -115,7 +115,7 @@ def run(command, log, prefix=()):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """What the commands come to when nothing goes wrong, made when it is asked for."""
+    """Return the results of the commands without faults, computed when they are asked for."""
     folder = tmp_path_factory.mktemp("whole")
 
     def of(name):
@@ -134,7 +134,7 @@ def test_a_command_that_is_told_to_end(tmp_path, whole, name, sent):
     here = tmp_path / "here"
     running = Running(COMMANDS[name](here), tmp_path / "log")
     running.wait_until_it_has_begun()
-    # A terminal interrupts all processes of the command; a batch system that ends one, often the first alone.
+    # A terminal interrupts all processes of a command; a batch system often signals the first one alone.
     (os.killpg if sent == signal.SIGINT else os.kill)(running.process.pid, sent)
     status, said = running.end()
     assert status == 128 + sent
@@ -149,7 +149,7 @@ def test_a_command_that_is_told_to_end(tmp_path, whole, name, sent):
 
 
 def mounted(place, kept, options):
-    """What runs a command with a file system in memory at a place, whose files are then kept elsewhere."""
+    """Return a command prefix that mounts a file system in memory and keeps its files elsewhere."""
     script = (
         f'mount -t tmpfs -o {options} none "{place}" || exit 99\n'
         f'"$@"\nstatus=$?\ncp -r "{place}/." "{kept}"\nexit $status'
@@ -171,7 +171,7 @@ def fill(path):
 def test_a_full_disk(tmp_path, whole, name):
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     running = Running(COMMANDS[name](disk), tmp_path / "log", mounted(disk, kept, "size=20m"))
-    seen = Path(f"/proc/{running.process.pid}/root{disk}")  # where the command is, it is mounted
+    seen = Path(f"/proc/{running.process.pid}/root{disk}")  # the file system as the command sees it
     running.wait_until_it_has_begun()
     os.killpg(running.process.pid, signal.SIGSTOP)
     fill(seen / "filler")
@@ -182,7 +182,7 @@ def test_a_full_disk(tmp_path, whole, name):
     assert str(disk) in said
     assert "full" in said or "No space left" in said
     assert GOES_ON[name] in said
-    # Nothing is lost where there is room again.
+    # Nothing is lost once the disk has room again.
     before = rows(kept)
     assert before or not name.startswith("evaluate")
     disk.rmdir()
@@ -209,7 +209,7 @@ def test_a_folder_that_is_read_only(tmp_path, name):
 
 @needs_mounts
 def test_tables_of_a_database_that_is_read_only(tmp_path, whole):
-    """Whoever has the results of others may look at them."""
+    """Check that results can be read without the right to write them."""
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     disk.mkdir()
     shutil.copy(whole("evaluate") / "paper.sqlite", disk)

@@ -1,4 +1,4 @@
-"""What the fuzzer of tests/reliability/fuzz.py has found once, and whole files, which it begins with."""
+"""Inputs that the fuzzer of tests/reliability/fuzz.py has found, and the valid files that it begins with."""
 
 from pathlib import Path
 

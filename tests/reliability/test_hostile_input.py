@@ -1,4 +1,4 @@
-"""Input of any kind: only documented errors, in bounded time and memory; what was refused changed nothing."""
+"""Hostile input: only documented errors, in bounded time and memory; refused input changes nothing."""
 
 import json
 import math
@@ -16,11 +16,11 @@ from agents import make_controller
 from agents.training.presets import PRESETS, PresetError, load_preset
 from helpers.mutations import bounded_memory, fuzzed, mutated
 from helpers.parsers import decides
-from swarm_gym.controllers.distilled import DistilledFileError, shipped_rules
+from swarm_gym.controllers.distilled import DistilledFileError, packaged_rules
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
-from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, shipped_open_loops
+from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE
-from swarm_gym.controllers.tuned import TunedFileError, shipped_tuned
+from swarm_gym.controllers.tuned import TunedFileError, packaged_tuned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import (
     ActionError,
@@ -59,7 +59,7 @@ HUGE = 10**5000  # more digits than Python writes
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A data folder with a map, beside one with the same map."""
+    """Return a data folder with a map, beside a folder with the same map."""
     for name in ("data", "elsewhere"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "small.map").write_bytes(b"type octile\nheight 1\nwidth 3\nmap\n...\n")
@@ -101,7 +101,7 @@ def test_any_text_names_scenarios_or_is_refused(folder, name):
 @example(name="ros:\ud800?start=0,0&goal=1,0")
 @fuzzed
 def test_any_text_makes_a_scenario_or_is_refused(folder, name):
-    if not name.startswith(("block", "open", "dynamic:open")):  # up to 4000 x 4000 cells, which are meant
+    if not name.startswith(("block", "open", "dynamic:open")):  # up to 4000 x 4000 cells, which is intended
         with suppress(SwarmGymError):
             assert make_scenario(name).name == name
 
@@ -176,7 +176,7 @@ def test_the_map_that_a_problem_names_is_not_opened(folder):
     assert make_scenario("moving-ai:small#0").map == make_scenario("moving-ai:small?start=0,0&goal=2,0").map
 
 
-# Files that take more than they give.
+# Small files that ask for much memory or time.
 
 
 def test_a_yaml_file_that_is_small_because_it_repeats_itself_is_refused(folder):
@@ -197,7 +197,7 @@ def test_a_long_file_of_problems_is_not_kept_in_memory(folder, line, monkeypatch
         read_scenarios(path)
 
 
-# Scenarios that are made of parts.
+# Parts of scenarios.
 
 numbers = st.floats() | st.integers() | st.sampled_from([0.0, 1.0, 5e-324, 1e308, 1e9, 1e-9, HUGE, -HUGE])
 things = numbers | st.none() | st.booleans() | st.text(max_size=3) | st.sampled_from(["1", b"2", [], {}, 1j])
@@ -291,9 +291,9 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
 def shipped_file(kind):
     from swarm_gym.controllers import distilled, open_loop, tuned
 
-    folders = {"open-loop": (open_loop.OPEN_LOOPS, shipped_open_loops()),
-               "tuned": (tuned.TUNED, shipped_tuned()),
-               "distilled": (distilled.DISTILLED, shipped_rules())}  # fmt: skip
+    folders = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
+               "tuned": (tuned.TUNED, packaged_tuned()),
+               "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
     folder, found = folders[kind]
     name = next((name for name in found if name.startswith("three-cases")), found[0])
     return json.loads((folder / f"{name}.json").read_text())
@@ -379,21 +379,21 @@ ALWAYS = np.array([4.0, 0.5])
 
 
 class Stubborn:
-    """What makes no array of itself."""
+    """An object that cannot be converted to an array."""
 
     def __array__(self, dtype=None, copy=None):
         raise RuntimeError("no")
 
 
 class Mute(Stubborn):
-    """What does not even say what it is."""
+    """An object whose repr fails."""
 
     def __repr__(self):
         raise RuntimeError("no")
 
 
 def nested(depth):
-    """A list in a list in a list."""
+    """Return a list in a list in a list, and so on."""
     value = []
     for _ in range(depth):
         value = [value]
@@ -409,7 +409,7 @@ anything = things | arrays | odd | vectors | st.lists(things, max_size=3)
 
 
 def state_of(env):
-    """All that the next steps depend on: populations, histories, and what is drawn from."""
+    """Return all that the next steps depend on: populations, histories and random generators."""
     inner = env.simulation
     own = {name: value for name, value in vars(inner).items() if isinstance(value, np.ndarray)}
     drawn = getattr(env, "_generators", None) or [env.np_random]
@@ -420,7 +420,7 @@ def state_of(env):
 def single():
     env = SwarmEnv(**SMALL)
     env.reset(seed=0)
-    env.step(ALWAYS)  # compiled here: no example shall wait for it
+    env.step(ALWAYS)  # compiles here, so that no example has to wait
     return env
 
 
@@ -433,7 +433,7 @@ def vector():
 
 
 def went_well(env, call, *documented):
-    """Whether a call was carried out; if not, for a documented reason, nothing has changed."""
+    """Return True if a call succeeds; otherwise check the error, and that nothing has changed."""
     before = state_of(env)
     try:
         call()
@@ -447,7 +447,7 @@ def went_well(env, call, *documented):
 
 
 def as_good_as_new(env):
-    """Hold an environment that was treated badly against a new one."""
+    """Compare an environment that received hostile input with a new one."""
     new = type(env)(**SMALL) if isinstance(env, SwarmEnv) else type(env)(2, **SMALL, num_threads=1)
     action = ALWAYS if isinstance(env, SwarmEnv) else np.tile(ALWAYS, (2, 1))
     np.testing.assert_array_equal(env.reset(seed=1)[0], new.reset(seed=1)[0])
@@ -472,7 +472,7 @@ def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(request, ki
     as_good_as_new(env)
 
 
-# What cannot be printed, so that Hypothesis cannot, either.
+# Objects that cannot be printed, also not by Hypothesis.
 @pytest.mark.parametrize("kind", ["single", "vector"])
 @pytest.mark.parametrize("make", [Mute, lambda: nested(5000), lambda: [HUGE]], ids=["mute", "deep", "huge"])
 def test_what_cannot_be_shown_is_refused(request, kind, make):

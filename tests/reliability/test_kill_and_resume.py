@@ -1,4 +1,4 @@
-"""Commands that are killed and begun again until they end come out as if nothing had happened."""
+"""Commands that are killed and resumed until they end have the same results as without kills."""
 
 import subprocess
 import sys
@@ -100,7 +100,7 @@ def test_tuning_that_is_killed_at_certain_moments(tmp_path, what):
 
 def test_an_evaluation_that_is_killed_at_random_moments(tmp_path):
     def check(folder, stored, killed):
-        # A unit of three runs more may be stored than a process that was killed has lived to count.
+        # A killed process may have stored a unit of three runs that it did not count any more.
         assert stored <= len(rows(folder)) <= stored + 3 * killed
 
     run_killed_at_random(evaluation, check, tmp_path, KILLS, seed=3)
@@ -111,7 +111,7 @@ def test_an_evaluation_that_is_killed_at_random_moments(tmp_path):
 
 
 def test_the_command_with_several_processes_that_is_killed(tmp_path):
-    """An evaluation by the shell's command, whose worker processes must not matter either."""
+    """Check an evaluation by its shell command, with worker processes."""
     subprocess_of(evaluation(tmp_path / "whole", jobs=2)).wait()
     expected = rows(tmp_path / "whole")
     generator = np.random.default_rng(4)

@@ -1,4 +1,4 @@
-"""A million steps of any actions: no NaN, no wrong counter, nothing outside a space, memory flat."""
+"""A million steps with any actions: no NaN, no wrong counter, nothing outside a space, constant memory."""
 
 import gc
 from itertools import pairwise
@@ -16,9 +16,9 @@ from swarm_gym.vector_env import SwarmVectorEnv
 
 NUM_SWARMS, ITERATIONS, SIZES = 100, 25, (2, 12)
 STEPS = 1_000_000
-# What may be kept from then on, when a tenth of the steps has been made.
+# Memory that may be added after a tenth of the steps.
 WARM, MOST_GROWTH = 0.1, 5 * 2**20
-# Kinds of maps, each for as many of the steps, and whether an evaluation budget ends episodes, too.
+# Kinds of maps, each for the same number of steps, and whether an evaluation budget ends episodes, too.
 MAPS = (
     ({"scenario": ["random-fields:train:0-31"]}, None),
     ({"scenario": ["rooms:0-7", "caves:0-3"]}, 150),
@@ -28,7 +28,7 @@ MAPS = (
 
 
 class Schedule:
-    """What a schedule decides, which observes as the paper does."""
+    """A schedule as an actor, which sees the observations of the SPSFA paper."""
 
     def __init__(self):
         self._controller = make_controller("spsfa-tip")
@@ -40,7 +40,7 @@ class Schedule:
 
 
 def actors(rng):
-    """By name, functions from observations (B, 4) to actions (B, 2)."""
+    """Return functions from observations (B, 4) to actions (B, 2), by name."""
     low, high = np.array([SIZES[0], 0.0]), np.array([SIZES[1], 1.0])
     turn = iter(range(10**9))
 
@@ -58,13 +58,13 @@ def actors(rng):
 
 
 def resident():
-    """Bytes of memory that this process holds."""
+    """Return the bytes of memory that this process holds."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
 def soak(optimizer, options, budget, steps, rng):
-    """Advance an environment, check every step; yields now and then."""
+    """Advance an environment and check every step; yield now and then."""
     env = SwarmVectorEnv(
         NUM_SWARMS,
         optimizer,
@@ -81,7 +81,7 @@ def soak(optimizer, options, budget, steps, rng):
     keeps_all = optimizer != "multivariate"  # a point that no list has a place for is dropped
     observation, info = env.reset(seed=int(rng.integers(2**31)))
     done, before = np.zeros(NUM_SWARMS, dtype=int), info
-    beginning = info["evaluations"][0]  # an episode evaluates as many before it begins
+    beginning = info["evaluations"][0]  # evaluations of the first population
     rounds = steps // NUM_SWARMS
     schedule = actors(rng)
     turns = np.array_split(np.arange(rounds), 2 * len(schedule))
@@ -123,7 +123,7 @@ def soak(optimizer, options, budget, steps, rng):
 def maps_for(optimizer):
     if not is_walker(optimizer):
         return MAPS
-    # Who walks has no way over a function, and takes a hundred times as long over cells of the usual size.
+    # Walks have no path over a function, and take a hundred times as long over cells of the usual size.
     coarse = {"cell_size": 20.0}
     return [
         (options if budget else options | coarse, budget)

@@ -1,4 +1,4 @@
-"""How commands end."""
+"""The end of commands: messages and exit statuses."""
 
 import os
 import signal
@@ -11,11 +11,11 @@ from swarm_gym.command import command
 
 
 class WrongError(RuntimeError):
-    """What a command is told to expect."""
+    """An exception that a command is told to expect."""
 
 
 def said(error, **options):
-    """What is said; as an argument of `SystemExit` it makes the exit status 1."""
+    """Return what is printed; as an argument of `SystemExit` it makes the exit status 1."""
     with pytest.raises(SystemExit) as caught, command(WrongError, **options):
         raise error
     return caught.value.code

@@ -1,4 +1,4 @@
-"""Environments on maps that change, with every optimizer that there is."""
+"""Environments on maps that change, with every optimizer."""
 
 import copy
 import pickle
@@ -68,7 +68,7 @@ def small(optimizer="firefly", **options):
 
 
 def on_maps(optimizer):
-    """Options of environments on the maps that change and on which the optimizer works; at least one."""
+    """Return options of environments on the dynamic maps that the optimizer supports; at least one."""
     found = []
     for scenario in (BUSY, BUSY_GRID):
         try:
@@ -86,7 +86,7 @@ def actions(seed, number=ITERATIONS):
 
 
 def episode(env, seed=SEED, decisions=None):
-    """Observations, rewards and infos of an episode, from its reset on."""
+    """Return observations, rewards and infos of an episode, from its reset on."""
     observation, info = env.reset(seed=seed)
     steps = [(observation, 0.0, info)]
     for action in actions(seed) if decisions is None else decisions:
@@ -108,24 +108,24 @@ def assert_same_steps(steps, others):
 
 
 def spent_on(optimizer, size):
-    """Evaluations by which a swarm of that size is known anew."""
+    """Return the number of evaluations that re-evaluate a swarm of that size."""
     return (2 * size if optimizer == "particle-swarm" else size) + 1
 
 
 def as_the_optimizer_has_it(optimizer, world):
-    """A map that changed, made of cells where the optimizer walks over these."""
+    """Return a map that changed; it consists of cells if the optimizer walks over them."""
     if is_walker(optimizer) and isinstance(world, Scenario):
         return rasterised(world, Settings.cell_size)
     return world
 
 
 def has_fitness(optimizer, stored, of_position):
-    """Whether a member costs what its position does; where it made its way itself, that counts, too."""
+    """Return True if a member's fitness is that of its position, or of its own path if it walked there."""
     return stored == of_position if get_optimizer(optimizer).adopts else stored > of_position
 
 
 def walk_cost(problem, path):
-    """Fitness and degree of collision of a walk to the target, all of it."""
+    """Return fitness and degree of collision of a complete walk to the target."""
     grid = problem.scenario.map
     length = np.hypot(*np.diff(path, axis=0).T).sum()
     blocked = blocked_length(grid.blocked, grid.to_cells(path))
@@ -133,7 +133,10 @@ def walk_cost(problem, path):
 
 
 def assert_best_walk_costs_its_way(optimizer, simulation, problem):
-    """And what of it is blocked now; but for what a robot has walked already when an obstacle appears."""
+    """Check the cost of the best walk, blocked parts included.
+
+    The part that a robot has walked before an obstacle appears does not count.
+    """
     path, swarms = simulation.best_paths()[0], simulation.swarms
     assert swarms.best_fitness[0] >= np.hypot(*np.diff(path, axis=0).T).sum() * (1 - 1e-12)
     if not get_optimizer(optimizer).adopts:
@@ -186,9 +189,9 @@ def test_an_event_costs_as_many_evaluations_as_there_is_remembered_and_shows_at_
         size = unchanged[2]["population_size"]
         spent = after[2]["evaluations"] - unchanged[2]["evaluations"]
         assert spent == spent_on(optimizer, size)
-        # MOA's lists are cut where their heads fall back.
+        # The lists of MOA are cut where their heads get worse.
         assert after[2]["population_size"] == size or optimizer == "multivariate"
-        # Ants that arrive collide with nothing, wherever they go.
+        # Ants that arrive do not collide, whichever path they take.
         swarms, others = changing.simulation.swarms, still.simulation.swarms
         assert after[0][1] != unchanged[0][1] or not get_optimizer(optimizer).adopts
         assert (swarms.fitness[0, :size] != others.fitness[0, :size]).any()
@@ -221,7 +224,7 @@ def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
         assert np.isfinite(observation).all()
         assert np.isfinite(reward)
         assert not env.simulation.running[0]
-        # An episode that is over when the iteration is, is over before the event.
+        # An episode that ends with the iteration ends before the event.
         happened = left > 0
         assert env.simulation.swarms.problem[0] == int(happened)
         assert env.simulation.iteration[0] == (2 if left > spent_on(optimizer, size) else 1)
@@ -350,7 +353,7 @@ def test_worlds_of_different_kinds_are_refused():
         small(penalty=3.0)
 
 
-# What a controller is paid, and told at the end.
+# Rewards, and the info at the end.
 
 
 def test_a_controller_is_paid_for_its_progress_and_not_for_what_happens():
@@ -362,7 +365,7 @@ def test_a_controller_is_paid_for_its_progress_and_not_for_what_happens():
     for env in (changing, still):
         env.reset(seed=SEED)
     (_, reward, *_, info), (_, plain, *_, plain_info) = changing.step(action), still.step(action)
-    # The same iteration, and then the event, of which the evaluations are paid.
+    # The same iteration, and then the event, whose evaluations are paid for.
     assert reward == pytest.approx(plain - (info["evaluations"] - plain_info["evaluations"]) / 1000)
     before, spent = changing.simulation.gap()[0], info["evaluations"]
     assert before != still.simulation.gap()[0]

@@ -1,4 +1,4 @@
-"""The single environment: contract, interface, refusals."""
+"""The single environment: contract, interface and errors."""
 
 import warnings
 from itertools import product
@@ -23,7 +23,7 @@ from swarm_gym.settings import Settings
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
 SMALL = {"initial_population_size": 6, "max_population_size": 12, "iterations": 5}
 SCALED_ACTIONS = [name for name in ACTIONS if name not in ("natural", "extended")]
-# Natural units and exact schedules are worth these two pieces of advice.
+# Two warnings of Gymnasium's checker that natural units and exact schedules cause on purpose.
 ADVICE = ("symmetric and normalized", "recommend using np.float32", "precision lowered")
 
 
@@ -40,7 +40,7 @@ def finish(env, action=(6, 0.5)):
 
 
 def combinations():
-    """All of actions and observations with one optimizer; each of them with the others."""
+    """Return all actions and observations with one optimizer, and each of them with the others."""
     return [
         (name, action, observation)
         for name, action, observation in product(IDS, ACTIONS, OBSERVATIONS)
@@ -130,7 +130,7 @@ def test_the_optimality_reward_needs_a_known_optimum():
 
 @pytest.mark.parametrize("reward", ["progress", "final", "final-gap"])
 def test_logarithmic_rewards_sum_to_total_gain_minus_total_cost(reward):
-    """The gain is over the first gap, or, where gaps of different starts are compared, over 1."""
+    """Compare the sum with the gain over the first gap or, for `final-gap`, over 1."""
     env = small(reward=reward, price=0.5, reference_evaluations=1000)
     _, first = env.reset(seed=3)
     last, rewards = finish(env)
@@ -207,7 +207,7 @@ def test_normalised_actions_ask_for_the_same_as_natural_ones():
 
 
 def twins(**options):
-    """Two environments with the same population."""
+    """Return two environments with the same population."""
     pair = small(**options), small(**options)
     for env in pair:
         env.reset(seed=9)
@@ -223,7 +223,7 @@ def test_extended_actions_decide_noise_and_attractiveness_of_the_iteration():
     np.testing.assert_array_equal(extended.simulation.positions(0), plain.simulation.positions(0))
     history = extended.simulation.history[0, :2, extended.simulation.columns.index("noise")]
     np.testing.assert_array_equal(history, [2.0, 7.0])
-    # What was decided holds for one iteration, and the next decision for the next.
+    # A decision holds for one iteration only.
     extended.step(np.array([8, 0.3, 0.02, 1.0]))
     assert extended.simulation.history[0, 2, extended.simulation.columns.index("noise")] == 0.02
 

@@ -1,4 +1,4 @@
-"""Errors say what is wrong, here and where a worker sends them."""
+"""Errors have messages that help, also when a worker sends them."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""What environments make of test functions, where nothing collides and the lower bound is 0."""
+"""Environments on test functions, where nothing collides and the lower bound is 0."""
 
 import copy
 import math

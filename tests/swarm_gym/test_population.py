@@ -16,6 +16,7 @@ from helpers.builders import (
     twins_of,
     workspace,
 )
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.population import (
     Swarms,
@@ -55,14 +56,14 @@ def survivors(swarms):
 @pytest.mark.parametrize("source", ["case1", "case2", "random"])
 @pytest.mark.parametrize("size", SIZES)
 def test_an_adopted_population_is_evaluated_as_it_stands(source, size):
-    swarms, _, twin = twins_of(source, size, 1, 7)
+    swarms, _, _, twin = twins_of(source, size, 1, 7)
     assert_same_swarm(swarms, twin)
     assert swarms.evaluations[0] == size
     np.testing.assert_allclose(swarms.summary[0], naive.summary(twin, MEAN_WEIGHT), rtol=1e-12)
 
 
 def test_a_cleared_swarm_has_no_members_and_no_best():
-    swarms, _, _ = twins_of("case1", 3, 1, 7)
+    swarms, _, _, _ = twins_of("case1", 3, 1, 7)
     clear(swarms, 0)
     assert swarms.size[0] == 0
     assert swarms.evaluations[0] == 0
@@ -80,28 +81,28 @@ def test_a_cleared_swarm_has_no_members_and_no_best():
 @settings(deadline=None, derandomize=True)
 def test_the_summary_is_the_naive_one(collision, mean_weight):
     swarms = labelled_swarm(np.zeros(len(collision)), collision)
-    summarise(swarms, 0, mean_weight)
+    compiled(summarise)(swarms, 0, mean_weight)
     expected = naive.population_collision(collision, mean_weight)
     assert swarms.summary[0, :4].tolist() == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
 def test_the_summary_of_values_known_by_hand():
     swarms = labelled_swarm([0.0] * 4, [0.0, 0.0, 6.0, 6.0])
-    summarise(swarms, 0, 0.1)
+    compiled(summarise)(swarms, 0, 0.1)
     deviation = math.sqrt(12)  # 36 / 3, with the denominator size - 1
     assert swarms.summary[0, :4].tolist() == pytest.approx([0.3 + 0.9 * deviation, 3, deviation, 0.5])
 
 
 def test_the_deviation_of_a_single_member_is_zero():
     swarms = labelled_swarm([1.0], [50.0])
-    summarise(swarms, 0, 0.1)
+    compiled(summarise)(swarms, 0, 0.1)
     assert swarms.summary[0].tolist() == [5.0, 50.0, 0.0, 0.0, 0.0]
 
 
 def test_the_summary_sees_living_members_only():
     swarms = labelled_swarm([0.0] * 4, [1.0, 2.0, 700.0, 900.0])
     swarms.size[0] = 2
-    summarise(swarms, 0, 0.5)
+    compiled(summarise)(swarms, 0, 0.5)
     assert swarms.summary[0, 1] == 1.5
 
 
@@ -112,17 +113,17 @@ def test_the_summary_sees_living_members_only():
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("source", ["case1", "case3", "random"])
 def test_growth_is_the_naive_one(source, size, seed):
-    swarms, tables, twin = twins_of(source, size, seed, 7)
-    resize(swarms, 0, select(tables, 0), workspace(7), size + 9)
+    swarms, table, work, twin = twins_of(source, size, seed, 7)
+    compiled(resize)(swarms, 0, table, work, size + 9)
     twin.resize(size + 9)
     assert_same_swarm(swarms, twin)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_new_members_lie_in_the_box_of_the_old_ones_and_are_counted(seed):
-    swarms, tables, _ = twins_of("case1", 4, seed, 7)
+    swarms, table, work, _ = twins_of("case1", 4, seed, 7)
     old = swarms.positions[0, :4].copy()
-    grow(swarms, 0, select(tables, 0), workspace(7), 30)
+    compiled(grow)(swarms, 0, table, work, 30)
     new = swarms.positions[0, 4:30]
     assert swarms.size[0] == 30
     assert swarms.evaluations[0] == 30
@@ -134,10 +135,10 @@ def test_new_members_lie_in_the_box_of_the_old_ones_and_are_counted(seed):
 
 
 def test_rows_of_former_members_do_not_widen_the_box():
-    swarms, tables, _ = twins_of("case1", 3, 0, 7)
+    swarms, table, work, _ = twins_of("case1", 3, 0, 7)
     swarms.positions[0, 3:] = 290.0
     old = swarms.positions[0, :3].copy()
-    grow(swarms, 0, select(tables, 0), workspace(7), 20)
+    compiled(grow)(swarms, 0, table, work, 20)
     assert (swarms.positions[0, :20] <= old.max(axis=0)).all()
 
 
@@ -146,7 +147,7 @@ def test_where_a_component_has_no_extent_the_workspace_stands_in():
     population = random_population(np.random.default_rng(0), problem, 3)
     population[:, 2] = 17.0
     swarms, tables, twin = make_twins(problem, population, 5)
-    resize(swarms, 0, select(tables, 0), workspace(7), 32)
+    compiled(resize)(swarms, 0, compiled(select)(tables, 0), workspace(7), 32)
     twin.resize(32)
     assert_same_swarm(swarms, twin)
     new = swarms.positions[0, 3:32]
@@ -155,8 +156,8 @@ def test_where_a_component_has_no_extent_the_workspace_stands_in():
 
 
 def test_a_single_member_grows_into_the_whole_workspace():
-    swarms, tables, _ = twins_of("case1", 1, 0, 7)
-    grow(swarms, 0, select(tables, 0), workspace(7), 32)
+    swarms, table, work, _ = twins_of("case1", 1, 0, 7)
+    compiled(grow)(swarms, 0, table, work, 32)
     new = swarms.positions[0, 1:32, :7]
     assert (np.ptp(new, axis=0) > 400).all()
     assert (np.abs(new) <= 300).all()
@@ -164,8 +165,8 @@ def test_a_single_member_grows_into_the_whole_workspace():
 
 @pytest.mark.parametrize("left", [0, 1, 4, 5, 6])
 def test_growth_ends_exactly_where_the_budget_does(left):
-    swarms, tables, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
-    resize(swarms, 0, select(tables, 0), workspace(7), 8)
+    swarms, table, work, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
+    compiled(resize)(swarms, 0, table, work, 8)
     twin.resize(8)
     assert_same_swarm(swarms, twin)
     assert swarms.size[0] == 3 + min(left, 5)
@@ -173,17 +174,17 @@ def test_growth_ends_exactly_where_the_budget_does(left):
 
 
 def test_growth_after_the_budget_is_overspent_adds_nobody():
-    swarms, tables, _ = twins_of("case1", 4, 1, 7)
+    swarms, table, work, _ = twins_of("case1", 4, 1, 7)
     swarms.budget[0] = 2
-    resize(swarms, 0, select(tables, 0), workspace(7), 8)
+    compiled(resize)(swarms, 0, table, work, 8)
     assert swarms.size[0] == 4
     assert swarms.evaluations[0] == 4
 
 
 def test_members_are_added_uniformly_in_the_given_box():
-    swarms, tables, twin = twins_of("case1", 2, 3, 7)
+    swarms, table, work, twin = twins_of("case1", 2, 3, 7)
     lower, upper = np.linspace(-200, 0, 7), np.linspace(10, 200, 7)
-    add_members(swarms, 0, select(tables, 0), workspace(7), 30, lower, upper)
+    compiled(add_members)(swarms, 0, table, work, 30, lower, upper)
     twin.members += twin.draw(30, lower.tolist(), upper.tolist())
     assert_same_swarm(swarms, twin)
 
@@ -206,7 +207,7 @@ def test_shrinking_deletes_the_naive_choice_and_the_survivors_keep_their_order(m
     size = len(members)
     new_size = 1 + int(share * (size - 1))
     swarms = labelled_swarm(fitness, collision)
-    shrink(swarms, 0, new_size)
+    compiled(shrink)(swarms, 0, new_size)
     doomed = naive.deletion_order(fitness, collision)[: size - new_size]
     kept = [i for i in range(size) if i not in doomed]
     assert survivors(swarms) == kept
@@ -229,31 +230,31 @@ def test_shrinking_deletes_the_naive_choice_and_the_survivors_keep_their_order(m
 def test_members_are_deleted_in_this_order(fitness, collision, order):
     for new_size in (2, 1):
         swarms = labelled_swarm(fitness, collision)
-        shrink(swarms, 0, new_size)
+        compiled(shrink)(swarms, 0, new_size)
         assert survivors(swarms) == sorted(order[3 - new_size :])
 
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("new_size", [1, 2, 7, 11, 12])
 def test_shrinking_a_population_of_paths_is_the_naive_one(new_size, seed):
-    swarms, tables, twin = twins_of("case3", 12, seed, 7)
-    resize(swarms, 0, select(tables, 0), workspace(7), new_size)
+    swarms, table, work, twin = twins_of("case3", 12, seed, 7)
+    compiled(resize)(swarms, 0, table, work, new_size)
     twin.resize(new_size)
     assert_same_swarm(swarms, twin)
 
 
 def test_resizing_to_the_same_size_changes_nothing():
-    swarms, tables, twin = twins_of("case1", 5, 2, 7)
-    resize(swarms, 0, select(tables, 0), workspace(7), 5)
+    swarms, table, work, twin = twins_of("case1", 5, 2, 7)
+    compiled(resize)(swarms, 0, table, work, 5)
     assert_same_swarm(swarms, twin)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_many_resizes_are_the_naive_ones(seed):
     rng = np.random.default_rng(seed)
-    swarms, tables, twin = twins_of("random", 6, seed, 7, budget=40)
+    swarms, table, work, twin = twins_of("random", 6, seed, 7, budget=40)
     for new_size in rng.integers(1, 20, 8):
-        resize(swarms, 0, select(tables, 0), workspace(7), new_size)
+        compiled(resize)(swarms, 0, table, work, new_size)
         twin.resize(int(new_size))
         assert_same_swarm(swarms, twin)
     assert swarms.evaluations[0] <= 40
@@ -272,17 +273,16 @@ def test_the_best_so_far_survives_the_deletion_of_its_member():
     fitness, collision = problem.evaluate(grazing)
     assert collision > 0
     assert fitness < problem.evaluate(detour)[0]
-    resize(swarms, 0, select(tables, 0), workspace(7), 1)
+    compiled(resize)(swarms, 0, compiled(select)(tables, 0), workspace(7), 1)
     assert swarms.positions[0, 0, :7].tolist() == detour.tolist()
     assert swarms.best_position[0, :7].tolist() == grazing.tolist()
     assert (swarms.best_fitness[0], swarms.best_collision[0]) == (fitness, collision)
 
 
 def test_a_new_member_that_is_better_becomes_the_best_so_far():
-    swarms, tables, _ = twins_of("case1", 3, 0, 7)
+    swarms, table, work, _ = twins_of("case1", 3, 0, 7)
     before = swarms.best_fitness[0]
-    place = padded(np.full(7, 250.0))
-    add_members(swarms, 0, select(tables, 0), workspace(7), 1, place, place)
+    compiled(add_members)(swarms, 0, table, work, 1, padded(np.full(7, 250.0)), padded(np.full(7, 250.0)))
     assert swarms.best_fitness[0] < before
     assert swarms.best_position[0, :7].tolist() == [250.0] * 7
     assert swarms.best_fitness[0] == swarms.fitness[0, 3]
@@ -301,7 +301,7 @@ def test_swarms_of_a_batch_do_not_touch_each_other():
     populations = [random_population(rng, problem, 4) for _ in range(3)]
     swarms, tables = begin("firefly", [problem] * 3, 4, populations=populations)
     before = [np.copy(field) for field in swarms]
-    resize(swarms, 1, select(tables, 1), workspace(7), 9)
+    compiled(resize)(swarms, 1, compiled(select)(tables, 1), workspace(7), 9)
     for field, old in zip(swarms, before, strict=True):
         assert (field[[0, 2]] == old[[0, 2]]).all()
     assert swarms.size.tolist() == [4, 9, 4]

@@ -1,4 +1,4 @@
-"""Robots that drive along what was found for them, with every optimizer but glowworms."""
+"""Robots that drive along the best path so far, with every optimizer but glowworms."""
 
 import copy
 import itertools
@@ -62,7 +62,10 @@ def small(optimizer="firefly", **options):
 
 
 def on_maps(optimizer):
-    """Options of environments in which robots drive; without any, the optimizer's own robot goes its way."""
+    """Return options of environments in which robots drive.
+
+    Skip the test if the optimizer moves the robot itself.
+    """
     found = []
     for options in (
         {"scenario": ON_THE_WAY},
@@ -73,11 +76,11 @@ def on_maps(optimizer):
         try:
             small(optimizer, **options)
         except ValueError as refused:
-            assert "goes its own way" in str(refused) or "encoding" in str(refused)  # noqa: PT017
+            assert "moves the robot itself" in str(refused) or "encoding" in str(refused)  # noqa: PT017
             continue
         found.append(options)
     if not found:
-        pytest.skip(f"the robot of {optimizer} goes its own way")
+        pytest.skip(f"{optimizer} moves the robot itself")
     return found
 
 
@@ -88,7 +91,7 @@ def random_problem(seed, encoding):
 
 
 def somewhere(rng, problem):
-    """A place of the map that is free, and not the target."""
+    """Return a free point of the map that is not the target."""
     x_min, y_min, x_max, y_max = problem.scenario.workspace
     while True:
         place = tuple(rng.uniform((x_min, y_min), (x_max, y_max)).tolist())
@@ -150,11 +153,11 @@ def test_what_touches_is_clear_and_what_enters_is_not():
     assert not is_clear(np.array([(-9.0, 5.0), (9.0, 5.0)]), [disc, square])
 
 
-# The same paths from elsewhere.
+# Paths carried over to other starts.
 
 
 def last_offset(path, start, target, x):
-    """y' of the point at which a path passes x' for the last time, in plain Python."""
+    """Return y' of the point at which a path passes x' for the last time, in plain Python."""
     length = np.hypot(target[0] - start[0], target[1] - start[1])
     cosine, sine = (target[0] - start[0]) / length, (target[1] - start[1]) / length
     found = None
@@ -184,7 +187,7 @@ def test_paths_pass_the_new_waypoints_where_they_pass_last(seed):
 
 @pytest.mark.parametrize("encoding", ["analytic", "waypoints"])
 def test_a_robot_on_a_path_keeps_the_rest_of_it(encoding):
-    """As far as waypoints between those of before can; the new ones lie on it, or at the edge of the map."""
+    """Check that new waypoints lie on the old path, or at the edge of the map."""
     rng = np.random.default_rng(1)
     for seed in range(10):
         before = random_problem(seed, encoding)
@@ -229,7 +232,7 @@ def test_the_same_problem_from_another_start_is_bounded_as_from_anywhere(encodin
 
 @pytest.mark.parametrize("encoding", ["analytic", "waypoints"])
 def test_a_table_put_into_a_row_is_as_if_stacked(encoding):
-    """Whether it takes more room than the others or less."""
+    """Check tables that need more room than the others, and tables that need less."""
     rng = np.random.default_rng(3)
     first = random_problem(0, encoding)
     for _ in range(6):
@@ -250,7 +253,7 @@ def test_a_table_put_into_a_row_is_as_if_stacked(encoding):
 # Episodes.
 
 
-# For the others, kernels are compiled first.
+# Other encodings compile their kernels first.
 QUICK = ("firefly", "ant-colony")
 
 
@@ -267,7 +270,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         swarms, n = env.simulation.swarms, env.simulation.dimension
         moves = 0
         for iteration, action in enumerate(actions(SEED, ITERATIONS), 1):
-            place, driven, way = info["robot"], info["driven"], env.simulation.way(0)
+            place, driven, way = info["robot"], info["driven"], env.simulation.trajectory(0)
             observation, reward, terminated, _, info = env.step(action)
             assert observation in env.observation_space
             assert np.isfinite(reward)
@@ -278,7 +281,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
             else:
                 moves += 1
                 assert is_time
-                new = env.simulation.way(0)[len(way) - 1 :]
+                new = env.simulation.trajectory(0)[len(way) - 1 :]
                 assert problem.is_clear(new)
                 assert shapely.LineString(new).length == pytest.approx(info["driven"] - driven)
                 if not terminated:
@@ -307,7 +310,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         assert moves > 1
 
 
-@pytest.mark.slow  # kernels are compiled for it
+@pytest.mark.slow  # compiles its kernels first
 @all_optimizers
 def test_a_robot_that_never_drives_changes_nothing(optimizer):
     for options in on_maps(optimizer):
@@ -351,14 +354,14 @@ def test_the_episode_ends_when_the_robot_arrives():
 
 
 def straight_ahead(scenario, **options):
-    """An episode of fireflies that are all on the straight line, where they stay."""
+    """Return an episode of fireflies that are all on the straight line and stay there."""
     env = small(scenario=scenario, **options)
     env.reset(seed=0, options={"initial_population": np.zeros((2, 31))})
     return env
 
 
 def test_a_robot_waits_before_what_is_in_its_way():
-    """Where repair does not lead around it, either."""
+    """Check an obstacle that repair does not lead around."""
     wall = (Polygon.rectangle(400, 0, 420, 310), Polygon.rectangle(400, 305, 420, 600))
     closed = Scenario("closed", FREE.start, FREE.target, wall)
     env = straight_ahead(DynamicScenario("waiting", closed, (), Drive(1, 1, 120.0)))
@@ -372,15 +375,15 @@ def test_a_robot_waits_before_what_is_in_its_way():
 
 
 def test_a_robot_drives_the_repaired_path_where_that_is_free():
-    """What the best path only grazes does not stop it."""
+    """Check that an obstacle which the best path only grazes does not stop the robot."""
     grazed = Scenario("grazed", FREE.start, FREE.target, (Circle(500, 250, 50.3),))
     env = straight_ahead(DynamicScenario("grazing", grazed, (), Drive(1, 1, 600.0)))
     problem = env.simulation.problem_of(0)
     assert not problem.is_clear(problem.points(np.zeros(31)))
     _, _, _, _, info = env.step(np.array([2, 0.0]))
     assert info["robot"][0] == pytest.approx(620.0, abs=1.0)
-    assert problem.is_clear(env.simulation.way(0))
-    assert env.simulation.way(0)[:, 1].max() > 300.2
+    assert problem.is_clear(env.simulation.trajectory(0))
+    assert env.simulation.trajectory(0)[:, 1].max() > 300.2
 
 
 def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
@@ -406,7 +409,7 @@ def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
         env = small(optimizer, **{**options, "scenario": driving}, max_evaluations=before + left)
         _, _, info = episode(env, decisions=[[8, 0.0]] * 4)[-1]
         assert info["evaluations"] == before + left
-        assert (info["driven"] > 0) == (left > 0)  # else the episode is over before
+        assert (info["driven"] > 0) == (left > 0)  # otherwise the episode ended before
         swarms, n, problem = env.simulation.swarms, env.simulation.dimension, env.simulation.problem_of(0)
         assert swarms.size[0] >= 1
         if optimizer == "ant-colony":
@@ -492,22 +495,22 @@ def test_copied_swarms_go_on_from_where_the_robot_of_the_original_is():
     assert len(drivers) > 0 < len(others)
     source, other = int(drivers[-1]), int(others[0])
     rows = np.array([source, other, source, source])
-    expected = simulation.robots.places[rows].copy(), [simulation.way(row) for row in rows]
+    expected = simulation.robots.places[rows].copy(), [simulation.trajectory(row) for row in rows]
     observations = envs.copy_swarms(rows)
     np.testing.assert_array_equal(observations, observations[[0, 1, 0, 0]])
     np.testing.assert_array_equal(simulation.robots.places, expected[0])
     for row, way in enumerate(expected[1]):
-        np.testing.assert_array_equal(simulation.way(row), way)
+        np.testing.assert_array_equal(simulation.trajectory(row), way)
         assert simulation.problem_of(row).scenario.start == tuple(way[-1].tolist())
     for _ in range(3):
         observations, rewards, *_ = envs.step(np.tile([8, 0.5], (4, 1)))
         np.testing.assert_array_equal(observations, observations[[0, 1, 0, 0]])
         assert (rewards == rewards[[0, 1, 0, 0]]).all()
-    # Each has a problem of its own, so that one can go on differently.
+    # Each swarm has a problem of its own, so that one of them can continue differently.
     assert len(set(simulation.swarms.problem[[0, 2, 3]])) == 3
 
 
-# What is refused, and shown.
+# Errors, and pictures.
 
 
 @pytest.mark.parametrize(
@@ -563,15 +566,15 @@ def test_other_names_are_refused(name):
 def test_pictures_show_where_the_robot_is_and_has_driven():
     env = small(render_mode="rgb_array")
     env.reset(seed=SEED)
-    assert Scene.of(env.simulation).way.tolist() == [list(FREE.start)]
+    assert Scene.of(env.simulation).trajectory.tolist() == [list(FREE.start)]
     for action in actions(SEED, 3):
         env.step(action)
     scene = Scene.of(env.simulation)
-    assert len(scene.way) > 1
-    assert scene.scenario.start == tuple(scene.way[-1].tolist())
+    assert len(scene.trajectory) > 1
+    assert scene.scenario.start == tuple(scene.trajectory[-1].tolist())
     before = env.render()
     env.step(np.array([8, 0.0]))
     assert (env.render() != before).any()
     still = SwarmEnv(scenario="case1", **SMALL)
     still.reset(seed=SEED)
-    assert Scene.of(still.simulation).way.shape == (0, 2)
+    assert Scene.of(still.simulation).trajectory.shape == (0, 2)

@@ -1,4 +1,4 @@
-"""Work spread over threads."""
+"""Swarms spread over threads."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""The native vector environment against Gymnasium's own vector of single environments."""
+"""The native vector environment, compared with Gymnasium's own vector of single environments."""
 
 import gymnasium
 import numpy as np

@@ -1,6 +1,6 @@
-"""How a policy is learned: one file per algorithm.
+"""Learning algorithms, one per module.
 
-To add one: write a subclass of `learner.Learner` and enter it in `LEARNERS`.
+To add one, write a subclass of `learner.Learner` and enter it in `LEARNERS`.
 """
 
 from collections.abc import Callable
@@ -22,11 +22,11 @@ LEARNERS: dict[str, Callable[[TrainConfig], Learner]] = {
 
 
 def make_learner(config: TrainConfig) -> Learner:
-    """The learner that a configuration names, ready for its first chunk.
+    """Return the learner that a configuration names, ready for its first chunk.
 
     Raises:
-        UnknownNameError: if there is none of that name.
-        ValueError: for options that it cannot work with.
+        UnknownNameError: if there is no such algorithm.
+        ValueError: for options that the algorithm cannot use.
     """
     learner = look_up("algorithm", config.algorithm, LEARNERS)
     if config.base != "none" and config.warm_start != "none":

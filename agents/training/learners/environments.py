@@ -1,4 +1,4 @@
-"""The swarms that a policy is trained on."""
+"""Environments of a training: the swarms of the policy, and those of the reference of a paired reward."""
 
 from typing import Any
 
@@ -20,9 +20,12 @@ from swarm_gym.settings import Settings
 def make_swarms(
     config: TrainConfig, num_swarms: int, autoreset_mode: AutoresetMode
 ) -> tuple[VectorEnv, Base | None]:
-    """The vector environment of a configuration, and the controller that the policy corrects, if any.
+    """Return the vector environment of a configuration, and the base that the policy corrects, if any.
 
-    With a base, observations are the base's and then the policy's.
+    With a base, the columns of observations are those of the base and then those of the policy.
+
+    Raises:
+        ValueError: for options that exclude each other.
     """
     if look_up("action layout", config.action, ACTIONS).size == "natural":
         raise ValueError(f"action {config.action!r}: a policy decides in a layout scaled to [-1, 1]")
@@ -57,7 +60,7 @@ def make_swarms(
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
-    """The controller that a paired reward compares with, in swarms of its own; None for other rewards."""
+    """Return the reference of a paired reward in its own swarms; None for other rewards."""
     if config.reward != PAIRED:
         return None
     controller, options = reference_controller(config)
@@ -66,16 +69,16 @@ def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
 
 
 def reference_controller(config: TrainConfig) -> tuple[Controller, dict[str, Any]]:
-    """The controller that is compared with, and the options of its environments beside its own.
+    """Return the reference controller, and the options of its environments beside the controller's own.
 
-    It pays nothing, and the budget is not its: it is the yardstick, whatever the policy may spend.
+    The reference has neither a price nor the policy's budget, so that it does not depend on these.
 
     Raises:
-        ValueError: for one that sees the price.
+        ValueError: for a controller that observes the price.
     """
     controller = make_controller(config.reference, config.limits)
     if controller.price is not None:
-        raise ValueError(f"reference {config.reference!r}: it sees a price, but a reference pays none")
+        raise ValueError(f"reference {config.reference!r}: it observes a price, but a reference pays none")
     return controller, {**config.env_options(), "price": 0.0, "max_evaluations": None}
 
 
@@ -93,7 +96,7 @@ def _make_env(
 
 
 def feature_names(config: TrainConfig, base: Base | None) -> list[str]:
-    """Names of what the policy sees."""
+    """Return the names of the policy's observation features."""
     if base is not None:
         return base.features(config.observation)
     return [feature.name for feature in make_observation(config.observation).features]

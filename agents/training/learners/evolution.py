@@ -2,8 +2,8 @@
 
 Sources: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv 1604.00772 (2016); for many weights its
 separable form, R. Ros and N. Hansen, PPSN X (2008); T. Salimans et al., "Evolution strategies as a scalable
-alternative to reinforcement learning", arXiv 1703.03864 (2017). What is maximised is what a policy earns with
-the decisions that it will make, without noise in its actions: nothing is lost when the noise is taken away.
+alternative to reinforcement learning", arXiv 1703.03864 (2017). The objective is the mean return of a policy
+without noise in its actions, as it is used later.
 """
 
 from collections.abc import Iterator
@@ -16,12 +16,12 @@ from cmaes import CMA, SepCMA
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from agents.runs.cma_state import load_strategy, strategy_state
+from agents.runs.checkpoints import load_strategy, strategy_state
 from agents.training.config import TrainConfig
 from agents.training.learners.environments import feature_names, make_swarms
 from agents.training.learners.learner import Learner
 from agents.training.paired_reward import ENV_REWARD, PAIRED
-from swarm_gym.controllers.learned.feedforward import affine
+from swarm_gym.controllers.learned.networks import affine
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out
 
@@ -31,7 +31,7 @@ MOST_WEIGHTS_WITH_COVARIANCE = 200
 
 
 class EvolutionLearner(Learner):
-    """CMA-ES; every candidate of a generation meets the same episodes."""
+    """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes."""
 
     def __init__(self, config: TrainConfig):
         self.config = config
@@ -42,11 +42,13 @@ class EvolutionLearner(Learner):
             )
         if config.reward == PAIRED:
             raise ValueError(
-                "evolution: all candidates begin alike, so a paired reward changes nothing; "
+                "evolution: all candidates have the same starts, so a paired reward changes nothing; "
                 f"use reward {ENV_REWARD!r}"
             )
         if config.warm_start != "none":
-            raise ValueError(f"evolution imitates nobody: warm_start {config.warm_start!r} must be 'none'")
+            raise ValueError(
+                f"evolution imitates no controller: warm_start must be 'none', got {config.warm_start!r}"
+            )
         self.num_steps = 0
         self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
         self.features = feature_names(config, self._base)
@@ -60,10 +62,10 @@ class EvolutionLearner(Learner):
         )
 
     def begin(self) -> None:
-        """Nothing: the last layer is zero at first, so that a policy with a base decides as the base does."""
+        """Do nothing: the last layer is zero at first, so that a policy with a base decides as its base."""
 
     def learn(self, seed: int) -> dict[str, float]:
-        """A number of generations."""
+        """Run `rollouts_per_chunk` generations; return means of their returns, and the step size."""
         best = []
         for generation in range(self.config.rollouts_per_chunk):
             candidates = np.stack([self._strategy.ask() for _ in range(self.config.candidates)])
@@ -78,7 +80,7 @@ class EvolutionLearner(Learner):
         }
 
     def weights(self) -> Weights:
-        """The mean of the search distribution."""
+        """Return the mean of the search distribution."""
         weights = {}
         for number, layer in enumerate(self._layers(self._strategy.mean[None])):
             weight, bias = _rounded(*layer)
@@ -86,20 +88,20 @@ class EvolutionLearner(Learner):
         return weights
 
     def state(self) -> dict[str, Any]:
-        """The strategy's numbers, its generator among them."""
+        """Return the numbers of the strategy, with those of its random generator."""
         arrays = strategy_state(self._strategy)
-        # A checkpoint is read without running code, and has no NumPy arrays.
+        # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
         tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
         return {"num_steps": self.num_steps, "strategy": tensors}
 
     def load(self, state: dict[str, Any]) -> None:
-        """Go on from a state."""
+        """Continue from a state."""
         self.num_steps = state["num_steps"]
         arrays = {name: tensor.numpy().copy() for name, tensor in state["strategy"].items()}
         load_strategy(self._strategy, arrays)
 
     def _earn(self, candidates: Floats, seed: int) -> Floats:
-        """(n,) mean return of n candidates (n, number of weights), over the same episodes each."""
+        """Return the (n,) mean returns of n candidates (n, number of weights), each on the same episodes."""
         episodes = self.config.num_swarms // len(candidates)
         layers = [_rounded(*layer) for layer in self._layers(candidates)]
         swarms: Any = self.env.unwrapped
@@ -121,10 +123,10 @@ class EvolutionLearner(Learner):
         return returns.reshape(len(candidates), episodes).mean(axis=1)
 
     def _begin(self, episodes: int, seed: int) -> tuple[NDArray, Floats, NDArray[np.bool_]]:
-        """Observations, returns so far and ends of all swarms, at the first decision that a candidate makes.
+        """Return observations, returns so far and ends of all swarms at the candidates' first decision.
 
-        First populations, and what the base alone decides, are made once per episode and copied to all
-        candidates.
+        First populations, and the iterations in which the base decides alone, are computed once per episode
+        and copied to all candidates.
         """
         swarms: Any = self.env.unwrapped
         rows = np.tile(np.arange(episodes), self.env.num_envs // episodes)
@@ -145,7 +147,7 @@ class EvolutionLearner(Learner):
         return observations, returns, ended
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
-        """Weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
+        """Yield weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
         place = 0
         for into, out in self._shapes:
             weight = candidates[:, place : place + into * out].reshape(-1, into, out)
@@ -154,7 +156,7 @@ class EvolutionLearner(Learner):
             place += out
 
     def _first_weights(self, generator: np.random.Generator) -> Floats:
-        """Hidden layers at random, the last one zero."""
+        """Draw the weights of hidden layers; those of the last layer are zero."""
         parts = []
         for number, (into, out) in enumerate(self._shapes):
             scale = 0.0 if number == len(self._shapes) - 1 else 1.0 / np.sqrt(into)
@@ -163,5 +165,5 @@ class EvolutionLearner(Learner):
 
 
 def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A layer as policy files have it: (n, outputs, inputs) and (n, outputs)."""
+    """Return a layer as in policy files: (n, outputs, inputs) and (n, outputs), float32."""
     return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)

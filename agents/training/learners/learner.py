@@ -1,4 +1,4 @@
-"""What a training run asks of a learning algorithm."""
+"""The interface of learning algorithms, which a training run uses."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -8,14 +8,14 @@ from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class Learner(ABC):
-    """A policy in the making. Everything random in a chunk follows from the chunk's seed.
+    """A policy in training. All random numbers of a chunk follow from the chunk's seed.
 
     Attributes:
-        config: what is learned, and how.
-        num_steps: environment steps so far, over all swarms.
-        features: names of what the policy sees.
-        num_decisions: numbers in an action.
-        network: the kind of the actor, a name in `swarm_gym.controllers.learned.load.NETWORKS`.
+        config: configuration of the training.
+        num_steps: environment steps so far, summed over all swarms.
+        features: names of the policy's observation features.
+        num_decisions: number of decisions in an action.
+        network: kind of the actor, a name in `swarm_gym.controllers.learned.networks.NETWORKS`.
     """
 
     config: TrainConfig
@@ -26,23 +26,23 @@ class Learner(ABC):
 
     @abstractmethod
     def begin(self) -> None:
-        """What comes before the first chunk, such as imitation."""
+        """Prepare the first chunk, for example by imitation."""
 
     @abstractmethod
     def learn(self, seed: int) -> dict[str, float]:
-        """One chunk; returns what is worth plotting, by name."""
+        """Train for one chunk; return scalars to plot, by name."""
 
     @abstractmethod
     def weights(self) -> Weights:
-        """The actor: `<layer>.weight` (outputs, inputs) and `<layer>.bias`, tanh between layers.
+        """Return the actor: `<layer>.weight` (outputs, inputs) and `<layer>.bias`, tanh between layers.
 
-        Other networks than feedforward ones have more, see the controller of that network.
+        Networks that are not feedforward have further tensors, see `learned.networks`.
         """
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
-        """All that the next chunk depends on; tensors, numbers, strings and containers of these only."""
+        """Return the state for the next chunk: tensors, numbers, strings and containers of these."""
 
     @abstractmethod
     def load(self, state: dict[str, Any]) -> None:
-        """Go on from a state."""
+        """Continue from a state."""

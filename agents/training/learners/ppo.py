@@ -26,7 +26,7 @@ from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class PPOLearner(Learner):
-    """PPO with an actor and a critic of their own hidden layers."""
+    """PPO with separate hidden layers for actor and critic."""
 
     algorithm: ClassVar[type] = PPO
     policy: ClassVar[str | type] = "MlpPolicy"
@@ -36,8 +36,8 @@ class PPOLearner(Learner):
         self._teacher = None
         if config.warm_start != "none":
             self._teacher = make_controller(config.warm_start, config.limits)
-        # One thread for all of this process, the environments included: torch's own spin between its parallel
-        # regions, and networks of this size gain nothing by them.
+        # One thread for the whole process, environments included: torch's threads spin between its parallel
+        # regions, and networks of this size do not get faster with more of them.
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
@@ -64,7 +64,7 @@ class PPOLearner(Learner):
         return self.model.num_timesteps
 
     def begin(self) -> None:
-        """Imitate the teacher, if any; the critic at least learns what the base earns."""
+        """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base."""
         if self._teacher is not None or self.env.base is not None:
             noise = float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
             seed = TRAINING_START + self.config.seed
@@ -72,11 +72,11 @@ class PPOLearner(Learner):
             imitate(self.model.policy, self._lessons(shown), self._predict, seed)
 
     def learn(self, seed: int) -> dict[str, float]:
-        """A number of rollouts with an update after each."""
+        """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
         config = self.config
         set_random_seed(seed)
         self.env.seed(seed)
-        # Fresh episodes and averages, so that any chunk can be the first of a resumed run.
+        # New episodes and averages, so that any chunk can be the first of a resumed run.
         self.model._last_obs = None
         self.model.ep_info_buffer = None
         steps = self.model.n_steps * config.num_swarms * config.rollouts_per_chunk
@@ -87,7 +87,7 @@ class PPOLearner(Learner):
         return found
 
     def weights(self) -> Weights:
-        """The mean of the actor."""
+        """Return the layers that compute the mean action."""
         policy = self.model.policy
         layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
         weights = {}
@@ -97,7 +97,7 @@ class PPOLearner(Learner):
         return weights
 
     def state(self) -> dict[str, Any]:
-        """Networks, optimizer and counters."""
+        """Return networks, optimizer and counters."""
         return {
             "policy": self.model.policy.state_dict(),
             "optimizer": self.model.policy.optimizer.state_dict(),
@@ -106,18 +106,18 @@ class PPOLearner(Learner):
         }
 
     def load(self, state: dict[str, Any]) -> None:
-        """Go on from a state."""
+        """Continue from a state."""
         self.model.policy.load_state_dict(state["policy"])
         self.model.policy.optimizer.load_state_dict(state["optimizer"])
         self.model.num_timesteps = state["num_timesteps"]
         self.model._n_updates = state["updates"]
 
     def _lessons(self, shown: Demonstration) -> Demonstration:
-        """What is learned at a time: single steps."""
+        """Return the sequences of an imitation: single steps."""
         return shown.one_by_one()
 
     def _predict(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Mean actions (N, k) and values (N,) of observations (number of sequences, length, features)."""
+        """Return mean actions (N, k) and values (N,) of observations (sequences, length, features)."""
         flat = seen.flatten(0, 1)
         policy = self.model.policy
         return policy.get_distribution(flat).mode(), policy.predict_values(flat).flatten()

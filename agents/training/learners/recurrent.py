@@ -1,7 +1,8 @@
-"""Proximal policy optimization of an actor with a memory, by sb3-contrib.
+"""Proximal policy optimization of an actor with an LSTM, by sb3-contrib.
 
 Source: J. Schulman et al., arXiv 1707.06347 (2017), with an LSTM before the hidden layers of actor and critic
-each; its state is carried through an episode, and gradients through the part of it that is in a minibatch.
+each. The state of the LSTM is carried through an episode; gradients go through the part of an episode that is
+in a minibatch.
 """
 
 from typing import Any, ClassVar
@@ -16,10 +17,11 @@ from swarm_gym.controllers.learned.policy_file import Weights
 
 
 class SequencePolicy(MlpLstmPolicy):
-    """The library's policy, faster: it goes step by step through every batch in which an episode begins.
+    """The library's policy, made faster.
 
-    It need not where episodes begin with their sequence, as in its minibatches: the states that go in are
-    emptied there, and the whole sequence is one call.
+    The library goes step by step through every batch in which an episode begins. If episodes begin only at
+    the start of sequences, as in minibatches, emptying the first states is enough, and one call of the LSTM
+    computes the whole sequence.
     """
 
     @staticmethod
@@ -29,7 +31,7 @@ class SequencePolicy(MlpLstmPolicy):
         episode_starts: torch.Tensor,
         lstm: torch.nn.LSTM,
     ) -> Any:  # the library's own annotation is not what it returns
-        """Outputs (sequences * length, h) and states (1, sequences, h) of flattened sequences."""
+        """Return outputs (sequences * length, h) and states (1, sequences, h) of flattened sequences."""
         hidden, cell = lstm_states
         begins = episode_starts.reshape(hidden.shape[1], -1)
         if not begins[:, 1:].any():
@@ -47,7 +49,7 @@ class RecurrentPPOLearner(PPOLearner):
     policy: ClassVar[str | type] = SequencePolicy
 
     def weights(self) -> Weights:
-        """The mean of the actor; the two halves of torch's LSTM as one layer."""
+        """Return the layers that compute the mean action; the two halves of torch's LSTM are one layer."""
         lstm = self.model.policy.lstm_actor
         with torch.no_grad():
             weight = torch.cat([lstm.weight_ih_l0, lstm.weight_hh_l0], dim=1)
@@ -59,7 +61,7 @@ class RecurrentPPOLearner(PPOLearner):
 
     def _predict(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         policy, (number, length) = self.model.policy, seen.shape[:2]
-        # Sequences are whole episodes: nothing is remembered at first, and no other begins inside.
+        # Sequences are whole episodes: the memory is empty at first, and no other episode begins inside.
         empty = torch.zeros(1, number, self.config.lstm_size)
         goes_on = torch.zeros(number * length)
         flat = seen.flatten(0, 1)

@@ -3,9 +3,10 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 1000; // of a map, in units of its picture
-const LAYERS = ["best", "removed", "new", "colliding", "feasible", "way", "removed-marks", "new-marks"]; // upwards
-const MARK = 9; // half the breadth of crosses, in the same units
-// Courses beside the map: their column, name, decimals, and what is drawn of a value.
+// From the lowest to the highest.
+const LAYERS = ["best", "removed", "new", "colliding", "feasible", "trajectory", "removed-marks", "new-marks"];
+const MARK = 9; // half the width of crosses, in the same units
+// Courses beside the map: column of the trace, name, decimals, and scale of the vertical axis.
 const COURSES = [
   ["population_collision", "E(P):", 3, Math.sqrt],
   ["population_size", "members:", 0, Number],
@@ -23,7 +24,7 @@ function element(name, attributes = {}, parent = null) {
 const formatted = (value, digits) =>
   value === undefined || Number.isNaN(value) ? "–" : value.toLocaleString("en", { maximumFractionDigits: digits });
 
-// A map as a picture of WIDTH units, and where its coordinates are on it.
+// A map as a picture that is WIDTH units wide, and the positions of map coordinates on it.
 class MapPicture {
   constructor(svg) {
     this.svg = svg;
@@ -75,7 +76,7 @@ class MapPicture {
     return [((x - left) / (right - left)) * WIDTH, down * this.height];
   }
 
-  // Points x, y of quantised values.
+  // Points [x, y] of the picture, from quantised coordinates.
   points(values, bits) {
     const steps = 2 ** bits - 1;
     const found = [];
@@ -178,8 +179,8 @@ class Pane {
     drawn.best.push(replay.points && best.length === 1 ? dot(best[0].map(Number), 8) : lineOf(best));
     const been = (replay.robots ?? []).slice(0, frame + 1).filter((robot) => robot);
     if (been.length) {
-      const way = picture.points(been.flat(), replay.bits);
-      drawn.way.push(lineOf(way), dot(way.at(-1).map(Number), 10));
+      const trajectory = picture.points(been.flat(), replay.bits);
+      drawn.trajectory.push(lineOf(trajectory), dot(trajectory.at(-1).map(Number), 10));
     }
     for (const [name, parts] of Object.entries(drawn)) picture.layers[name].setAttribute("d", parts.join(""));
     for (const [, chart] of this.charts) chart.seek(replay.frames[frame]);
@@ -252,7 +253,7 @@ class Player {
     this.output.textContent = `${this.iteration} of ${this.last}`;
     const panes = this.panes.filter((pane) => !pane.root.hidden);
     for (const pane of panes) pane.seek(this.iteration);
-    // While it plays, a screen reader could not follow.
+    // A screen reader could not follow while it plays.
     if (!this.timer)
       this.news.textContent = panes.map(({ replay, state }) => `${replay.label}: ${state.textContent}`).join(" ");
   }

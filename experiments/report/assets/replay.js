@@ -1,4 +1,4 @@
-// What experiments/report/replay.py packed, unpacked: the populations of a run in coordinates of the map.
+// Unpacks what experiments/report/replay.py packed: the populations of a run in coordinates of the map.
 "use strict";
 
 const FEASIBLE = 1, NEW = 2, REMOVED = 4;
@@ -9,7 +9,7 @@ async function inflate(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Values of frames of so many rows, stored as differences to the same row in the frame before.
+// Reads the values of frames, which are stored as differences to the same row in the frame before.
 function readFrames(bytes, offset, rowsOfFrames, width) {
   const count = rowsOfFrames.reduce((sum, rows) => sum + rows * width, 0);
   const low = bytes.subarray(offset, offset + count);

@@ -1,7 +1,7 @@
-// Tables that sort by a click on, or Enter in, the head of a column: numbers by what they begin with, others as text.
+// Tables are sorted by a click on, or Enter in, the head of a column: by the numbers of cells, else as text.
 "use strict";
 
-const numberOf = (cell) => parseFloat(cell.textContent.trim().replace(/,/g, ""));
+const numberOf = (cell) => Number(cell.dataset.value); // NaN where there is none
 
 function compareCells(one, other) {
   const [a, b] = [numberOf(one), numberOf(other)];
@@ -14,7 +14,7 @@ function sortBy(table, column, direction) {
   const isEmpty = (cell) => ["–", ""].includes(cell.textContent.trim());
   const rows = [...body.rows].sort((one, other) => {
     const [a, b] = [one.cells[column], other.cells[column]];
-    if (isEmpty(a) || isEmpty(b)) return isEmpty(a) - isEmpty(b); // last either way
+    if (isEmpty(a) || isEmpty(b)) return isEmpty(a) - isEmpty(b); // last in both directions
     return direction * compareCells(a, b);
   });
   body.append(...rows);

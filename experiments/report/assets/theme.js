@@ -1,4 +1,4 @@
-// The button that changes between the system's colours, light and dark.
+// The button that switches between the system's colours, light and dark.
 "use strict";
 
 const themes = ["system", "light", "dark"];

@@ -1,7 +1,7 @@
-"""swarm_gym beside other libraries, in one run: `python -m experiments.speed.peers`.
+"""Comparison of speed with other libraries: `python -m experiments.speed.peers`.
 
-`make benchmark-peers` runs it in an environment of its own. There is one module per library; `__main__` alone
-imports these, so that what is measured can be tested where none is installed.
+`make benchmark-peers` runs it in a virtual environment of its own. Each library has one module, which only
+`__main__` imports; so everything else can be tested without the libraries.
 
-Left out: mealpy, which asks for a NumPy below 1.27, older than what swarm_gym runs with.
+mealpy is left out: it needs a NumPy below 1.27, which swarm_gym does not support.
 """

@@ -1,4 +1,4 @@
-"""Measure, print and store: `python -m experiments.speed.peers --help`."""
+"""Measure swarm_gym and other libraries in one run: `python -m experiments.speed.peers --help`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,13 +34,13 @@ class PeersConfig:
     """Options of the comparison."""
 
     output: Path = Path("results/benchmark")
-    """peers.json goes there."""
+    """Folder for peers.json."""
     repeats: int = 5
-    """Runs per figure."""
+    """Number of runs for each number."""
 
 
 def main() -> None:
-    """Measure, print and store."""
+    """Measure, then print and store the numbers."""
     config = tyro.cli(PeersConfig, description=__doc__)
     file = config.output / "peers.json"
     fireflies = _measured(list(with_niapy.quantities()), config.repeats, with_niapy.summary)
@@ -55,6 +55,7 @@ def main() -> None:
 def _measured(
     quantities: list[Quantity], repeats: int, summary: Callable[[list[Measurement]], list[Measurement]]
 ) -> list[Measurement]:
+    """Return the measurements of quantities, and their summary."""
     measured = [measure(q, repeats) for q in tqdm(quantities, unit="quantity", desc="peers")]
     return measured + summary(measured)
 

@@ -1,4 +1,4 @@
-"""Optimizers of Bezier curves on a grid map beside particle swarms and genetic algorithms of other libraries.
+"""Bezier curves on a grid map: our optimizers, and particle swarms and genetic algorithms of other libraries.
 
 All have the same map, dimension, population size and number of iterations.
 """
@@ -18,14 +18,14 @@ OURS = ("particle-swarm", "elite-genetic", "multivariate")
 
 
 def grid_problem() -> GridProblem:
-    """The problem that all work on."""
+    """Return the problem that all optimizers solve."""
     scenario = make_scenario(SCENARIO)
     assert isinstance(scenario, GridScenario)
     return GridProblem(scenario, "bezier", NUM_CONTROL_POINTS)
 
 
 def environment(optimizer: str) -> SwarmEnv:
-    """Of one of ours."""
+    """Return an environment of one of our optimizers."""
     return SwarmEnv(
         optimizer,
         scenario=SCENARIO,
@@ -37,7 +37,7 @@ def environment(optimizer: str) -> SwarmEnv:
 
 
 def quantities(peers: tuple[Peer, ...]) -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     problem = grid_problem()
     costs = (numpy_cost(problem), compiled_cost(problem))
     for optimizer in OURS:

@@ -1,17 +1,16 @@
-"""Artificial fish swarms beside those of other libraries, on a test function and on the paths of a case.
+"""Artificial fish swarms, ours and those of other libraries, on a test function and on the paths of a case.
 
-All have the same population size, number of iterations and distribution of first populations, and the
-parameters of the same meaning have the same values. How often a fish is evaluated in an iteration differs.
+All have the same population size, number of iterations and distribution of first populations. Parameters of
+the same meaning have the same values. Numbers of evaluations per fish and iteration differ.
 """
 
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from experiments.speed.measurement import IN_NUMPY, Quantity
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
-from experiments.speed.peers.cost import Cost, compiled_cost
+from experiments.speed.peers.cost import Cost, Floats, compiled_cost
 from experiments.speed.peers.runs import Peer, of_member, ours_per_evaluation, per_evaluation
 from swarm_gym.env import SwarmEnv
 
@@ -19,16 +18,14 @@ FUNCTION, CASE = "function:rastrigin-10", "case1"
 SIZE, ITERATIONS = 100, 10
 OURS = "fish-swarm"
 
-Floats = NDArray[np.float64]
-
 
 def rastrigin(x: Floats) -> float:
-    """Rastrigin's function of one vector, (n,), as one writes it in NumPy."""
+    """Return Rastrigin's function of one vector, (n,), as one would write it in NumPy."""
     return float(10.0 * len(x) + np.sum(x**2 - 10.0 * np.cos(2.0 * np.pi * x)))
 
 
 def numpy_cost(scenario: str) -> Cost:
-    """What one writes without a compiler; of one member at a time, as fish swarms ask for it."""
+    """Return the cost as one would write it without a compiler, for one member at a time."""
     of_one = (
         rastrigin if scenario == FUNCTION else NumpyFirefly(analytic_problem(scenario), 1, seed=0).evaluate
     )
@@ -36,12 +33,12 @@ def numpy_cost(scenario: str) -> Cost:
 
 
 def environment(scenario: str) -> SwarmEnv:
-    """Of ours."""
+    """Return an environment of our fish swarm."""
     return SwarmEnv(OURS, scenario=scenario, initial_population_size=SIZE, iterations=ITERATIONS)
 
 
 def quantities(peers: tuple[Peer, ...]) -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     for scenario in (FUNCTION, CASE):
         env = environment(scenario)
         problem = env.simulation.problems[0]

@@ -1,8 +1,8 @@
-"""Runs of optimizers, ours and those of other libraries: time per evaluation, and what a cost takes of it.
+"""Time per evaluation of optimizers, ours and those of other libraries, and the share of the cost function.
 
-Each optimizer has its own parameters and operators; what counts is the time per evaluation, overheads and
-first population included. Each library runs with a cost in NumPy, as a user would write it, and with our
-compiled one: what is left then is the library itself.
+Each optimizer has its own parameters and operators; the time per evaluation includes overheads and the first
+population. Each library runs with a cost in NumPy, as a user would write it, and with our compiled cost. The
+difference is the library's own time.
 """
 
 from collections.abc import Callable
@@ -18,12 +18,18 @@ from swarm_gym.problem import Problem
 
 CALLS = 2000
 
-# run(problem, cost, size, iterations) -> evaluations
+# run(problem, cost, size, iterations) returns the number of evaluations.
 Run = Callable[[Problem, Cost, int, int], int]
 
 
 class Peer(NamedTuple):
-    """An optimizer of another library, and ours that does the same."""
+    """An optimizer of another library.
+
+    Attributes:
+        name: name in the tables.
+        ours: name of our optimizer that it is compared with.
+        run: function that runs it once.
+    """
 
     name: str
     ours: str
@@ -31,7 +37,7 @@ class Peer(NamedTuple):
 
 
 def ours_per_evaluation(env: SwarmEnv) -> Callable[[], float]:
-    """A run in a single environment without repair, of its first population size, Python included."""
+    """Return a function that measures a run of ours, Python included, without repair, of constant size."""
     action = np.array([env.simulation.settings.initial_population_size, 0.0])
 
     def once() -> float:
@@ -45,7 +51,7 @@ def ours_per_evaluation(env: SwarmEnv) -> Callable[[], float]:
 
 
 def per_evaluation(run: Run, problem: Problem, cost: Cost, size: int, iterations: int) -> Callable[[], float]:
-    """A run of another library."""
+    """Return a function that measures a run of another library."""
 
     def once() -> float:
         evaluations = 0
@@ -60,7 +66,7 @@ def per_evaluation(run: Run, problem: Problem, cost: Cost, size: int, iterations
 
 
 def of_population(problem: Problem, cost: Cost, size: int) -> Callable[[], float]:
-    """What the cost takes by itself for each member of a population."""
+    """Return a function that measures the cost alone, per member of a population."""
     members = np.random.default_rng(0).uniform(*problem.bounds, (size, problem.dimension))
     calls = CALLS // size
 
@@ -71,7 +77,7 @@ def of_population(problem: Problem, cost: Cost, size: int) -> Callable[[], float
 
 
 def of_member(problem: Problem, cost: Cost) -> Callable[[], float]:
-    """The same for a member alone."""
+    """Return a function that measures the cost alone, for a single member."""
     member = np.random.default_rng(0).uniform(*problem.bounds)
 
     def once() -> float:
@@ -81,7 +87,7 @@ def of_member(problem: Problem, cost: Cost) -> Callable[[], float]:
 
 
 def ratios(measurements: list[Measurement]) -> list[Measurement]:
-    """Of medians: every `<what>: <peer>, <cost>` over `<what>: swarm_gym`."""
+    """Return ratios of medians: every `<name>: <peer>, <cost>` over `<name>: swarm_gym`."""
     found = medians(measurements)
     compared = [(name, f"{name.partition(': ')[0]}: swarm_gym") for name in found]
     return [

@@ -1,8 +1,8 @@
-"""The same FA-60 run beside niapy's `FireflyAlgorithm` and NumPy.
+"""An FA-60 run of swarm_gym, of niapy's `FireflyAlgorithm` and of NumPy: time per evaluation.
 
-The algorithm of niapy is the same but for `>=` instead of `>`, so that every firefly also moves towards
-itself; what counts is the time per evaluation, overheads included. It runs with a cost function in NumPy, as
-a user would write it, and with our compiled one.
+niapy's algorithm differs in `>=` instead of `>`, so that every firefly also moves towards itself. Times
+include overheads. niapy runs with a cost function in NumPy, as a user would write it, and with our compiled
+cost.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,14 +25,14 @@ from experiments.speed.measurement import (
 from experiments.speed.moves import SIZE, numpy_per_move, per_move
 from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.analytic.cost import evaluate
+from swarm_gym.problem.tables import evaluate_entry
 
 COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
 
 
 class PathProblem(NiapyProblem):
-    """A case of the paper for niapy."""
+    """A case of the SPSFA paper as a problem of niapy."""
 
     def __init__(self, problem: AnalyticProblem, cost: Callable[[Any], float]):
         lower, upper = problem.bounds
@@ -44,19 +44,19 @@ class PathProblem(NiapyProblem):
 
 
 def compiled_cost(problem: AnalyticProblem) -> Callable[[Any], float]:
-    """The kernel, with as little Python around it as can be."""
+    """Return the cost by our kernel, with as little Python around it as possible."""
     path = np.zeros(len(problem.table.lower) + 1)
     offsets, table = path[1 : problem.dimension + 1], problem.table
 
     def cost(x: Any) -> float:
         offsets[:] = x
-        return evaluate(table, path)[0]
+        return evaluate_entry(table, path)[0]
 
     return cost
 
 
 def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
-    """FA-60 with the paper's parameters and first population, per evaluation."""
+    """Return a function that measures FA-60 with the SPSFA paper's parameters and first population."""
     problem = analytic_problem(case)
     cost = compiled_cost(problem) if compiled else NumpyFirefly(problem, 1, seed=0).evaluate
 
@@ -81,7 +81,7 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
 
 
 def compiled_call(case: str) -> Callable[[], float]:
-    """What calling the compiled cost takes by itself, most of it the passage from Python."""
+    """Return a function that measures a call of the compiled cost; most of it is the call from Python."""
     problem = analytic_problem(case)
     cost, x = compiled_cost(problem), np.zeros(problem.dimension)
 
@@ -92,7 +92,7 @@ def compiled_call(case: str) -> Callable[[], float]:
 
 
 def quantities() -> Iterator[Quantity]:
-    """All of this group."""
+    """Yield the quantities of this group."""
     for case in CASES:
         yield Quantity(f"{case}: swarm_gym", "us", per_move(case, 0.0, ITERATIONS))
         yield Quantity(f"{case}: NumPy", "us", numpy_per_move(case, ITERATIONS))
@@ -102,7 +102,7 @@ def quantities() -> Iterator[Quantity]:
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:
-    """Ratios of medians."""
+    """Return ratios of medians."""
     found = medians(measurements)
     return [
         derived(

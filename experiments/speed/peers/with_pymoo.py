@@ -24,16 +24,16 @@ class PathProblem(PymooProblem):
 
 
 def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """A run with the default parameters; returns its evaluations."""
+    """Run the particle swarm with its default parameters; return the number of evaluations."""
     return _minimize(PathProblem(problem, cost), PSO(pop_size=size), iterations)
 
 
 def genetic(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """A run with the default operators; returns its evaluations."""
+    """Run the genetic algorithm with its default operators; return the number of evaluations."""
     return _minimize(PathProblem(problem, cost), GA(pop_size=size), iterations)
 
 
 def _minimize(problem: PathProblem, algorithm: Any, iterations: int) -> int:
-    # The first population is a generation too.
+    # The first population counts as a generation.
     result = minimize(problem, algorithm, ("n_gen", iterations + 1), seed=0)
     return result.algorithm.evaluator.n_eval

@@ -1,4 +1,4 @@
-"""Runs of pyswarms: its particle swarm with one best position."""
+"""Runs of pyswarms: its particle swarm with one global best position."""
 
 import contextlib
 import tempfile
@@ -8,13 +8,13 @@ import numpy as np
 from experiments.speed.peers.cost import Cost
 from swarm_gym.problem import Problem
 
-# It has no defaults; these are c1, c2 and the last inertia weight of the MOA paper's PSO-w.
+# pyswarms has no defaults; these are c1, c2 and the last inertia weight of PSO-w in the MOA paper.
 PARAMETERS = {"c1": 1.49445, "c2": 1.49445, "w": 0.5}
 
 
 def particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """A run with these parameters; returns its evaluations."""
-    # pyswarms opens a log file in the working directory, when it is imported and whenever a swarm is made.
+    """Run the particle swarm with these parameters; return the number of evaluations."""
+    # pyswarms opens a log file in the working directory when it is imported and when a swarm is made.
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         from pyswarms.single import GlobalBestPSO
 

@@ -1,12 +1,11 @@
 """Runs of scikit-opt: its artificial fish swarm.
 
-`AFSA` of scikit-opt 0.6.6 knows no bounds and draws its fish in the unit cube; here they begin where ours do.
-Its step is a share of the way to a target, where ours is a length, and its crowding a factor between costs,
-where ours is a share of the fish. It evaluates fish in sight again before one of them is followed: every call
-of the cost counts.
+`AFSA` of scikit-opt 0.6.6 has no bounds and draws its fish in the unit cube; here they begin as ours do. Its
+step is a share of the distance to a target, ours is a length. Its crowding is a factor between costs, ours is
+a share of the fish. It evaluates fish in sight again before it follows one; every call of the cost counts.
 
-Do not compare what it finds: its `move_to_target` compares with `best_Y` but stores into `best_x, best_y`, so
-that the best it reports gets worse.
+The costs that it finds cannot be compared: its `move_to_target` compares with `best_Y` but stores into
+`best_x, best_y`, so that the best fitness that it reports gets worse.
 """
 
 import numpy as np
@@ -16,12 +15,12 @@ from experiments.speed.peers.cost import Cost, Floats
 from swarm_gym.optimizers.fish.standard import FishSwarm
 from swarm_gym.problem import Problem
 
-# Those of our fish swarm; lengths in ranges of a component.
+# Parameters of our fish swarm; lengths are in units of the range of a component.
 VISUAL, STEP, CROWDING, TRIES = FishSwarm.knob_values({})
 
 
 def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
-    """A run with these parameters; returns how often it called the cost."""
+    """Run the fish swarm with these parameters; return the number of calls of the cost."""
     calls = 0
 
     def counted(vector: Floats) -> float:

@@ -1,6 +1,7 @@
-"""Figures of the paper of Brand and Yu: fireflies on their map, ways, and growing grids."""
+"""Figures of the paper of Brand and Yu: fireflies on their map, trajectories, and growing grids."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,16 +9,17 @@ from matplotlib.figure import Figure
 
 from experiments.plots import map_plot
 from experiments.plots.courses import Case
+from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
-from experiments.runs.run import Run, RunKey, Snapshot
-from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
+from experiments.runs.run import Run, RunKey, Snapshot, arrives, length_of, trajectory_of, turning_of
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3
 
 
-def draw_ways(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
-    """The way of the robot in one run with each number of fireflies, these, and the shortest path."""
+def draw_trajectories(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
+    """Draw fireflies, the robot's trajectory and the shortest path: one run with each number of fireflies."""
     rows = -(-len(case.runs) // PANEL_COLUMNS)
     figure = new_figure(3.2 * PANEL_COLUMNS, 3.5 * rows + 0.5)
     optimum, points = shortest_path(case.scenario)
@@ -27,10 +29,11 @@ def draw_ways(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
         map_plot.draw_shortest_path(axes, points, f"shortest path, {optimum:.1f}")
         for snapshot in snapshots.get((run.controller, run.scenario, run.seed), []):
             _draw_fireflies(axes, snapshot)
-        way = way_of(run)
-        axes.plot(*way.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
-        count = controller.rpartition(":")[2]
-        axes.set(title=f"{count} fireflies: length {length_of(way):.1f}, turns {turning_of(way):.0f}°")
+        trajectory = trajectory_of(run)
+        axes.plot(*trajectory.T, color=BLUE, linewidth=1.3, label="way of the robot", zorder=4)
+        count = ControllerName.parse(controller).parameters
+        length, turning = length_of(trajectory), turning_of(trajectory)
+        axes.set(title=f"{count} fireflies: length {length:.1f}, turns {turning:.0f}°")
         axes.set(xticks=[], yticks=[])
     figure.suptitle(f"Fireflies on {case.scenario.name}, one run each")
     legend_below(figure)
@@ -38,7 +41,7 @@ def draw_ways(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
 
 
 def draw_grids(cases: Sequence[Case]) -> Figure:
-    """Length of the way and processor time against the side of the grid: mean and range of the runs."""
+    """Draw length of the trajectory and processor time against the side of the grid: mean and range."""
     figure = new_figure(8.4, 3.8)
     sides = np.array([case.scenario.map.width for case in cases])  # type: ignore[union-attr]
     among = styles(cases[0].runs)
@@ -78,8 +81,24 @@ def _arrived(case: Case, controller: str) -> list[Run]:
 
 
 def _length(run: Run) -> float:
-    return length_of(way_of(run))
+    return length_of(trajectory_of(run))
 
 
 def _seconds(run: Run) -> float:
     return run.seconds
+
+
+def trajectory_figures(stored: Stored) -> Drawings:
+    """Return a figure of trajectories for each scenario."""
+    return {
+        f"ways-{case.scenario.name}": partial(draw_trajectories, case, stored.snapshots)
+        for case in stored.cases
+    }
+
+
+def grid_figures(stored: Stored) -> Drawings:
+    """Return the figure of length and time against the side of the grid."""
+    return {"grids": partial(draw_grids, stored.cases)}
+
+
+FIGURES: dict[str, FigureMaker] = {"brand-yu-ways": trajectory_figures, "brand-yu-grids": grid_figures}

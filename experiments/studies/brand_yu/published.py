@@ -8,8 +8,8 @@ not stated. Figures 8 and 9, length and time against the size of the grid, have 
 from typing import NamedTuple
 
 
-class Printed(NamedTuple):
-    """A row of table 1: length of the path in cells, and seconds."""
+class PublishedLength(NamedTuple):
+    """A row of table 1 of Brand and Yu: length of the path in cells, and running time in seconds."""
 
     length: float
     seconds: float
@@ -17,11 +17,11 @@ class Printed(NamedTuple):
 
 # By number of fireflies: one at the start, the others in a square.
 TABLE_1 = {
-    10: Printed(449.0, 14.2),
-    26: Printed(430.0, 14.3),
-    65: Printed(435.0, 18.0),
-    122: Printed(447.0, 49.8),
-    626: Printed(443.0, 1088.3),
+    10: PublishedLength(449.0, 14.2),
+    26: PublishedLength(430.0, 14.3),
+    65: PublishedLength(435.0, 18.0),
+    122: PublishedLength(447.0, 49.8),
+    626: PublishedLength(443.0, 1088.3),
 }
 # The obstacle of the dynamic example appears after this iteration.
 APPEARS = 70

@@ -49,4 +49,5 @@ GRIDS = Suite(
     figures=("brand-yu-grids",),
 )
 
-BRAND_YU = (STATIC, DYNAMIC, GRIDS)
+SUITES = (STATIC, DYNAMIC, GRIDS)
+COLLECTIONS = {"brand-yu": tuple(suite.name for suite in SUITES)}

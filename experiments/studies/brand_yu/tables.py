@@ -5,17 +5,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, arrives, length_of, trajectory_of, turning_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import arrives, length_of, turning_of, way_of
 from experiments.statistics import mean_interval, rank_sum
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, FEW
+from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, percent, share
 from experiments.tables.claims import Claim, claims_table
-from experiments.tables.table import Table, percent
+from experiments.tables.document import document_of_suite
+from experiments.tables.table import Table
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
 
@@ -30,11 +32,11 @@ class Walks:
     """Runs of one optimizer and population size on one map.
 
     Attributes:
-        method: as printed.
-        count: members.
-        scenario: at the end of the runs.
-        changed: the iteration after which it has been so.
-        runs: by seed.
+        method: display name of the optimizer.
+        count: members of the population.
+        scenario: scenario at the end of the runs.
+        changed: iteration after which the scenario changed last; 0 if it never did.
+        runs: runs by seed.
     """
 
     method: str
@@ -45,50 +47,50 @@ class Walks:
 
     @property
     def arrived(self) -> list[Run]:
-        """Those that came to the target."""
+        """Runs that came to the target."""
         return [run for run in self.runs if arrives(run, self.scenario.target)]
 
     @property
     def lengths(self) -> Floats:
-        """Of the ways of runs that arrived."""
-        return np.array([length_of(way_of(run)) for run in self.arrived])
+        """Lengths of the trajectories of runs that arrived, in map units."""
+        return np.array([length_of(trajectory_of(run)) for run in self.arrived])
 
     @property
     def least(self) -> Floats:
-        """The shortest that were possible for the same runs, from where they were when the map changed.
+        """Shortest lengths that were possible for the same runs, from where they were when the map changed.
 
-        Until then robots have gone on at every iteration, as they do where they see the target.
+        Until then robots have gone on at every iteration, as they do while they see the target.
         """
         found = []
         for run in self.arrived:
-            gone = way_of(run)[: self.changed + 1] if self.changed else np.array([self.scenario.start])
+            gone = trajectory_of(run)[: self.changed + 1] if self.changed else np.array([self.scenario.start])
             start = (float(gone[-1, 0]), float(gone[-1, 1]))
             found.append(length_of(gone) + shortest_path(replace(self.scenario, start=start))[0])
         return np.array(found)
 
     @property
     def turnings(self) -> Floats:
-        """Of the same, in degrees."""
-        return np.array([turning_of(way_of(run)) for run in self.arrived])
+        """Turning of the trajectories of runs that arrived, in degrees."""
+        return np.array([turning_of(trajectory_of(run)) for run in self.arrived])
 
     @property
     def iterations(self) -> Floats:
-        """Of the same."""
+        """Iterations of runs that arrived."""
         return np.array([np.isfinite(run.course("best_fitness")).sum() - 1.0 for run in self.arrived])
 
     @property
     def seconds(self) -> Floats:
-        """Of all runs."""
+        """Processor time of all runs, in seconds."""
         return np.array([run.seconds for run in self.runs])
 
     @property
-    def arrival_cell(self) -> str:
-        """How many arrived."""
-        return f"{len(self.arrived)} of {len(self.runs)}"
+    def arrival_cell(self) -> Cell:
+        """Number of runs that arrived, of all runs."""
+        return count_of(len(self.arrived), len(self.runs))
 
 
 def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Table 1: lengths and times by the number of fireflies, and what is said of them."""
+    """Return table 1, lengths and times by the number of fireflies, and the claims about them."""
     (scenario,) = suite.scenarios
     walks = [_walks(suite, outcomes, name, scenario) for name in suite.controllers]
     optimum = shortest_path(walks[0].scenario)[0]
@@ -96,23 +98,23 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "fireflies", "arrived", "mean length", "above the shortest", "iterations", "turning, degrees",
         "seconds",
     )  # fmt: skip
-    is_printed = not walks[0].changed  # the paper has no numbers of maps that change
-    if is_printed:
+    is_published = not walks[0].changed  # the paper of Brand and Yu has no numbers of maps that change
+    if is_published:
         columns += ("length, paper", "seconds, paper")
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for walk in walks:
-        printed = TABLE_1.get(walk.count)
-        of_paper = (f"{printed.length:.0f}", f"{printed.seconds:.1f}") if printed else ("–", "–")
+        row = TABLE_1.get(walk.count)
+        published = (number(row.length, ".0f"), number(row.seconds)) if row else (MISSING, MISSING)
         rows.append(
             (
-                f"{walk.count}",
+                number(walk.count, "d"),
                 walk.arrival_cell,
                 _mean(walk.lengths, ".1f"),
-                percent(_excess(walk)),
+                share(_excess(walk)),
                 _mean(walk.iterations, ".0f"),
                 _mean(walk.turnings, ".0f"),
-                f"{walk.seconds.mean():.3f}",
-                *(of_paper if is_printed else ()),
+                number(walk.seconds.mean(), ".3f"),
+                *(published if is_published else ()),
             )
         )
     named = {walk.count: walk for walk in walks}
@@ -140,12 +142,12 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         ),
         Table(
             f"{suite.name}-counts",
-            f"{'Table 1, on' if is_printed else 'On'} {scenario}, whose shortest path is {optimum:.1f}: "
+            f"{'Table 1, on' if is_published else 'On'} {scenario}, whose shortest path is {optimum:.1f}: "
             "means [95 % intervals] over the runs that arrived, of the way that the robot went, of "
             "iterations, and of all turns on the way; processor time of a run. "
             + (
                 "Start, goal and obstacle of the paper are not known"
-                if is_printed
+                if is_published
                 else "The shortest way is that from where the robot was when the map changed, and what it "
                 "had gone"
             ),
@@ -156,7 +158,7 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Figures 8 and 9 as tables: length and time against the size of the grid, with fitted exponents."""
+    """Return figures 8 and 9 as tables: length and time against the size of the grid, and exponents."""
     sides = [int(name.partition(":")[2]) for name in suite.scenarios]
     walks = {
         (controller, side): _walks(suite, outcomes, controller, name)
@@ -170,9 +172,9 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             walk.method,
             walk.arrival_cell,
             _mean(walk.lengths, ".1f"),
-            percent(_mean_of(walk.lengths) / optima[side][0] - 1.0),
-            percent(_mean_of(walk.lengths) / optima[side][1] - 1.0, "+.1f"),
-            f"{walk.seconds.mean():.3f}",
+            share(_mean_of(walk.lengths) / optima[side][0] - 1.0),
+            share(_mean_of(walk.lengths) / optima[side][1] - 1.0, "+.1f"),
+            number(walk.seconds.mean(), ".3f"),
         )
         for (_, side), walk in walks.items()
     ]
@@ -259,12 +261,12 @@ def _grid_claims(
 
 
 def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> Walks:
-    runs = contestant(controller, suite.optimizer)
+    runs = entrant(controller, suite.optimizer)
     changed, made = worlds_of(make_scenario(scenario))[-1]
     assert isinstance(made, GridScenario)
     return Walks(
         OPTIMIZER_LABELS.get(runs.optimizer, runs.optimizer),
-        int(runs.controller.removeprefix("fixed:")),
+        int(ControllerName.parse(runs.controller).argument),
         made,
         changed,
         outcomes.runs(controller, scenario),
@@ -272,22 +274,23 @@ def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> 
 
 
 def _optima(scenario: GridScenario) -> tuple[float, float]:
-    """Shortest path at any angle, and in steps to eight neighbours."""
+    """Return the lengths of the shortest path at any angle, and in steps to eight neighbours."""
     grid = scenario.map
     ends = (grid.cell_of(point) for point in (scenario.start, scenario.target))
     return shortest_path(scenario)[0], shortest_grid_path(grid.blocked, *ends).length * grid.resolution
 
 
-def _slope(sides: list[int], values: list[Floats]) -> tuple[str, str]:
-    """Exponent and its interval, over all runs."""
+def _slope(sides: list[int], values: list[Floats]) -> tuple[Entry, Entry]:
+    """Return the exponent and its interval, over all runs."""
     x = np.concatenate([np.full(len(v), np.log(side)) for side, v in zip(sides, values, strict=True)])
     fit = stats.linregress(x, np.log(np.concatenate(values)))
     margin = stats.t.ppf(0.975, len(x) - 2) * fit.stderr
-    return f"{fit.slope:.2f}", f"[{fit.slope - margin:.2f}, {fit.slope + margin:.2f}]"
+    ends = Cell.of("[{low:.2f}, {high:.2f}]", low=fit.slope - margin, high=fit.slope + margin)
+    return number(fit.slope, ".2f"), ends
 
 
 def _excess(walk: Walks) -> float:
-    """Mean length above the mean of the shortest possible ones, relative to it."""
+    """Return the mean length above the mean of the shortest possible lengths, relative to the latter."""
     return _mean_of(walk.lengths) / _mean_of(walk.least) - 1.0
 
 
@@ -295,9 +298,12 @@ def _mean_of(values: Floats) -> float:
     return float(values.mean()) if values.size else np.nan
 
 
-def _mean(values: Floats, form: str) -> str:
-    """The mean and its interval; a dash where there is nothing."""
+def _mean(values: Floats, form: str) -> Entry:
+    """Return the mean and its interval, a single value alone, or the sign for a missing number."""
     if values.size < 2:
-        return "–" if not values.size else f"{values[0]:{form}}"
-    low, high = mean_interval(values)
-    return f"{values.mean():{form}} [{low:{form}}, {high:{form}}]"
+        return number(values[0], form) if values.size else MISSING
+    return number_in(values.mean(), mean_interval(values), form)
+
+
+TABLES = {"brand-yu-counts": count_tables, "brand-yu-grids": grid_tables}
+DOCUMENTS = {"brand-yu": document_of_suite("docs/brand-yu-paper.md", "brand-yu")}

@@ -1,4 +1,6 @@
-"""The figure of what becomes of runs after an obstacle appeared: best fitness by iteration."""
+"""The figure of runs before and after an obstacle appears: best fitness by iteration."""
+
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,6 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.plots.courses import columns
 from experiments.plots.gaps import logarithmic_ticks
+from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
@@ -14,7 +17,10 @@ from swarm_gym.settings import Settings
 
 
 def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
-    """Best fitness on the map in force and the optimum of that map, one panel per scenario with one event."""
+    """Draw best fitness on the map in force and the optimum of that map, one panel per scenario.
+
+    Each scenario has one event.
+    """
     figure = new_figure(3.5 * len(outcomes.scenarios) + 0.6, 4.6)
     panels = figure.subplots(1, len(outcomes.scenarios), squeeze=False)[0]
     among = styles(outcomes.groups)
@@ -44,3 +50,11 @@ def _draw_optima(axes: Axes, settings: Settings, last: int) -> None:
     )
     for begin in begins[1:]:
         axes.axvline(begin, color=GREY, linestyle=":", linewidth=1.0, label="the obstacle appears")
+
+
+def recovery_figures(stored: Stored) -> Drawings:
+    """Return the figure of runs before and after an obstacle appears."""
+    return {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)}
+
+
+FIGURES: dict[str, FigureMaker] = {"recovery": recovery_figures}

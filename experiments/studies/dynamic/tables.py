@@ -1,4 +1,4 @@
-"""What becomes of runs after an obstacle appeared: when, and at what cost, a path is feasible again."""
+"""The table of recovery after an obstacle appears: when, and at what cost, a path is feasible again."""
 
 from dataclasses import dataclass
 
@@ -9,25 +9,27 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.tables.table import Table, percent, percent_interval
+from experiments.tables.cell import Cell, Entry, number, share_in
+from experiments.tables.document import document_of_suite
+from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import make_scenario, worlds_of
 
-NEVER = "never"
-# Degree of collision, in map units, of a path that only grazes obstacles: on maps of circles and polygons the
-# best paths do, since a little collision costs less than the way around.
+NEVER = "never"  # printed for an infinite number
+# Degree of collision, in map units, of a path that only grazes obstacles. On maps of circles and polygons the
+# best paths do, since a little collision costs less than a detour.
 GRAZING = 1.0
 
 
 @dataclass(frozen=True)
 class Recovery:
-    """What runs with one event did about it; arrays (runs,).
+    """Recovery of runs from one event; arrays (runs,).
 
     Attributes:
         was_feasible: whether the best path was feasible when the event came.
         stayed_feasible: whether the best path was feasible right after that.
-        iterations: from the event to the next feasible best path; infinite without one.
-        evaluations: the same.
+        iterations: iterations from the event to the next feasible best path; infinite without one.
+        evaluations: evaluations from the event to the next feasible best path; infinite without one.
     """
 
     was_feasible: Floats
@@ -37,9 +39,9 @@ class Recovery:
 
     @classmethod
     def of(cls, runs: list[Run], event: int, tolerance: float) -> "Recovery":
-        """Read it off the traces of runs with an event after that iteration.
+        """Return the recovery that the traces of runs show, with an event after that iteration.
 
-        Feasible is what has a degree of collision up to the tolerance, in map units.
+        A path is feasible if its degree of collision is at most the tolerance, in map units.
         """
         collision = np.array([run.course("best_collision") for run in runs])
         spent = np.array([run.course("evaluations") for run in runs])
@@ -57,8 +59,8 @@ class Recovery:
 
 
 def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """A row per scenario with one event and group of controllers."""
-    rows = []
+    """Return a table with a row per scenario with one event and group of controllers."""
+    rows: list[tuple[Entry, ...]] = []
     for scenario in suite.scenarios:
         _, (event, _) = worlds_of(make_scenario(scenario))
         column = outcomes.scenarios.index(scenario)
@@ -75,10 +77,10 @@ def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 (
                     scenario,
                     label(group),
-                    str(len(runs)),
+                    number(len(runs), "d"),
                     *cells,
-                    f"{percent(gaps.mean(), '.2f')} {percent_interval(mean_interval(gaps), '.2f')}",
-                    f"{np.mean([run.evaluations for run in runs]):,.0f}",
+                    share_in(gaps.mean(), mean_interval(gaps), ".2f"),
+                    number(np.mean([run.evaluations for run in runs]), ",.0f"),
                 )
             )
     columns = (
@@ -101,17 +103,25 @@ def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     ]
 
 
-def _cells(found: Recovery) -> tuple[str, ...]:
-    shares = (found.was_feasible, found.stayed_feasible, np.isfinite(found.iterations))
-    return (
-        ", ".join(percent(share.mean(), ".0f") for share in shares),
-        _quartiles(found.iterations),
-        _quartiles(found.evaluations),
+def _cells(found: Recovery) -> tuple[Cell, ...]:
+    feasible = Cell.of(
+        "{before:%.0f} %, {after:%.0f} %, {last:%.0f} %",
+        before=found.was_feasible.mean(),
+        after=found.stayed_feasible.mean(),
+        last=np.isfinite(found.iterations).mean(),
     )
+    return feasible, _quartiles(found.iterations), _quartiles(found.evaluations)
 
 
-def _quartiles(values: Floats) -> str:
-    """Median and quartiles of numbers of which some may be infinite: none is between two of them."""
-    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75], method="inverted_cdf")
-    written = [f"{value:,.0f}" if np.isfinite(value) else NEVER for value in (middle, low, high)]
-    return f"{written[0]} [{written[1]}, {written[2]}]"
+def _quartiles(values: Floats) -> Cell:
+    """Return median and quartiles of numbers that may be infinite, each of them one of the numbers."""
+    quartiles = np.quantile(values, [0.25, 0.5, 0.75], method="inverted_cdf")
+    low, middle, high = (
+        f"{{{name}:,.0f}}" if np.isfinite(value) else NEVER
+        for name, value in zip(("low", "value", "high"), quartiles, strict=True)
+    )
+    return Cell.of(f"{middle} [{low}, {high}]", value=quartiles[1], low=quartiles[0], high=quartiles[2])
+
+
+TABLES = {"recovery": recovery_tables}
+DOCUMENTS = {"dynamic": document_of_suite("docs/dynamic.md", "dynamic")}

@@ -1,6 +1,6 @@
-"""After how many iterations runs on the test functions of the IAFSA paper converge, ours beside its own.
+"""Iterations until runs on the test functions of the IAFSA paper converge, beside its own numbers.
 
-The paper has no criterion. Ours: so little, of all that a run gains on its first best, is still to come.
+The IAFSA paper states no criterion. Ours: at most a thousandth of the whole gain of a run is still to come.
 """
 
 from typing import NamedTuple
@@ -12,21 +12,22 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_contestants
+from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_entrants
 from experiments.studies.iafsa.published import CONVERGENCE, ITERATIONS
+from experiments.tables.cell import MISSING, Entry, number, number_in
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
 
 STILL_TO_COME = 1e-3
-LENGTH = ITERATIONS[-1]  # of the runs; the paper does not say which
+LENGTH = ITERATIONS[-1]  # of the runs; the IAFSA paper does not state it
 
 
 class Converged(NamedTuple):
-    """When the runs of one optimizer on one function converged, (runs,) each.
+    """Convergence of the runs of one optimizer on one function, (runs,) each.
 
     Attributes:
-        iterations: until then.
-        evaluations: until then.
+        iterations: iterations until a run converged.
+        evaluations: evaluations until a run converged.
         until_level: iterations until a level is reached, all if it never is.
     """
 
@@ -36,8 +37,8 @@ class Converged(NamedTuple):
 
 
 def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Iterations to convergence (table 3), and what is said of them."""
-    names = {o: name for (o, length), name in find_contestants(suite).items() if length == LENGTH}
+    """Return iterations to convergence (table 3), and the claims about them."""
+    names = {o: name for (o, length), name in find_entrants(suite).items() if length == LENGTH}
     found = {}
     for scenario in suite.scenarios:
         level = outcomes.of(names[AFSA], scenario).fitness.mean() if AFSA in names else np.nan
@@ -73,16 +74,16 @@ def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def convergence_iteration(course: Floats) -> int:
-    """The first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
+    """Return the first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
 
     Args:
-        course: (T + 1,) best so far.
+        course: (T + 1,) best fitness so far.
     """
     return int(np.argmax(course - course[-1] <= STILL_TO_COME * (course[0] - course[-1])))
 
 
 def iterations_to(course: Floats, level: float) -> int:
-    """Iterations until a course (T + 1,) is below a level; T if it never is."""
+    """Return the iterations until a course (T + 1,) is below a level; T if it never is."""
     below = np.flatnonzero(course < level)
     return int(below[0]) if below.size else len(course) - 1
 
@@ -95,24 +96,23 @@ def _converged(runs: list[Run], level: float) -> Converged:
     return Converged(np.array(at, dtype=np.float64), np.array(spent), np.array(until, dtype=np.float64))
 
 
-def _row(function: Function, optimizer: str, found: Converged) -> tuple[str, ...]:
-    printed = CONVERGENCE.get((function.key, optimizer))
+def _row(function: Function, optimizer: str, found: Converged) -> tuple[Entry, ...]:
+    published = CONVERGENCE.get((function.key, optimizer))
     iterations = found.iterations
-    low, high = mean_interval(iterations)
     return (
         function.label,
         OPTIMIZER_LABELS[optimizer],
-        f"{iterations.max():.0f}",
-        f"{iterations.min():.0f}",
-        f"{iterations.mean():.1f} [{low:.1f}, {high:.1f}]",
-        f"{found.evaluations.mean():,.0f}",
-        f"{found.until_level.mean():.1f}",
-        *([f"{number:.0f}" for number in printed] if printed else "–––"),
+        number(iterations.max(), ".0f"),
+        number(iterations.min(), ".0f"),
+        number_in(iterations.mean(), mean_interval(iterations)),
+        number(found.evaluations.mean(), ",.0f"),
+        number(found.until_level.mean()),
+        *([number(value, ".0f") for value in published] if published else [MISSING] * 3),
     )
 
 
 def _sooner(found: dict[tuple[Function, str], Converged], what: str) -> dict[str, bool]:
-    """Of every function, whether IAFSA's mean number of iterations, or evaluations, is below AFSA's."""
+    """Return for every function whether IAFSA's mean of an attribute of `Converged` is below AFSA's."""
     return {
         function.label: bool(
             getattr(found[function, IAFSA], what).mean() < getattr(found[function, AFSA], what).mean()

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from experiments.plots import map_plot
 from experiments.plots.courses import Case, best_by_evaluations, columns
+from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.labels import label
 from experiments.runs.run import Floats, Run
@@ -20,7 +22,7 @@ from experiments.studies.iafsa.function_tables import Function
 from experiments.studies.iafsa.route_tables import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 
-# Of a course, so that a figure with many panels stays small; close together where most happens.
+# Points of a course, so that a figure with many panels stays small; close together where most happens.
 MOST_POINTS = 18
 PATH_POINTS = 32
 # Below this, values of functions are rounding errors of their formulas.
@@ -34,7 +36,7 @@ By = Callable[[list[Run]], tuple[NDArray, Floats]]
 
 
 def by_iterations(runs: list[Run]) -> tuple[NDArray, Floats]:
-    """Iterations (m,), and the best fitness (runs, m) after these."""
+    """Return iterations (m,), and the best fitness (runs, m) after these."""
     best = columns(runs, "best_fitness")
     last = best.shape[1] - 1
     at = np.unique(np.round(last * np.linspace(0.0, 1.0, MOST_POINTS) ** 2).astype(np.int64))
@@ -42,13 +44,13 @@ def by_iterations(runs: list[Run]) -> tuple[NDArray, Floats]:
 
 
 def by_evaluations(runs: list[Run]) -> tuple[NDArray, Floats]:
-    """Numbers of evaluations (m,), and the best fitness (runs, m) that they bought."""
+    """Return numbers of evaluations (m,), and the best fitness (runs, m) after these."""
     best, spent = columns(runs, "best_fitness"), columns(runs, "evaluations")
     at = np.geomspace(spent[:, 0].max(), spent[:, -1].max(), MOST_POINTS)
     return at, best_by_evaluations(best, spent, at)
 
 
-# What courses are drawn over, its name on the axis, and the scale.
+# By name of the axis that courses are drawn over: the function that makes them, the label and the scale.
 AXES: dict[str, tuple[By, str, str]] = {
     "iterations": (by_iterations, "iterations", "linear"),
     "evaluations": (by_evaluations, "fitness evaluations spent", "log"),
@@ -56,7 +58,7 @@ AXES: dict[str, tuple[By, str, str]] = {
 
 
 def draw_function_convergence(cases: Sequence[Case], axis: str) -> Figure:
-    """Best value so far on each function, over iterations or evaluations, of the longest episodes."""
+    """Draw the best value so far on each function in the longest episodes, over iterations or evaluations."""
     return _draw_convergence(
         cases,
         axis,
@@ -67,7 +69,7 @@ def draw_function_convergence(cases: Sequence[Case], axis: str) -> Figure:
 
 
 def draw_route_convergence(cases: Sequence[Case]) -> Figure:
-    """How far above the shortest path the best path is, over evaluations."""
+    """Draw by how much the best path is longer than the shortest path, over evaluations."""
     routes = [make_route(case.scenario.name, {}) for case in cases]
     figure = _draw_convergence(
         cases,
@@ -85,7 +87,7 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
 
 
 def draw_route_maps(cases: Sequence[Case]) -> Figure:
-    """The best path of each optimizer on each route, A*'s and the shortest path at any angle."""
+    """Draw the best path of each optimizer on each route, that of A* and the shortest path at any angle."""
     figure, panels = _panels(cases, 2.7)
     for axes, case in zip(panels, cases, strict=True):
         route = make_route(case.scenario.name, {})
@@ -111,7 +113,7 @@ def _draw_convergence(
     titles: Sequence[str],
     scale: Callable[[Floats, int], Floats],
 ) -> Figure:
-    """Courses of the best fitness, scaled by the number of the panel."""
+    """Draw courses of the best fitness, scaled by a function of them and the number of the panel."""
     course_of, name, x_scale = AXES[axis]
     figure, panels = _panels(cases, 2.2)
     for axes in panels[1:]:
@@ -134,13 +136,13 @@ def _draw_convergence(
 
 
 def _longest(case: Case) -> dict[str, list[Run]]:
-    """Runs of the controllers whose episodes are the longest ones."""
+    """Return the runs of the controllers whose episodes are the longest ones."""
     lengths = {controller: len(runs[0].trace) for controller, runs in case.runs.items()}
     return {c: runs for c, runs in case.runs.items() if lengths[c] == max(lengths.values())}
 
 
 def _panels(cases: Sequence[Case], height: float) -> tuple[Figure, list[Axes]]:
-    """A figure with a panel for each case."""
+    """Return a figure with a panel for each case, and the panels."""
     across = min(len(cases), PANEL_COLUMNS)
     rows = math.ceil(len(cases) / across)
     figure = new_figure(2.9 * across, height * rows + 0.8)
@@ -148,7 +150,7 @@ def _panels(cases: Sequence[Case], height: float) -> tuple[Figure, list[Axes]]:
 
 
 def _thinned(run: Run) -> Run:
-    """The run with fewer points on its path."""
+    """Return the run with fewer points on its path."""
     at = np.linspace(0, len(run.best_path) - 1, min(PATH_POINTS, len(run.best_path))).astype(np.int64)
     return dataclasses.replace(run, best_path=run.best_path[at])
 
@@ -165,3 +167,19 @@ def _draw_walls(axes: Axes, raw: GridMap) -> None:
         interpolation="none",
         zorder=1.5,
     )
+
+
+def function_figures(stored: Stored) -> Drawings:
+    """Return the figures of convergence on the test functions, one for each axis."""
+    return {f"functions-by-{axis}": partial(draw_function_convergence, stored.cases, axis) for axis in AXES}
+
+
+def route_figures(stored: Stored) -> Drawings:
+    """Return the figures of routes: maps with best paths, and convergence."""
+    return {
+        "route-maps": partial(draw_route_maps, stored.cases),
+        "route-convergence": partial(draw_route_convergence, stored.cases),
+    }
+
+
+FIGURES: dict[str, FigureMaker] = {"functions": function_figures, "routes": route_figures}

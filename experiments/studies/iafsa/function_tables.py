@@ -1,8 +1,8 @@
 """Mean final values on the test functions of the IAFSA paper, ours beside its own.
 
 All optima are 0, so that a fitness is how far a run ends above it. Runs of two optimizers on one function are
-independent and spread over many powers of ten: Mann-Whitney's U is what compares them. On shifted functions
-runs are paired, by the place of the optimum: Wilcoxon's signed-rank test.
+independent and spread over many powers of ten: Mann-Whitney's U test compares them. On shifted functions,
+runs are paired by the place of the optimum: Wilcoxon's signed-rank test compares them.
 """
 
 import re
@@ -12,20 +12,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.runs.entrants import Contestant, contestant
+from experiments.runs.entrants import Entrant, entrant
 from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import compare, holm, mean_interval, rank_sum
 from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS, MEAN_BEST
-from experiments.tables.claims import Claim, claims_table, yes
+from experiments.tables.cell import Entry, number, number_in, verdict
+from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
 
 AFSA, IAFSA = "fish-swarm", "improved-fish-swarm"
-# Runs that the paper's table 2 is over; its table 3 is over more.
+# Number of runs in table 2 of the IAFSA paper; its table 3 has more.
 MEAN_RUNS = 50
-# How far AFSA may be from the paper's means where nothing but settings that are not printed differs.
+# Factor by which AFSA may differ from the published means, since not all settings are published.
 NEAR_PAPER = 20.0
 
 
@@ -37,7 +38,11 @@ class Function(NamedTuple):
 
     @classmethod
     def of(cls, scenario_set: str) -> "Function":
-        """The function of a set of scenarios."""
+        """Return the function of a set of scenarios.
+
+        Raises:
+            ValueError: if the scenarios are not of a test function.
+        """
         match = re.fullmatch(r"function:([a-z-]+)-([0-9]+)(?:-shifted)?", scenario_set)
         if not match:
             raise ValueError(f"scenarios {scenario_set!r}: expected function:<name>-<dimension>[-shifted]")
@@ -45,25 +50,25 @@ class Function(NamedTuple):
 
     @property
     def label(self) -> str:
-        """As tables print it."""
+        """Name of the function as tables print it."""
         return f"{self.key.replace('-', ' ').capitalize()}, {self.dimension}-D"
 
     @property
-    def is_printed(self) -> bool:
-        """Whether the paper states this dimension."""
+    def is_published(self) -> bool:
+        """Whether the IAFSA paper states this dimension."""
         return DIMENSIONS.get(self.key) == self.dimension
 
 
 @dataclass(frozen=True)
-class Duel:
-    """AFSA and IAFSA on one function, in as many iterations.
+class Comparison:
+    """AFSA and IAFSA on one function, in equally many iterations.
 
     Attributes:
-        function: which one.
-        iterations: T of both.
-        fitness: (runs,) by optimizer.
-        evaluations: mean of the runs by optimizer.
-        p_value: that both are alike; not yet corrected.
+        function: test function.
+        iterations: iterations T of both.
+        fitness: (runs,) final fitness by optimizer.
+        evaluations: mean evaluations of the runs by optimizer.
+        p_value: p of the hypothesis that both are alike; not yet corrected.
     """
 
     function: Function
@@ -74,7 +79,7 @@ class Duel:
 
     @property
     def case(self) -> str:
-        """What claims call it."""
+        """Name of the comparison in claims."""
         return f"{self.function.label} at {self.iterations}"
 
     @property
@@ -82,59 +87,64 @@ class Duel:
         """Whether IAFSA's mean is below AFSA's."""
         return bool(self.fitness[IAFSA].mean() < self.fitness[AFSA].mean())
 
-    def against_paper(self, optimizer: str) -> float:
-        """The mean over the paper's; NaN where that has none."""
-        printed = MEAN_BEST.get((self.function.key, optimizer, self.iterations), np.nan)
-        return float(self.fitness[optimizer].mean() / printed)
+    def over_published(self, optimizer: str) -> float:
+        """Return the mean over the published one; NaN if the IAFSA paper has none."""
+        published = MEAN_BEST.get((self.function.key, optimizer, self.iterations), np.nan)
+        return float(self.fitness[optimizer].mean() / published)
 
 
 def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Means (table 2), and what they say about dimensions."""
-    duels = find_duels(suite, outcomes, paired=False)
-    adjusted = holm([duel.p_value for duel in duels])
+    """Return the means (table 2), the claims about them, and a table about dimensions."""
+    comparisons = find_comparisons(suite, outcomes, paired=False)
+    adjusted = holm([compared.p_value for compared in comparisons])
     rows = [
         (
-            *_result_cells(duel, p),
-            *(_printed(duel, optimizer) for optimizer in (AFSA, IAFSA)),
-            *(f"{duel.against_paper(optimizer):.2g}" for optimizer in (AFSA, IAFSA)),
+            *_result_cells(compared, p),
+            *(_published(compared, optimizer) for optimizer in (AFSA, IAFSA)),
+            *(number(compared.over_published(optimizer), ".2g") for optimizer in (AFSA, IAFSA)),
         )
-        for duel, p in zip(duels, adjusted, strict=True)
+        for compared, p in zip(comparisons, adjusted, strict=True)
     ]
     return [
         claims_table(
             "iafsa-functions-claims",
             "What is said of mean final values on the paper's functions, and where it does not hold",
-            _function_claims(duels),
+            _function_claims(comparisons),
         ),
         Table(
             "iafsa-functions",
-            f"Table 2. Mean final value [95 % interval] of {_runs(duels)} runs, optimum 0; p of "
+            f"Table 2. Mean final value [95 % interval] of {_runs(comparisons)} runs, optimum 0; p of "
             "Mann-Whitney's U test, two-sided, Holm-corrected over the table; mean evaluations; the paper's "
             "means, and ours in units of them. The paper states 10-D for Rastrigin and Sum squares",
             (*RESULT_COLUMNS, "paper AFSA", "paper IAFSA", "AFSA / paper", "IAFSA / paper"),
             rows,
         ),
-        _dimensions_table(duels),
+        _dimensions_table(comparisons),
     ]
 
 
 def shifted_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """The same on functions whose optimum is elsewhere in each run."""
-    duels = find_duels(suite, outcomes, paired=True)
-    adjusted = holm([duel.p_value for duel in duels])
+    """Return means and claims for functions whose optimum is at another place in each run."""
+    comparisons = find_comparisons(suite, outcomes, paired=True)
+    adjusted = holm([compared.p_value for compared in comparisons])
     return [
         claims_table(
             "iafsa-shifted-claims",
             "What is said of the shifted functions, and where it does not hold",
-            [Claim("IAFSA's mean is below AFSA's", {duel.case: duel.improves for duel in duels})],
+            [
+                Claim(
+                    "IAFSA's mean is below AFSA's",
+                    {compared.case: compared.improves for compared in comparisons},
+                )
+            ],
         ),
         Table(
             "iafsa-shifted",
-            f"Mean final value [95 % interval] of {_runs(duels)} runs, each with the optimum, 0, at another "
-            "place; p of Wilcoxon's signed-rank test, two-sided, Holm-corrected over the table; mean "
+            f"Mean final value [95 % interval] of {_runs(comparisons)} runs, each with the optimum, 0, at "
+            "another place; p of Wilcoxon's signed-rank test, two-sided, Holm-corrected over the table; mean "
             "evaluations",
             RESULT_COLUMNS,
-            [_result_cells(duel, p) for duel, p in zip(duels, adjusted, strict=True)],
+            [_result_cells(compared, p) for compared, p in zip(comparisons, adjusted, strict=True)],
         ),
     ]
 
@@ -145,9 +155,12 @@ RESULT_COLUMNS = (
 )  # fmt: skip
 
 
-def find_duels(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Duel]:
-    """Every function and number of iterations that both optimizers have runs of, in the suite's order."""
-    names = find_contestants(suite)
+def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Comparison]:
+    """Return a comparison for each function and number of iterations that both optimizers have runs of.
+
+    The order is that of the suite.
+    """
+    names = find_entrants(suite)
     found = []
     for scenario_set, scenarios in scenario_sets(suite.scenarios).items():
         function = Function.of(scenario_set)
@@ -165,13 +178,13 @@ def find_duels(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Duel]:
                 if paired
                 else rank_sum(fitness[IAFSA], fitness[AFSA])
             )
-            found.append(Duel(function, iterations, fitness, evaluations, p))
+            found.append(Comparison(function, iterations, fitness, evaluations, p))
     return found
 
 
-def find_contestants(suite: Suite) -> dict[tuple[str, int], str]:
-    """Names of what the suite runs, by optimizer and number of iterations."""
-    parsed: dict[str, Contestant] = {name: contestant(name, suite.optimizer) for name in suite.controllers}
+def find_entrants(suite: Suite) -> dict[tuple[str, int], str]:
+    """Return the names of the entrants of a suite, by optimizer and number of iterations."""
+    parsed: dict[str, Entrant] = {name: entrant(name, suite.optimizer) for name in suite.controllers}
     return {(c.optimizer, c.iterations): name for name, c in parsed.items() if c.iterations is not None}
 
 
@@ -179,38 +192,36 @@ def _first(samples: Iterable[Floats]) -> Floats:
     return np.concatenate(list(samples))[:MEAN_RUNS]
 
 
-def _runs(duels: list[Duel]) -> int:
-    return max((len(duel.fitness[AFSA]) for duel in duels), default=0)
+def _runs(comparisons: list[Comparison]) -> int:
+    return max((len(compared.fitness[AFSA]) for compared in comparisons), default=0)
 
 
-def _result_cells(duel: Duel, p_value: float) -> tuple[str, ...]:
+def _result_cells(compared: Comparison, p_value: float) -> tuple[Entry, ...]:
     return (
-        duel.function.label,
-        str(duel.iterations),
-        *(_mean(duel.fitness[optimizer]) for optimizer in (AFSA, IAFSA)),
-        yes(duel.improves),
-        f"{p_value:.1g}",
-        *(f"{duel.evaluations[optimizer]:,.0f}" for optimizer in (AFSA, IAFSA)),
+        compared.function.label,
+        number(compared.iterations, "d"),
+        *(_mean(compared.fitness[optimizer]) for optimizer in (AFSA, IAFSA)),
+        verdict(compared.improves),
+        number(p_value, ".1g"),
+        *(number(compared.evaluations[optimizer], ",.0f") for optimizer in (AFSA, IAFSA)),
     )
 
 
-def _mean(values: Floats) -> str:
-    low, high = mean_interval(values)
-    return f"{values.mean():.2g} [{low:.2g}, {high:.2g}]"
+def _mean(values: Floats) -> Entry:
+    return number_in(values.mean(), mean_interval(values), ".2g")
 
 
-def _printed(duel: Duel, optimizer: str) -> str:
-    value = MEAN_BEST.get((duel.function.key, optimizer, duel.iterations))
-    return "–" if value is None else f"{value:.2g}"
+def _published(compared: Comparison, optimizer: str) -> Entry:
+    return number(MEAN_BEST.get((compared.function.key, optimizer, compared.iterations)), ".2g")
 
 
-def _function_claims(duels: list[Duel]) -> list[Claim]:
-    printed = [duel for duel in duels if duel.function.is_printed]
-    plane = [duel for duel in printed if duel.function.dimension == 2]
+def _function_claims(comparisons: list[Comparison]) -> list[Claim]:
+    published = [compared for compared in comparisons if compared.function.is_published]
+    plane = [compared for compared in published if compared.function.dimension == 2]
     groups = {
         "the functions stated as 2-D": plane,
-        "those stated as 10-D": [duel for duel in printed if duel not in plane],
-        "these in 2-D instead": [duel for duel in duels if duel not in printed],
+        "those stated as 10-D": [compared for compared in published if compared not in plane],
+        "these in 2-D instead": [compared for compared in comparisons if compared not in published],
     }
     return [
         *(
@@ -228,29 +239,37 @@ def _function_claims(duels: list[Duel]) -> list[Claim]:
     ]
 
 
-def _no_larger(duels: list[Duel]) -> dict[str, bool]:
-    return {duel.case: duel.against_paper(IAFSA) <= 1.0 for duel in duels}
+def _no_larger(comparisons: list[Comparison]) -> dict[str, bool]:
+    return {compared.case: compared.over_published(IAFSA) <= 1.0 for compared in comparisons}
 
 
-def _near(duels: list[Duel]) -> dict[str, bool]:
-    return {duel.case: 1.0 / NEAR_PAPER <= duel.against_paper(AFSA) <= NEAR_PAPER for duel in duels}
+def _near(comparisons: list[Comparison]) -> dict[str, bool]:
+    return {
+        compared.case: 1.0 / NEAR_PAPER <= compared.over_published(AFSA) <= NEAR_PAPER
+        for compared in comparisons
+    }
 
 
-def _dimensions_table(duels: list[Duel]) -> Table:
+def _best_over_published(compared: Comparison, optimizer: str) -> float:
+    published = MEAN_BEST[compared.function.key, optimizer, compared.iterations]
+    return float(compared.fitness[optimizer].min() / published)
+
+
+def _dimensions_table(comparisons: list[Comparison]) -> Table:
     rows = [
         (
-            duel.function.label,
-            str(duel.iterations),
+            compared.function.label,
+            number(compared.iterations, "d"),
             OPTIMIZER_LABELS[optimizer],
-            f"{duel.fitness[optimizer].min():.2g}",
-            f"{duel.fitness[optimizer].mean():.2g}",
-            _printed(duel, optimizer),
-            f"{duel.fitness[optimizer].min() / MEAN_BEST[duel.function.key, optimizer, duel.iterations]:.2g}",
-            f"{duel.against_paper(optimizer):.2g}",
+            number(compared.fitness[optimizer].min(), ".2g"),
+            number(compared.fitness[optimizer].mean(), ".2g"),
+            _published(compared, optimizer),
+            number(_best_over_published(compared, optimizer), ".2g"),
+            number(compared.over_published(optimizer), ".2g"),
         )
         for optimizer in (AFSA, IAFSA)
-        for duel in sorted(duels, key=lambda duel: duel.function.key)
-        if DIMENSIONS[duel.function.key] > 2
+        for compared in sorted(comparisons, key=lambda compared: compared.function.key)
+        if DIMENSIONS[compared.function.key] > 2
     ]
     return Table(
         "iafsa-dimensions",

@@ -2,14 +2,14 @@
 
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
 Probl. Eng. 2016, tables 2 to 5: 100 fish; means of 50 runs of 50, 100 and 200 iterations, convergence over
-100 runs, mean ways of 50 drives in metres. The paper's maps are in figures only; `scenarios.iafsa_routes` has
-ours.
+100 runs, mean lengths of 50 runs on a map in metres. The maps of that paper are in figures only;
+`scenarios.papers.iafsa` has ours.
 """
 
 from typing import NamedTuple
 
 ITERATIONS = (50, 100, 200)
-# The dimension that the paper states of its functions; all optima are 0.
+# Dimension that the IAFSA paper states for each function; all optima are 0.
 DIMENSIONS = {"rastrigin": 10, "easom": 2, "booth": 2, "bohachevsky": 2, "sum-squares": 10}
 
 _BEST = {
@@ -40,7 +40,7 @@ MEAN_BEST: dict[tuple[str, str, int], float] = {
 
 
 class Convergence(NamedTuple):
-    """Iterations to convergence, whose criterion the paper does not state."""
+    """Iterations to convergence, whose criterion the IAFSA paper does not state."""
 
     maximum: float
     minimum: float
@@ -63,7 +63,7 @@ CONVERGENCE: dict[tuple[str, str], Convergence] = {
 
 SWARMS = ("fish-swarm", "hybrid-fish-swarm", "improved-fish-swarm")
 
-_WAYS = {
+_LENGTHS = {
     # Table 4, the "self-created" map.
     ("turtlebot3", "A-B"): (6.658, 7.201, 6.352, 5.624),
     ("turtlebot3", "B-C"): (4.713, 5.593, 4.731, 3.956),
@@ -76,9 +76,9 @@ _WAYS = {
     ("playground", "D-B"): (13.352, 15.245, 14.145, 11.145),
 }
 
-# By our map, route and method.
-WAYS: dict[tuple[str, str, str], float] = {
-    (site, pair, method): way
-    for (site, pair), row in _WAYS.items()
-    for method, way in zip(("a-star", *SWARMS), row, strict=True)
+# Mean length in metres by our map, route and method.
+ROUTE_LENGTHS: dict[tuple[str, str, str], float] = {
+    (site, pair, method): length
+    for (site, pair), row in _LENGTHS.items()
+    for method, length in zip(("a-star", *SWARMS), row, strict=True)
 }

@@ -1,7 +1,7 @@
 """The route tables of the IAFSA paper, on our maps: swarms beside A* and the shortest path at any angle.
 
-Runs of two optimizers on one route are independent, and not all may be feasible: Mann-Whitney's U is what
-compares the lengths.
+Runs of two optimizers on one route are independent, and not all may be feasible. Mann-Whitney's U test
+compares their lengths.
 """
 
 from collections.abc import Mapping
@@ -10,22 +10,22 @@ from functools import cached_property
 
 import numpy as np
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, length_of
 from experiments.runs.suite import Suite
-from experiments.runs.trajectory import length_of
 from experiments.statistics import holm, mean_interval, rank_sum
 from experiments.studies.iafsa.function_tables import AFSA, IAFSA
-from experiments.studies.iafsa.published import WAYS
+from experiments.studies.iafsa.published import ROUTE_LENGTHS
+from experiments.tables.cell import MISSING, Entry, number, number_in, share
 from experiments.tables.claims import Claim, claims_table
-from experiments.tables.table import Table, percent
+from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.scenarios.iafsa_routes import SITES, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES, read_site_map
 
 A_STAR, SMOOTHED = "A*", "A*, smoothed"
 COLUMNS = (
@@ -36,13 +36,13 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Route:
-    """A route and what was run on it; lengths in metres.
+    """A route and its runs; lengths in metres.
 
     Attributes:
         site: key of its map in `SITES`.
         pair: letters of its ends.
-        scenario: on the inflated map.
-        runs: by optimizer.
+        scenario: task on the inflated map.
+        runs: runs by optimizer.
     """
 
     site: str
@@ -52,7 +52,7 @@ class Route:
 
     @property
     def label(self) -> str:
-        """As tables print it."""
+        """Name of the route as tables print it."""
         return f"{self.site} {self.pair}"
 
     @cached_property
@@ -67,7 +67,7 @@ class Route:
 
     @cached_property
     def a_star(self) -> GridPath:
-        """What A* finds on the inflated map."""
+        """The path that A* finds on the inflated map."""
         grid = self.scenario.map
         ends = (grid.cell_of(point) for point in (self.scenario.start, self.scenario.target))
         return shortest_grid_path(grid.blocked, *ends)
@@ -79,12 +79,12 @@ class Route:
         return {A_STAR: grid.to_map(cells), SMOOTHED: grid.to_map(smooth(grid.blocked, cells))}
 
     def mean(self, method: str) -> float:
-        """Mean length of the feasible runs of an optimizer, or of a path over cells; NaN if there is none."""
+        """Return the mean length of an optimizer's feasible runs, or of a path of cells; NaN without one."""
         lengths = self.lengths(method) if method in self.runs else length_of(self.cell_paths[method])
         return float(np.mean(lengths)) if np.size(lengths) else np.nan
 
     def lengths(self, optimizer: str) -> Floats:
-        """Of the feasible runs; of a feasible path, the fitness is the length."""
+        """Return the lengths of the feasible runs; the fitness of a feasible path is its length."""
         return np.array(
             [
                 run.final_fitness
@@ -94,16 +94,16 @@ class Route:
         )
 
     def clearances(self, optimizer: str) -> Floats:
-        """Least distance of every run's best path from an obstacle."""
+        """Return the least distance of every run's best path from an obstacle."""
         return np.array([self.clearance(run.best_path) for run in self.runs[optimizer]])
 
     def clearance(self, path: Floats) -> float:
-        """Least distance of a path in map coordinates from an obstacle."""
+        """Return the least distance of a path in map coordinates from an obstacle."""
         return clearance(self.raw.blocked, self.raw.to_cells(path)) * self.raw.resolution
 
 
 def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Lengths of routes (tables 4 and 5), and what is said of them."""
+    """Return the lengths of routes (tables 4 and 5), and the claims about them."""
     routes = find_routes(suite, outcomes)
     p_values = {
         (route.label, optimizer): rank_sum(route.lengths(optimizer), route.lengths(AFSA))
@@ -113,7 +113,7 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         if min(route.lengths(optimizer).size, route.lengths(AFSA).size) > 1
     }
     adjusted = dict(zip(p_values, holm(list(p_values.values())), strict=True))
-    rows: list[tuple[str, ...]] = []
+    rows: list[tuple[Entry, ...]] = []
     for route in routes:
         rows.append(_optimum_row(route))
         rows += [_grid_row(route, method) for method in route.cell_paths]
@@ -138,8 +138,8 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
-    """The routes of a suite with its runs, in its order."""
-    optimizers = {name: contestant(name, suite.optimizer).optimizer for name in suite.controllers}
+    """Return the routes of a suite with its runs, in its order."""
+    optimizers = {name: entrant(name, suite.optimizer).optimizer for name in suite.controllers}
     return [
         make_route(name, {optimizers[c]: outcomes.runs(c, name) for c in suite.controllers})
         for name in suite.scenarios
@@ -147,73 +147,72 @@ def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
 
 
 def make_route(name: str, runs: Mapping[str, list[Run]]) -> Route:
-    """The route of that scenario, with runs by optimizer."""
+    """Return the route of a scenario, with runs by optimizer."""
     scenario = make_scenario(name)
     assert isinstance(scenario, GridScenario)
     site, _, pair = name.partition(":")[2].partition("-")
     return Route(site, pair, scenario, runs)
 
 
-def _optimum_row(route: Route) -> tuple[str, ...]:
+def _optimum_row(route: Route) -> tuple[Entry, ...]:
     length, points = route.shortest
-    lengths = (f"{length:.3f}",) * 2
-    cells = (route.label, "shortest path", "1.00", *lengths, *_above(length, route))
-    return (*cells, "–", f"{route.clearance(points):.3f}", "–", "–")
+    lengths = (number(length, ".3f"),) * 2
+    cells = (route.label, "shortest path", number(1.0, ".2f"), *lengths, *_above(length, route))
+    return (*cells, MISSING, number(route.clearance(points), ".3f"), MISSING, MISSING)
 
 
-def _grid_row(route: Route, method: str) -> tuple[str, ...]:
+def _grid_row(route: Route, method: str) -> tuple[Entry, ...]:
     path = route.cell_paths[method]
-    length = f"{length_of(path):.3f}"
+    length = number(length_of(path), ".3f")
     return (
         route.label,
         method,
-        "1.00",
+        number(1.0, ".2f"),
         length,
         length,
         *_above(route.mean(method), route),
-        "–",
-        f"{route.clearance(path):.3f}",
-        f"{route.a_star.expansions:,}",
-        _printed(route, "a-star") if method == A_STAR else "–",
+        MISSING,
+        number(route.clearance(path), ".3f"),
+        number(route.a_star.expansions, ","),
+        _published(route, "a-star") if method == A_STAR else MISSING,
     )
 
 
-def _swarm_row(route: Route, optimizer: str, p_value: float | None) -> tuple[str, ...]:
+def _swarm_row(route: Route, optimizer: str, p_value: float | None) -> tuple[Entry, ...]:
     runs, lengths = route.runs[optimizer], route.lengths(optimizer)
     return (
         route.label,
         OPTIMIZER_LABELS.get(optimizer, optimizer),
-        f"{lengths.size / len(runs):.2f}",
+        number(lengths.size / len(runs), ".2f"),
         _mean_cell(lengths),
-        f"{lengths.min():.3f}" if lengths.size else "–",
+        number(lengths.min() if lengths.size else None, ".3f"),
         *_above(route.mean(optimizer), route),
-        "–" if p_value is None else f"{p_value:.1g}",
-        f"{route.clearances(optimizer).min():.3f}",
-        f"{np.mean([run.evaluations for run in runs]):,.0f}",
-        _printed(route, optimizer),
+        number(p_value, ".1g"),
+        number(route.clearances(optimizer).min(), ".3f"),
+        number(np.mean([run.evaluations for run in runs]), ",.0f"),
+        _published(route, optimizer),
     )
 
 
-def _above(mean: float, route: Route) -> tuple[str, str]:
-    return percent(mean / route.shortest[0] - 1.0), percent(mean / route.mean(A_STAR) - 1.0, "+.1f")
+def _above(mean: float, route: Route) -> tuple[Entry, Entry]:
+    return share(mean / route.shortest[0] - 1.0), share(mean / route.mean(A_STAR) - 1.0, "+.1f")
 
 
-def _printed(route: Route, method: str) -> str:
-    way = WAYS.get((route.site, route.pair, method))
-    return "–" if way is None else f"{way:.3f}"
+def _published(route: Route, method: str) -> Entry:
+    return number(ROUTE_LENGTHS.get((route.site, route.pair, method)), ".3f")
 
 
 def _claims(routes: list[Route]) -> list[Claim]:
-    duels = [route for route in routes if {AFSA, IAFSA} <= route.runs.keys()]
+    compared = [route for route in routes if {AFSA, IAFSA} <= route.runs.keys()]
     return [
         Claim(
             "IAFSA's mean is no longer than AFSA's",
-            {route.label: route.mean(IAFSA) <= route.mean(AFSA) for route in duels},
+            {route.label: route.mean(IAFSA) <= route.mean(AFSA) for route in compared},
         ),
         *(
             Claim(
                 f"IAFSA's mean is shorter than the path of {method}",
-                {route.label: route.mean(IAFSA) < route.mean(method) for route in duels},
+                {route.label: route.mean(IAFSA) < route.mean(method) for route in compared},
             )
             for method in (A_STAR, SMOOTHED)
         ),
@@ -227,11 +226,10 @@ def _claims(routes: list[Route]) -> list[Claim]:
     ]
 
 
-def _mean_cell(lengths: Floats) -> str:
+def _mean_cell(lengths: Floats) -> Entry:
     if lengths.size < 2:
-        return "–" if not lengths.size else f"{lengths[0]:.3f}"
-    low, high = mean_interval(lengths)
-    return f"{lengths.mean():.3f} [{low:.3f}, {high:.3f}]"
+        return number(lengths[0], ".3f") if lengths.size else MISSING
+    return number_in(lengths.mean(), mean_interval(lengths), ".3f")
 
 
 def _radii() -> str:

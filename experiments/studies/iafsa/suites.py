@@ -6,29 +6,29 @@ from swarm_gym.scenarios import expand_name
 
 STATED = tuple(f"{key}-{dimension}" for key, dimension in DIMENSIONS.items())
 RIVALS = ("fish-swarm", "improved-fish-swarm")
-# Since schedules span the episode, its length makes another optimizer.
-DUELS = tuple(f"{method}({iterations})+fixed:100" for iterations in ITERATIONS for method in RIVALS)
-# Table 2 of the IAFSA paper is over 50 of these runs, table 3 over all; in the plane as well what the paper
-# states as 10-D.
+# Since schedules span the episode, its length makes another entrant.
+ENTRANTS = tuple(f"{method}({iterations})+fixed:100" for iterations in ITERATIONS for method in RIVALS)
+# Table 2 of the IAFSA paper is over 50 of these runs, table 3 over all. Functions that the IAFSA paper states
+# as 10-D are run in 2-D as well.
 FUNCTIONS = Suite(
     name="iafsa-functions",
-    controllers=(*DUELS, f"hybrid-fish-swarm({ITERATIONS[-1]})+fixed:100"),
+    controllers=(*ENTRANTS, f"hybrid-fish-swarm({ITERATIONS[-1]})+fixed:100"),
     scenarios=tuple(
         f"function:{name}" for name in (*STATED, *(f"{key}-2" for key, d in DIMENSIONS.items() if d > 2))
     ),
     num_seeds=100,
-    baseline=DUELS[0],
+    baseline=ENTRANTS[0],
     first_seed=FRESH_SEEDS,
     tables=("iafsa-functions", "iafsa-convergence"),
     figures=("functions",),
 )
-# Each run has the optimum at another place.
+# The optimum is at another place in each run.
 SHIFTED = Suite(
     name="iafsa-shifted",
-    controllers=DUELS,
+    controllers=ENTRANTS,
     scenarios=tuple(f"function:{name}-shifted:{k}" for name in STATED for k in range(50)),
     num_seeds=1,
-    baseline=DUELS[0],
+    baseline=ENTRANTS[0],
     first_seed=FRESH_SEEDS,
     seed_step=1,
     tables=("iafsa-shifted",),
@@ -47,4 +47,5 @@ ROUTES = Suite(
     figures=("routes",),
 )
 
-IAFSA_PAPER = (FUNCTIONS, SHIFTED, ROUTES)
+SUITES = (FUNCTIONS, SHIFTED, ROUTES)
+COLLECTIONS = {"iafsa-paper": tuple(suite.name for suite in SUITES)}

@@ -1,18 +1,24 @@
-"""What the marked blocks of docs/study.md show, as data: tables and figures of the suites.
+"""The marked blocks of docs/study.md, as data: each shows a table or a figure of the study's suites.
 
 To add one, write the pair of marks into the document and a line into `BLOCKS`.
 """
 
-from collections.abc import Callable
+import re
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
-from experiments.catalogue import ABLATED, ABLATION, FITTED_TO_CASES, FITTED_TO_FIELDS, LOOKED_INTO
-from experiments.documents.figures import decisions_name
-from experiments.documents.page import MADE_WITH
 from experiments.runs.groups import group_controllers
 from experiments.studies.learned.origins import origins_table
-from experiments.tables.reshape import NOTHING, join, select, shorten_heads, split, spread
+from experiments.studies.learned.suites import (
+    ABLATED,
+    ABLATION,
+    FITTED_TO_CASES,
+    FITTED_TO_FIELDS,
+    LOOKED_INTO,
+)
+from experiments.tables.cell import MISSING
+from experiments.tables.document import MADE_WITH, Block, ResultsFolder
+from experiments.tables.reshape import join, select, shorten_heads, split, spread
 from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import load_rule
 
@@ -28,102 +34,80 @@ PARAMETER_COLUMNS = (
 )  # fmt: skip
 
 
-class Source:
-    """The folder that the suites wrote to, and the figures that were asked for.
-
-    Attributes:
-        figures: content of the figures, by the names that the document shows them under.
-    """
-
-    def __init__(self, folder: Path):
-        self.folder = folder
-        self.figures: dict[str, bytes] = {}
-
-    def text(self, suite: str, name: str) -> str:
-        """A file of a suite."""
-        return (self.folder / suite / name).read_text(encoding="utf-8")
-
-    def table(self, suite: str, name: str) -> Table:
-        """A table of a suite."""
-        return Table.from_markdown(f"{suite}/{name}", self.text(suite, f"{name}.md"))
-
-    def figure(self, suite: str, name: str, text: str) -> str:
-        """A figure of a suite as Markdown, with a text in its place."""
-        file = f"{name}.svg" if name == suite else f"{suite}-{name}.svg"
-        self.figures[file] = (self.folder / suite / f"figure-{name}.svg").read_bytes()
-        return f"![{text}]({FIGURES}/{file})"
+def decisions_name(group: str) -> str:
+    """Return the name of the figure of a group's decisions, by the key of the group."""
+    return f"decisions-{re.sub(r'[^a-z0-9]+', '-', group.lower().replace('/*', '-seeds')).strip('-')}"
 
 
-Block = Callable[[Source], str]
+def _made_with(suite: str, results: ResultsFolder) -> str:
+    return results.text(f"{suite}/{MADE_WITH}")
 
 
-def _made_with(suite: str, source: Source) -> str:
-    return source.text(suite, MADE_WITH)
+def _figure(suite: str, name: str, text: str, results: ResultsFolder) -> str:
+    """Return a figure of a suite as Markdown, with a text in its place."""
+    file = f"{name}.svg" if name == suite else f"{suite}-{name}.svg"
+    results.show(f"{suite}/figure-{name}.svg", file)
+    return f"![{text}]({FIGURES}/{file})"
 
 
-def _figure(suite: str, name: str, text: str, source: Source) -> str:
-    return source.figure(suite, name, text)
-
-
-def _whole(suite: str, name: str, source: Source, columns: tuple[str, ...] = ()) -> str:
-    """A table with its caption, or some of its columns."""
-    table = source.table(suite, name)
+def _whole(suite: str, name: str, results: ResultsFolder, columns: tuple[str, ...] = ()) -> str:
+    """Return a table with its caption, or some of its columns."""
+    table = results.table(f"{suite}/{name}")
     return shorten_heads(select(table, columns or table.columns)).markdown()
 
 
 def _by_set(table: Table) -> str:
-    """A table for each set of scenarios, headed by the set."""
+    """Return a table for each set of scenarios, headed by the set."""
     return "\n".join(
-        Table(table.name, scenario_set, part.columns, part.rows).markdown()
-        for scenario_set, part in split(table).items()
+        replace(part, caption=scenario_set).markdown() for scenario_set, part in split(table).items()
     )
 
 
-def _gaps(suite: str, source: Source) -> str:
-    """Quality, cost, and which controllers are on the front of both."""
-    gaps = select(source.table(suite, "gaps"), GAP_COLUMNS)
-    return _by_set(join(gaps, source.table(suite, "front"), ("scenarios", "controller"), "on the front"))
+def _gaps(suite: str, results: ResultsFolder) -> str:
+    """Return quality, cost, and which controllers are on the front of both."""
+    gaps = select(results.table(f"{suite}/gaps"), GAP_COLUMNS)
+    front = results.table(f"{suite}/front")
+    return _by_set(join(gaps, front, ("scenarios", "controller"), "on the front"))
 
 
-def _whole_by_set(suite: str, name: str, source: Source) -> str:
-    return _by_set(source.table(suite, name))
+def _whole_by_set(suite: str, name: str, results: ResultsFolder) -> str:
+    return _by_set(results.table(f"{suite}/{name}"))
 
 
-def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, source: Source) -> str:
-    """One value of a table, with a column for each set of scenarios."""
-    table = spread(source.table(suite, name), keys, value)
+def _spread(suite: str, name: str, keys: tuple[str, ...], value: str, results: ResultsFolder) -> str:
+    """Return one value of a table, with a column for each set of scenarios."""
     caption = value if value == "p" else value.capitalize()
-    return Table(name, caption, table.columns, table.rows).markdown()
+    return replace(spread(results.table(f"{suite}/{name}"), keys, value), caption=caption).markdown()
 
 
-def _decisions(suite: str, controllers: tuple[str, ...], source: Source) -> str:
-    """Figures of the decisions of these."""
+def _decisions(suite: str, controllers: tuple[str, ...], results: ResultsFolder) -> str:
+    """Return the figures of the decisions of these controllers."""
     return "\n\n".join(
-        source.figure(suite, decisions_name(group), f"decisions of {group}")
+        _figure(suite, decisions_name(group), f"decisions of {group}", results)
         for group in group_controllers(controllers)
     )
 
 
-def _parameter(name: str, symbol: str, printed: bool, source: Source) -> str:
-    columns = PARAMETER_COLUMNS if printed else PARAMETER_COLUMNS[:-1]
-    return _whole("parameters", name, source, (symbol, *columns))
+def _parameter(name: str, symbol: str, published: bool, results: ResultsFolder) -> str:
+    columns = PARAMETER_COLUMNS if published else PARAMETER_COLUMNS[:-1]
+    return _whole("parameters", name, results, (symbol, *columns))
 
 
-def _origins(source: Source) -> str:  # noqa: ARG001
+def _origins(results: ResultsFolder) -> str:  # noqa: ARG001
     fitted = [*FITTED_TO_CASES.everything, *FITTED_TO_FIELDS.everything]
     fitted += [controller for family in ABLATED for controller in family.controllers]
     table = origins_table(tuple(dict.fromkeys(fitted)))
-    rows = [row for row in table.rows if row[-2] != NOTHING]  # of rules, "understanding" says it
-    return Table(table.name, table.caption, table.columns, rows).markdown()
+    # The section about distillation tells the origin of rules.
+    return replace(table, rows=[row for row in table.rows if row[-2] != MISSING]).markdown()
 
 
-def _rule(name: str, source: Source) -> str:  # noqa: ARG001
+def _rule(name: str, results: ResultsFolder) -> str:  # noqa: ARG001
     lines = "\n".join(load_rule(name).lines())
     return f"```\n{lines}\n```"
 
 
 def _suite_blocks(suite: str, several_sets: bool) -> dict[str, Block]:
-    """What every suite with gaps has."""
+    """Return the blocks that every suite with gaps has."""
     whole = {
         f"{suite}-gaps": partial(_gaps, suite),
         f"{suite}-differences": partial(_whole_by_set, suite, "differences"),

@@ -1,15 +1,16 @@
 """Numbers printed in the MOA paper, for comparison with ours.
 
 Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
-44(9), 2016, tables 1 and 2: 30 runs of 450 iterations of 65 members on map den400d. The paper's tasks are in
-a figure only; ours stand in for them (`swarm_gym.scenarios.moa_tasks`), so lengths are alike, not equal.
+44(9), 2016, tables 1 and 2: 30 runs of 450 iterations of 65 members on map den400d. The tasks of that
+paper are in a figure only. Ours stand in for them (`swarm_gym.scenarios.papers.moa`), so that lengths are
+alike, not equal.
 """
 
 from typing import NamedTuple
 
 
-class Printed(NamedTuple):
-    """One method on one task."""
+class PublishedTask(NamedTuple):
+    """Numbers of one method on one task of the MOA paper."""
 
     length: float  # mean of the feasible runs
     feasible: float  # share of runs
@@ -49,8 +50,8 @@ _ROWS = {
     ),
 }  # fmt: skip
 
-PRINTED: dict[tuple[str, str], Printed] = {
-    (task, method): Printed(*row)
+PUBLISHED: dict[tuple[str, str], PublishedTask] = {
+    (task, method): PublishedTask(*row)
     for task, rows in _ROWS.items()
     for method, row in zip(METHODS, rows, strict=True)
 }

@@ -5,13 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import ttest_ind
 
-from experiments.runs.entrants import contestant
+from experiments.runs.entrants import entrant
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
-from experiments.studies.moa.published import PRINTED, THRESHOLDS
-from experiments.tables.table import Table, percent
+from experiments.studies.moa.published import PUBLISHED, THRESHOLDS
+from experiments.tables.cell import MISSING, Entry, number, share
+from experiments.tables.document import document_of_suite
+from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.traversal import blocked_length, path_is_free
 from swarm_gym.reference import shortest_path
@@ -19,9 +21,9 @@ from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 
 
 def moa_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Lengths and feasibility (table 1), success and evaluations until then (table 2)."""
-    lengths: list[tuple[str, ...]] = []
-    successes: list[tuple[str, ...]] = []
+    """Return two tables: lengths and feasibility (table 1), success and evaluations until then (table 2)."""
+    lengths: list[tuple[Entry, ...]] = []
+    successes: list[tuple[Entry, ...]] = []
     for scenario in suite.scenarios:
         task = scenario.rpartition(":")[2]
         runs = {controller: outcomes.runs(controller, scenario) for controller in suite.controllers}
@@ -52,33 +54,35 @@ def moa_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     ]  # fmt: skip
 
 
-def _length_rows(suite: Suite, scenario: str, task: str, runs: dict[str, list[Run]]) -> list[tuple[str, ...]]:
+def _length_rows(
+    suite: Suite, scenario: str, task: str, runs: dict[str, list[Run]]
+) -> list[tuple[Entry, ...]]:
     problem = make_scenario(scenario)
     assert isinstance(problem, GridScenario)
     optimum, _ = shortest_path(problem)
     lengths = {name: _feasible_lengths(found) for name, found in runs.items()}
     reached = [name for name in runs if lengths[name].size]
     shortest = min(reached, key=lambda name: lengths[name].mean()) if reached else None
-    rows: list[tuple[str, ...]] = []
+    rows: list[tuple[Entry, ...]] = []
     for name, found in runs.items():
         own = lengths[name]
-        printed = PRINTED.get((task, contestant(name, suite.optimizer).optimizer))
+        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
         mean = own.mean() if own.size else np.nan
         free = [run for run in found if _is_free(problem.map, run)]
         rows.append(
             (
                 task,
-                f"{optimum:.1f}",
+                number(optimum),
                 label(name),
-                f"{own.size / len(found):.2f}",
-                f"{mean:.1f}" if own.size else "–",
-                percent(mean / optimum - 1.0) if own.size else "–",
-                "–" if shortest in (name, None) else _p_value(own, lengths[str(shortest)]),
-                f"{len(free) / len(found):.2f}",
+                number(own.size / len(found), ".2f"),
+                number(mean),
+                share(mean / optimum - 1.0),
+                MISSING if shortest in (name, None) else _p_value(own, lengths[str(shortest)]),
+                number(len(free) / len(found), ".2f"),
                 _longest_blocked(problem.map, found),
-                f"{printed.feasible:.2f}" if printed else "–",
-                f"{printed.length:.1f}" if printed else "–",
-                _verdict(printed.differs) if printed else "–",
+                number(published.feasible if published else None, ".2f"),
+                number(published.length if published else None),
+                number(published.differs if published else None, "d"),
             )
         )
     return rows
@@ -88,58 +92,61 @@ def _success_rows(
     suite: Suite,
     task: str,
     runs: dict[str, list[Run]],
-) -> list[tuple[str, ...]]:
+) -> list[tuple[Entry, ...]]:
     threshold = THRESHOLDS[task]
-    rows: list[tuple[str, ...]] = []
+    rows: list[tuple[Entry, ...]] = []
     for name, found in runs.items():
-        printed = PRINTED.get((task, contestant(name, suite.optimizer).optimizer))
+        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
         spent = np.array([evaluations_to(run, threshold) for run in found])
         success = np.mean([run.course("best_fitness")[-1] < threshold for run in found])
         rows.append(
             (
                 task,
-                f"{threshold:g}",
+                number(threshold, "g"),
                 label(name),
-                f"{success:.2f}",
-                f"{spent.mean():,.0f}",
-                f"{printed.success:.2f}" if printed else "–",
-                f"{printed.evaluations:,.0f}" if printed and printed.evaluations else "–",
-                f"{np.mean([run.evaluations for run in found]):,.0f}",
-                f"{np.mean([run.seconds for run in found]):.3f}",
+                number(success, ".2f"),
+                number(spent.mean(), ",.0f"),
+                number(published.success if published else None, ".2f"),
+                number(published.evaluations if published else None, ",.0f"),
+                number(np.mean([run.evaluations for run in found]), ",.0f"),
+                number(np.mean([run.seconds for run in found]), ".3f"),
             )
         )
     return rows
 
 
 def evaluations_to(run: Run, threshold: float) -> float:
-    """Evaluations until the best path is shorter, to the end of that iteration; all if it never is."""
+    """Return the evaluations up to the end of the iteration in which the best path became shorter.
+
+    Return all evaluations of the run if it never did.
+    """
     below = np.flatnonzero(run.course("best_fitness") < threshold)
     return float(run.course("evaluations")[below[0] if below.size else -1])
 
 
 def _feasible_lengths(runs: Sequence[Run]) -> np.ndarray:
-    # Of a feasible path, the fitness is the length.
+    # The fitness of a feasible path is its length.
     return np.array([run.final_fitness for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE])
 
 
-def _p_value(own: np.ndarray, shortest: np.ndarray) -> str:
+def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:
     if min(own.size, shortest.size) < 2:
-        return "–"
-    return f"{ttest_ind(own, shortest, equal_var=False).pvalue:.2g}"
+        return MISSING
+    return number(ttest_ind(own, shortest, equal_var=False).pvalue, ".2g")
 
 
 def _is_free(grid: GridMap, run: Run) -> bool:
     return path_is_free(grid.blocked, grid.to_cells(run.best_path))
 
 
-def _longest_blocked(grid: GridMap, runs: Sequence[Run]) -> str:
-    """Of the runs whose samples are all free: the length that lies in blocked cells between them."""
+def _longest_blocked(grid: GridMap, runs: Sequence[Run]) -> Entry:
+    """Return the greatest length in blocked cells, between samples, of runs whose samples are all free."""
     feasible = [run for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE]
     if not feasible:
-        return "–"
+        return MISSING
     lengths = [blocked_length(grid.blocked, grid.to_cells(run.best_path)) for run in feasible]
-    return f"{max(lengths) * grid.resolution:.2f}"
+    return number(max(lengths) * grid.resolution, ".2f")
 
 
-def _verdict(differs: bool | None) -> str:
-    return "–" if differs is None else str(int(differs))
+TABLES = {"moa": moa_tables}
+DOCUMENTS = {"moa": document_of_suite("docs/moa-paper.md", "moa-paper")}

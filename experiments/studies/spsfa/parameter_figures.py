@@ -18,7 +18,7 @@ from experiments.plots.courses import MOST_POINTS, Case, columns, draw_optimum, 
 from experiments.plots.style import BAND, BLACK, BLUE, GREEN, ORANGE, Style, legend_below, new_figure
 from experiments.runs.run import Floats, Run
 from experiments.statistics import ratio_interval
-from experiments.studies.spsfa.parameters import Study
+from experiments.studies.spsfa.parameters import ParameterStudy
 
 Runs = dict[float, list[Run]]  # by value of the parameter
 MARKERS = "osD^v<>PX*"
@@ -33,7 +33,7 @@ COURSES: dict[str, Callable[..., Floats]] = {
 LIGHTEST = 0.88
 
 
-def draw_courses(study: Study, case: Case) -> Figure:
+def draw_courses(study: ParameterStudy, case: Case) -> Figure:
     """Best fitness (median), population size, phi and evaluations spent (means) by iteration, by value."""
     case, runs = _of_study(study, case)
     figure = new_figure(10.0, 7.0)
@@ -63,7 +63,7 @@ def draw_courses(study: Study, case: Case) -> Figure:
     return figure
 
 
-def draw_outcomes(study: Study, case: Case) -> Figure:
+def draw_outcomes(study: ParameterStudy, case: Case) -> Figure:
     """Final fitness of every run, and what a run costs relative to the printed setting, by value.
 
     Cost is drawn three ways: our evaluations with the 95 % interval of the ratio, our processor time, and the
@@ -87,7 +87,7 @@ def draw_outcomes(study: Study, case: Case) -> Figure:
     return figure
 
 
-PARAMETER_DRAWINGS: dict[str, Callable[[Study, Case], Figure]] = {
+PARAMETER_DRAWINGS: dict[str, Callable[[ParameterStudy, Case], Figure]] = {
     "courses": draw_courses,
     "outcomes": draw_outcomes,
 }
@@ -111,7 +111,7 @@ def _draw_quality(axes: Axes, runs: Runs, case: Case) -> None:
     scale_fitness(axes, case, "final fitness")
 
 
-def _draw_cost(axes: Axes, study: Study, runs: Runs) -> None:
+def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     values, unit = list(runs), runs[study.printed]
     low, high = np.transpose(
         [ratio_interval(_evaluations(group), _evaluations(unit)) for group in runs.values()]
@@ -149,7 +149,7 @@ def _seconds(runs: list[Run]) -> Floats:
     return np.array([run.seconds for run in runs])
 
 
-def _of_study(study: Study, case: Case) -> tuple[Case, Runs]:
+def _of_study(study: ParameterStudy, case: Case) -> tuple[Case, Runs]:
     """The case with the runs of a study only, which are coloured from dark to light; the printed is black."""
     compared = study.compared(case.runs)
     shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(compared)))]
@@ -162,5 +162,5 @@ def _of_study(study: Study, case: Case) -> tuple[Case, Runs]:
     return dataclasses.replace(case, runs=runs, styles=looks), by_value
 
 
-def _text(study: Study, value: float) -> str:
+def _text(study: ParameterStudy, value: float) -> str:
     return f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"

@@ -1,7 +1,7 @@
-"""Tables of the parameter studies, from stored runs: the paper's tables 12 and 13, and one of T_low.
+"""Tables of the parameter studies of the SPSFA paper: its tables 12 and 13, and one for T_low.
 
-The paper prints running times only, and of T_low only a figure. Its times are MATLAB's on a laptop, so what
-can be compared are ratios to the printed setting: its ratio of times beside ours of evaluations and of times.
+The SPSFA paper prints running times only, and for T_low only a figure. Its times are MATLAB's on a laptop.
+Ratios to the printed setting can be compared: its ratio of times beside ours of evaluations and of times.
 """
 
 import numpy as np
@@ -9,21 +9,22 @@ import numpy as np
 from experiments.runs.outcomes import Outcomes, RunNumbers
 from experiments.runs.suite import Suite
 from experiments.statistics import ratio_interval, summarise
-from experiments.studies.spsfa.parameters import SCENARIO, STUDIES, Study
+from experiments.studies.spsfa.parameters import PARAMETER_STUDIES, SCENARIO, ParameterStudy
+from experiments.tables.cell import MISSING, Cell, Entry, interval_cell, number, share
 from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 
 
 def parameter_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """One table for each parameter of which the suite has the printed setting and another value."""
+    """Return a table for each parameter that the suite has the printed setting and another value of."""
     return [
         _table(study, {value: outcomes.of(controller, SCENARIO) for value, controller in compared.items()})
-        for study in STUDIES
+        for study in PARAMETER_STUDIES
         if (compared := study.compared(suite.controllers))
     ]
 
 
-def _table(study: Study, runs: dict[float, RunNumbers]) -> Table:
+def _table(study: ParameterStudy, runs: dict[float, RunNumbers]) -> Table:
     unit = runs[study.printed]
     number = f"{study.table:02}-" if study.table else ""
     title = f"Table {study.table}. " if study.table else ""
@@ -41,27 +42,27 @@ def _table(study: Study, runs: dict[float, RunNumbers]) -> Table:
     )  # fmt: skip
 
 
-def _value(study: Study, value: float) -> str:
-    return f"**{value:g}**" if value == study.printed else f"{value:g}"
+def _value(study: ParameterStudy, value: float) -> Entry:
+    return Cell.of("**{value:g}**" if value == study.printed else "{value:g}", value=value)
 
 
-def _cells(study: Study, value: float, runs: RunNumbers, unit: RunNumbers) -> tuple[str, ...]:
+def _cells(study: ParameterStudy, value: float, runs: RunNumbers, unit: RunNumbers) -> tuple[Entry, ...]:
     ours = summarise(runs.fitness)
     feasible = np.mean(runs.collision <= FEASIBILITY_TOLERANCE)
-    low, high = ratio_interval(runs.evaluations, unit.evaluations)
-    printed = study.seconds.get(value)
+    ratio_ends = ratio_interval(runs.evaluations, unit.evaluations)
+    published = study.seconds.get(value)
     return (
-        f"{ours.mean:.1f}",
-        f"{ours.deviation:.1f}",
-        f"{ours.interval[0]:.1f} to {ours.interval[1]:.1f}",
-        f"{ours.median:.1f}",
-        f"{100 * feasible:.0f} %",
-        f"{np.median(runs.collision):.2g}",
-        f"{runs.evaluations.mean():,.0f}",
-        f"{runs.evaluations.mean() / unit.evaluations.mean():.2f}",
-        "–" if runs is unit else f"{low:.2f} to {high:.2f}",
-        f"{runs.seconds.mean():.4f}",
-        f"{runs.seconds.mean() / unit.seconds.mean():.2f}",
-        f"{printed:.4f}" if printed else "–",
-        f"{printed / study.seconds[study.printed]:.2f}" if printed else "–",
+        number(ours.mean),
+        number(ours.deviation),
+        interval_cell(ours.interval),
+        number(ours.median),
+        share(feasible, ".0f"),
+        number(np.median(runs.collision), ".2g"),
+        number(runs.evaluations.mean(), ",.0f"),
+        number(runs.evaluations.mean() / unit.evaluations.mean(), ".2f"),
+        MISSING if runs is unit else interval_cell(ratio_ends, ".2f"),
+        number(runs.seconds.mean(), ".4f"),
+        number(runs.seconds.mean() / unit.seconds.mean(), ".2f"),
+        number(published, ".4f"),
+        number(published / study.seconds[study.printed] if published else None, ".2f"),
     )

@@ -1,6 +1,6 @@
 """The parameter studies of the SPSFA paper, as data: one parameter varies, the others are as printed.
 
-To add a study, enter it in `STUDIES`; the suite `parameters`, its tables and its figures follow.
+To add a study, enter it in `PARAMETER_STUDIES`; the suite `parameters`, its tables and its figures follow.
 """
 
 from collections.abc import Container
@@ -13,7 +13,7 @@ SCENARIO = "case3"
 
 
 @dataclass(frozen=True)
-class Study:
+class ParameterStudy:
     """Values of one parameter of SPSFA-TIP.
 
     Attributes:
@@ -51,10 +51,12 @@ class Study:
         return found if self.printed in found and len(found) > 1 else {}
 
 
-STUDIES = (
-    Study("growth", "ω", tuple(PARAMETER_SECONDS["growth"]), 12),
-    Study("decay", "η", tuple(PARAMETER_SECONDS["decay"]), 13),
-    Study("low_deviation", "T_low", tuple(float(value) for value in range(10, 101, 10)), None),
+PARAMETER_STUDIES = (
+    ParameterStudy("growth", "ω", tuple(PARAMETER_SECONDS["growth"]), 12),
+    ParameterStudy("decay", "η", tuple(PARAMETER_SECONDS["decay"]), 13),
+    ParameterStudy("low_deviation", "T_low", tuple(float(value) for value in range(10, 101, 10)), None),
 )
 # Each once: the printed setting belongs to all studies.
-CONTROLLERS = tuple(dict.fromkeys(study.controller(value) for study in STUDIES for value in study.values))
+CONTROLLERS = tuple(
+    dict.fromkeys(study.controller(value) for study in PARAMETER_STUDIES for value in study.values)
+)

@@ -1,7 +1,7 @@
 """The tables of the SPSFA paper, its numbers beside ours.
 
-Its tables 3, 6, 10 (final fitness) and 4, 7, 11 (running time); a reproduction check of every cell; and what
-is of use for any few scenarios: a summary, and a paired comparison with the baseline.
+Its tables 3, 6, 10 (final fitness) and 4, 7, 11 (running time); a reproduction check of every cell; and
+tables for any few scenarios: a summary, and a paired comparison with the baseline.
 """
 
 import numpy as np
@@ -10,23 +10,31 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import Comparison, Summary, compare, holm, summarise
-from experiments.studies.spsfa.published import FITNESS, FITNESS_TABLES, SECONDS, TIME_TABLES
-from experiments.tables.table import Table, percent
+from experiments.studies.spsfa.parameter_tables import parameter_tables
+from experiments.studies.spsfa.published import (
+    FITNESS,
+    FITNESS_TABLES,
+    SECONDS,
+    TIME_TABLES,
+    PublishedSample,
+)
+from experiments.tables.cell import MISSING, Cell, Entry, interval_cell, number, share, verdict
+from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import make_problem
 
-MINIMUM_TOLERANCE = 0.01  # of the paper's minimum
-MEAN_TOLERANCE = 0.02  # of the paper's mean, beyond our interval
+MINIMUM_TOLERANCE = 0.01  # of the published minimum
+MEAN_TOLERANCE = 0.02  # of the published mean, beyond our interval
 
 
 def summary_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Quality and cost of every controller on every scenario."""
+    """Return a table of quality and cost of every controller on every scenario."""
     return [_summary_table(suite, outcomes)]
 
 
 def case_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Final fitness and running time, two tables per scenario."""
+    """Return two tables per scenario: final fitness and running time."""
     return [
         make(suite, outcomes, scenario)
         for scenario in suite.scenarios
@@ -35,30 +43,36 @@ def case_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Every controller against the baseline."""
+    """Return a table of every controller against the baseline."""
     return [_comparison_table(suite, outcomes)]
 
 
 def reproduction_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """The paper's cells beside ours; none where the suite has none of these."""
-    printed = any((scenario, c) in FITNESS for scenario in suite.scenarios for c in suite.controllers)
-    return [_reproduction_table(suite, outcomes)] if printed else []
+    """Return a table of the published numbers beside ours, if the suite has any of their runs."""
+    published = any((scenario, c) in FITNESS for scenario in suite.scenarios for c in suite.controllers)
+    return [_reproduction_table(suite, outcomes)] if published else []
 
 
 def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
-    """Quality and cost of every controller on every scenario, in one cell each."""
-    rows = []
+    """Return a table with quality and cost in one cell for each controller and scenario."""
+    rows: list[tuple[Entry, ...]] = []
     for controller in suite.controllers:
-        cells = []
+        cells: list[Entry] = []
         for scenario in suite.scenarios:
             runs = outcomes.of(controller, scenario)
             ours = summarise(runs.fitness)
-            low, high = ours.interval
-            cost = runs.evaluations.mean() / 1000
-            cells.append(f"{ours.mean:.1f} ({low:.1f} to {high:.1f}) at {cost:.0f}k")
+            cells.append(
+                Cell.of(
+                    "{value:.1f} ({low:.1f} to {high:.1f}) at {evaluations:k.0f}k",
+                    value=ours.mean,
+                    low=ours.interval[0],
+                    high=ours.interval[1],
+                    evaluations=runs.evaluations.mean(),
+                )
+            )
         rows.append((label(controller), *cells))
     optima = [known_optimum(make_problem(scenario)) for scenario in suite.scenarios]
-    rows.append(("true optimum", *("–" if np.isnan(optimum) else f"{optimum:.1f}" for optimum in optima)))
+    rows.append(("true optimum", *map(number, optima)))
     return Table(
         "summary",
         f"Mean final fitness (95 % interval) at mean evaluations, {suite.num_seeds} seeds never trained on",
@@ -70,7 +84,7 @@ def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
 def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
     optimum = known_optimum(make_problem(scenario))
     unit = optimum or np.nan  # nothing is relative to 0
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for controller in suite.controllers:
         runs = outcomes.of(controller, scenario)
         ours = summarise(runs.fitness)
@@ -79,12 +93,12 @@ def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
             (
                 label(controller),
                 *_four(ours),
-                f"{ours.interval[0]:.1f} to {ours.interval[1]:.1f}",
-                f"{ours.median:.1f}",
-                f"{100 * feasible:.0f} %",
-                f"{np.median(runs.collision):.2g}",
-                percent((ours.mean - optimum) / unit),
-                *_printed(FITNESS.get((scenario, controller))),
+                interval_cell(ours.interval),
+                number(ours.median),
+                share(feasible, ".0f"),
+                number(np.median(runs.collision), ".2g"),
+                share((ours.mean - optimum) / unit),
+                *_published(FITNESS.get((scenario, controller))),
             )
         )
     known = "" if np.isnan(optimum) else f"; the true optimum is {optimum:.2f}"
@@ -96,28 +110,29 @@ def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
             "feasible", "median collision", "mean gap", "paper max", "paper min", "paper mean", "paper std",
         ),
         rows,
+        scenario,
     )  # fmt: skip
 
 
 def _time_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
     unit = outcomes.of("fixed:60", scenario) if "fixed:60" in outcomes.controllers else None
-    printed_unit = SECONDS.get((scenario, "fixed:60"))
-    rows = []
+    published_unit = SECONDS.get((scenario, "fixed:60"))
+    rows: list[tuple[Entry, ...]] = []
     for controller in suite.controllers:
         runs = outcomes.of(controller, scenario)
         ours = summarise(runs.seconds)
         evaluations = runs.evaluations.mean()
-        printed = SECONDS.get((scenario, controller))
-        ratio = f"{evaluations / unit.evaluations.mean():.2f}" if unit else "–"
-        printed_ratio = f"{printed.mean / printed_unit.mean:.2f}" if printed and printed_unit else "–"
+        published = SECONDS.get((scenario, controller))
+        ratio = evaluations / unit.evaluations.mean() if unit else None
+        published_ratio = published.mean / published_unit.mean if published and published_unit else None
         rows.append(
             (
                 label(controller),
-                *(f"{value:.4f}" for value in _values(ours)),
-                f"{evaluations:,.0f}",
-                ratio,
-                printed_ratio,
-                *_printed(printed),
+                *_four(ours),
+                number(evaluations, ",.0f"),
+                number(ratio, ".2f"),
+                number(published_ratio, ".2f"),
+                *_published(published),
             )
         )
     return Table(
@@ -129,11 +144,12 @@ def _time_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
             "paper time / FA-60", "paper max", "paper min", "paper mean", "paper std",
         ),
         rows,
+        scenario,
     )  # fmt: skip
 
 
 def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
-    """Every controller against the baseline on the same seeds; p-values corrected over the table."""
+    """Compare every controller with the baseline on the same seeds; correct p-values over the table."""
     compared: list[tuple[str, str, Comparison, float]] = []
     for scenario in suite.scenarios:
         if suite.baseline not in outcomes.controllers:
@@ -149,11 +165,11 @@ def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
         (
             scenario,
             label(controller),
-            f"{comparison.difference:+.1f}",
-            f"{comparison.interval[0]:+.1f} to {comparison.interval[1]:+.1f}",
-            f"{comparison.superiority:.2f}",
-            f"{p_value:.2g}",
-            f"{cost:.2f}",
+            number(comparison.difference, "+.1f"),
+            interval_cell(comparison.interval, "+.1f"),
+            number(comparison.superiority, ".2f"),
+            number(p_value, ".2g"),
+            number(cost, ".2f"),
         )
         for (scenario, controller, comparison, cost), p_value in zip(compared, adjusted, strict=True)
     ]
@@ -170,27 +186,27 @@ def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
 
 
 def _reproduction_table(suite: Suite, outcomes: Outcomes) -> Table:
-    """Minimum within 1 % of the paper's; its mean inside, or within 2 % of, our interval."""
-    rows = []
-    for (scenario, controller), printed in FITNESS.items():
+    """Check that our minimum is within 1 % of the published one, and its mean within 2 % of our interval."""
+    rows: list[tuple[Entry, ...]] = []
+    for (scenario, controller), published in FITNESS.items():
         if scenario not in outcomes.scenarios or controller not in outcomes.controllers:
             continue
         ours = summarise(outcomes.of(controller, scenario).fitness)
-        off_minimum = ours.minimum / printed.minimum - 1.0
+        off_minimum = ours.minimum / published.minimum - 1.0
         low, high = ours.interval
-        off_mean = max(low - printed.mean, printed.mean - high, 0.0) / printed.mean
+        off_mean = max(low - published.mean, published.mean - high, 0.0) / published.mean
         rows.append(
             (
                 scenario,
                 label(controller),
-                f"{printed.minimum:.1f}",
-                f"{ours.minimum:.1f}",
-                percent(off_minimum),
-                _verdict(abs(off_minimum) <= MINIMUM_TOLERANCE),
-                f"{printed.mean:.1f}",
-                f"{low:.1f} to {high:.1f}",
-                percent(off_mean),
-                _verdict(off_mean <= MEAN_TOLERANCE),
+                number(published.minimum),
+                number(ours.minimum),
+                share(off_minimum),
+                verdict(abs(off_minimum) <= MINIMUM_TOLERANCE),
+                number(published.mean),
+                interval_cell(ours.interval),
+                share(off_mean),
+                verdict(off_mean <= MEAN_TOLERANCE),
             )
         )
     return Table(
@@ -206,20 +222,13 @@ def _reproduction_table(suite: Suite, outcomes: Outcomes) -> Table:
     )  # fmt: skip
 
 
-def _values(summary: Summary) -> tuple[float, float, float, float]:
-    return summary.maximum, summary.minimum, summary.mean, summary.deviation
+def _four(sample: Summary | PublishedSample) -> tuple[Entry, ...]:
+    values = (sample.maximum, sample.minimum, sample.mean, sample.deviation)
+    return tuple(number(value, ".4f") for value in values)
 
 
-def _four(summary: Summary) -> tuple[str, ...]:
-    return tuple(f"{value:.4f}" for value in _values(summary))
-
-
-def _printed(row: tuple[float, ...] | None) -> tuple[str, ...]:
-    return tuple(f"{value:.4f}" for value in row) if row else ("–",) * 4
-
-
-def _verdict(within: bool) -> str:
-    return "yes" if within else "**no**"
+def _published(sample: PublishedSample | None) -> tuple[Entry, ...]:
+    return _four(sample) if sample else (MISSING,) * 4
 
 
 def _name(kind: str, scenario: str, numbers: dict[str, int]) -> str:
@@ -229,3 +238,12 @@ def _name(kind: str, scenario: str, numbers: dict[str, int]) -> str:
 
 def _title(scenario: str, numbers: dict[str, int]) -> str:
     return f"Table {numbers[scenario]}. " if scenario in numbers else ""
+
+
+TABLES = {
+    "summary": summary_tables,
+    "cases": case_tables,
+    "comparison": comparison_tables,
+    "reproduction": reproduction_tables,
+    "parameters": parameter_tables,
+}

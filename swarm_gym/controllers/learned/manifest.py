@@ -1,6 +1,6 @@
-"""What the manifest of a policy has to say: every entry that is used later is checked before any is used.
+"""Checks of a policy's manifest: every entry that is used later is checked before any is used.
 
-Entries that are not named here are allowed: they tell people where a policy comes from.
+Entries that are not named here are allowed: they document where a policy comes from.
 """
 
 from collections.abc import Callable, Mapping
@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarm_gym.action import ACTIONS
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import UnknownNameError, shown
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import OPTIMIZERS
 
-# Far beyond what is trained here (two layers of 64), and little enough that no product of them is a burden.
+# Far beyond the networks trained here (two layers of 64), and so small that products of them stay cheap.
 MAX_WIDTH = 4096
 MAX_LAYERS = 16
 MAX_TEXT = 1000  # characters of a name
@@ -20,51 +21,55 @@ MAX_FEATURES = 1000
 MAX_NUMBER = 10**9
 
 FEEDFORWARD, LSTM = "feedforward", "lstm"
-PRICED = "priced"  # the observation layout that shows a price
+PRICED = "priced"  # observation layout with the price
 
 
 class PolicyFileError(ValueError):
-    """A policy file is missing, damaged, or not for this version; the message names the file."""
+    """A policy file that is missing, damaged or not for this version; the message names the file."""
 
 
 class _Entry(NamedTuple):
-    """What a value must be, in words and as a test of any value that JSON has."""
+    """A condition on a value, in words and as a test that takes any JSON value."""
 
     expected: str
     fits: Callable[[Any], bool]
 
 
 def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
-    """Refuse a manifest that lacks an entry, or has a value that nothing could be done with.
+    """Raise an error if a manifest lacks an entry or has an unusable value.
 
     Raises:
-        PolicyFileError: with file, entry, value and what was expected.
+        PolicyFileError: naming the file, the entry, its value and what was expected.
     """
     missing = [key for key in _REQUIRED if key not in manifest]
     if missing:
         raise PolicyFileError(f"{path}: the manifest lacks {', '.join(missing)}")
-    for key, entry in {**_REQUIRED, **_OPTIONAL}.items():
-        if key in manifest:
-            _require(path, manifest, key, entry)
+    for key, entry in _REQUIRED.items():
+        _require(path, manifest, key, entry)
     smallest, largest = manifest["min_population_size"], manifest["max_population_size"]
     _require(path, manifest, "max_population_size", _integer(smallest))
     _require(path, manifest, "initial_population_size", _integer(smallest, largest))
-    if manifest.get("max_evaluations") is not None:
+    if manifest["max_evaluations"] is not None:
         _require(path, manifest, "max_evaluations", _integer(manifest["initial_population_size"]))
-    if manifest.get("network") == LSTM:
+    if manifest["network"] == LSTM:
         _require(path, manifest, "lstm_size", _integer(1, MAX_WIDTH))
-    if PRICED in manifest["observation"].split("+"):
+    if observes_price(manifest):
         _require(path, manifest, "price", _PRICES)
     if manifest["base"] == "none":
         own = [feature.name for feature in make_observation(manifest["observation"]).features]
         require_features(path, manifest, own)
 
 
+def observes_price(manifest: Mapping[str, Any]) -> bool:
+    """Return whether the price of evaluations is among the policy's observations."""
+    return PRICED in manifest["observation"].split("+")
+
+
 def require_features(path: Path, manifest: Mapping[str, Any], features: list[str]) -> None:
-    """Refuse a policy that was trained to see something else than it would be shown.
+    """Raise an error if a policy was trained with other observation features than these.
 
     Raises:
-        PolicyFileError: if its features are not these.
+        PolicyFileError: naming both lists of features.
     """
     if manifest["features"] != features:
         raise PolicyFileError(
@@ -74,10 +79,10 @@ def require_features(path: Path, manifest: Mapping[str, Any], features: list[str
 
 
 def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
-    """The tensors that a policy has, by name: all that its file holds. Weights are (outputs, inputs)."""
+    """Return the shape of every tensor in the policy's file by name; weights are (outputs, inputs)."""
     inputs = len(manifest["features"])
     shapes: dict[str, tuple[int, ...]] = {}
-    if manifest.get("network") == LSTM:
+    if manifest["network"] == LSTM:
         size = manifest["lstm_size"]
         shapes["lstm.weight"], shapes["lstm.bias"] = (4 * size, inputs + size), (4 * size,)
         inputs = size
@@ -122,9 +127,8 @@ def _is_observation(value: object) -> bool:
 
 
 def _is_base(value: object) -> bool:
-    # Scaled decisions, as those of policies are, cannot be corrected; and files might name each other
-    # for ever.
-    return isinstance(value, str) and _is_text(value) and value.partition(":")[0] != "learned"
+    # The scaled decisions of another policy cannot be corrected, and files could name each other for ever.
+    return isinstance(value, str) and _is_text(value) and ControllerName.parse(value).family != "learned"
 
 
 def _is_prices(value: object) -> bool:
@@ -155,26 +159,23 @@ _DIGEST = _Entry(
     lambda value: isinstance(value, str) and len(value) == 64 and not set(value) - set("0123456789abcdef"),
 )
 _REQUIRED = {
-    # What a network says lies in [-1, 1].
+    # Outputs of a network lie in [-1, 1].
     "action": _one_of(*(name for name, layout in ACTIONS.items() if layout.size != "natural")),
     "base": _Entry("'none' or the name of a controller that is no policy itself", _is_base),
+    "config": _Entry("a table of options", lambda value: isinstance(value, dict)),
+    "corrected_from": _integer(0),
     "features": _FEATURES,
     "hidden_layers": _SIZES,
     "initial_population_size": _integer(1),
-    "max_population_size": _integer(1),
-    "min_population_size": _integer(1),
-    "num_decisions": _integer(1, MAX_WIDTH),
-    "observation": _Entry("an observation layout, or several joined by +", _is_observation),
-    "optimizer": _one_of(*OPTIMIZERS),
-    "weights_sha256": _DIGEST,
-}
-# The first files lack these.
-_OPTIONAL = {
-    "config": _Entry("a table of options", lambda value: isinstance(value, dict)),
-    "corrected_from": _integer(0),
     "lstm_size": _optional(_integer(1, MAX_WIDTH)),
     "manifest_sha256": _DIGEST,
     "max_evaluations": _optional(_integer(1)),
+    "max_population_size": _integer(1),
+    "min_population_size": _integer(1),
     "network": _one_of(FEEDFORWARD, LSTM),
-    "price": _Entry("a list of one or two numbers in order", _is_prices),
+    "num_decisions": _integer(1, MAX_WIDTH),
+    "observation": _Entry("an observation layout, or several joined by +", _is_observation),
+    "optimizer": _one_of(*OPTIMIZERS),
+    "price": _optional(_Entry("a list of one or two numbers in order", _is_prices)),
+    "weights_sha256": _DIGEST,
 }

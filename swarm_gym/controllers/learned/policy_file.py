@@ -1,8 +1,8 @@
 """Trained policies on disk: weights as safetensors, with a JSON manifest in the file's header.
 
-Reading one runs no code. The manifest says what the policy expects and where it comes from. Whatever is in a
-file, reading it takes little time and memory, and gives a policy that can decide, or an error that says what
-is wrong. Digests tell damage, not malice: who changes a file can write new ones.
+Reading a policy runs no code. The manifest states what the policy expects and where it comes from. Reading
+any file takes little time and memory; it returns a policy that can decide, or raises an error that names the
+fault. Digests detect damage, not malice: whoever changes a file can write new digests.
 """
 
 import hashlib
@@ -16,7 +16,8 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
-from swarm_gym.controllers.packaged import find_file, read_bytes, shipped_names
+from swarm_gym.controllers.names import ControllerName
+from swarm_gym.controllers.packaged import find_file, packaged_names, read_bytes
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
@@ -28,21 +29,21 @@ SUFFIX = ".safetensors"
 
 Weights = dict[str, NDArray[np.float32]]
 
-# Bytes. Two hidden layers of 1024 need a quarter of this, what ships has up to 48 kB; 3 kB
-# of that are the header, which is the manifest and where tensors are.
+# Bytes. Two hidden layers of 1024 need a quarter of this. Packaged files have up to 48 kB, of which 4 kB are
+# the header with the manifest and the places of the tensors.
 MAX_FILE = 2**24
 MAX_HEADER = 2**20
-# Larger ones are not found by training; with these no sum of a network comes near the end of float32.
+# Training does not find larger weights; with these no sum of a network comes near the end of float32.
 MAX_WEIGHT = 1e6
 
 
-def shipped_policies() -> list[str]:
-    """Names of the policies that come with the project; of those in folders, `<folder>/<file>`."""
-    return shipped_names(POLICIES, SUFFIX)
+def packaged_policies() -> list[str]:
+    """Return the names of the policies in the package, e.g. `three-cases/0`."""
+    return packaged_names(POLICIES, SUFFIX)
 
 
 def resolve(name: str) -> Path:
-    """The file of a shipped policy by name, or the path that was given.
+    """Return the file of a packaged policy by its name, or the given path if it is a file.
 
     Raises:
         PolicyFileError: if neither exists.
@@ -50,20 +51,20 @@ def resolve(name: str) -> Path:
     path = find_file(name, POLICIES, SUFFIX)
     if path is not None:
         return path
-    split = [shipped.rpartition("/") for shipped in shipped_policies()]
-    forms = sorted({f"{folder}/<seed>" if folder else file for folder, _, file in split})
+    names = [ControllerName.of("learned", packaged) for packaged in packaged_policies()]
+    forms = sorted({one.argument if one.seed is None else f"{one.recipe}/<seed>" for one in names})
     raise PolicyFileError(
-        f"policy {shown(name)}: neither a shipped policy ({', '.join(forms) or 'none'}) nor a file"
+        f"policy {shown(name)}: neither a packaged policy ({', '.join(forms) or 'none'}) nor a file"
     )
 
 
 def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
-    """Write weights and manifest in one file, at once or not at all."""
+    """Write weights and manifest to one file, atomically."""
     write_atomically(path, encode_policy(weights, manifest))
 
 
 def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:
-    """Weights and manifest of a policy file.
+    """Return weights and manifest of a policy file.
 
     Raises:
         PolicyFileError: if the file is damaged, incomplete, too large or of another format.
@@ -76,7 +77,7 @@ def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:
 
 
 def encode_policy(weights: Weights, manifest: dict[str, Any]) -> bytes:
-    """The content of a policy file, with digests of the weights and of all else that the manifest says."""
+    """Return the content of a policy file, with digests of the weights and of the rest of the manifest."""
     manifest = {**manifest, "format": FORMAT, "weights_sha256": _digest_of_weights(weights)}
     manifest["manifest_sha256"] = _digest_of_manifest(manifest)
     header = {"manifest": json.dumps(manifest, sort_keys=True)}
@@ -85,9 +86,9 @@ def encode_policy(weights: Weights, manifest: dict[str, Any]) -> bytes:
 
 
 def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
-    """Weights and manifest that the content of a policy file has; the path is for messages.
+    """Return weights and manifest from the content of a policy file; the path is for messages.
 
-    No tensor is looked at before its name, type and shape are those that the manifest implies.
+    No tensor is read before its name, type and shape are those that the manifest implies.
 
     Raises:
         PolicyFileError: if the file is damaged, incomplete or of another format.
@@ -102,7 +103,7 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
         expected = {name: ("F32", list(shape)) for name, shape in tensor_shapes(manifest).items()}
         _require_tensors(path, declared, expected)
         weights = load(data)
-        # Once more of what was read: of a name that is given twice, two readers may take different ones.
+        # Checked again after reading: two readers may disagree about a name that is given twice.
         found = {name: (str(array.dtype), list(array.shape)) for name, array in weights.items()}
         _require_tensors(path, found, {name: ("float32", shape) for name, (_, shape) in expected.items()})
         digests = {
@@ -111,7 +112,7 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
         }
     except PolicyFileError:
         raise
-    # JSON that is nested too deeply is a RecursionError; a header of other types than JSON objects the rest.
+    # JSON that is nested too deeply raises RecursionError; a header of other types raises the rest.
     except (SafetensorError, ValueError, TypeError, AttributeError, RecursionError) as error:
         raise PolicyFileError(f"{path}: not a readable policy file ({_shown(error)})") from error
     for name, array in weights.items():
@@ -119,8 +120,7 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
             raise PolicyFileError(f"{path}: tensor {name}: expected finite numbers up to {MAX_WEIGHT:g}")
     if manifest["weights_sha256"] != digests["weights_sha256"]:
         raise PolicyFileError(f"{path}: the weights do not match their digest in the manifest")
-    # The first files lack it.
-    if manifest.get("manifest_sha256", digests["manifest_sha256"]) != digests["manifest_sha256"]:
+    if manifest["manifest_sha256"] != digests["manifest_sha256"]:
         raise PolicyFileError(
             f"{path}: the manifest does not match its own digest: it was changed afterwards"
         )
@@ -128,7 +128,7 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
 
 
 def _read_header(data: bytes) -> dict[str, Any]:
-    """The JSON object that a safetensors file begins with, after its length in 8 bytes."""
+    """Return the JSON object that follows its length, 8 bytes, at the start of a safetensors file."""
     length = int.from_bytes(data[:8], "little")
     if len(data) < 8 or not 2 <= length <= min(MAX_HEADER, len(data) - 8):
         raise ValueError(
@@ -163,7 +163,7 @@ def _digest_of_weights(weights: Weights) -> str:
 
 
 def _digest_of_manifest(manifest: dict[str, Any]) -> str:
-    """Of all entries but the digest itself, as JSON with sorted keys."""
+    """Return the digest of all other entries, as JSON with sorted keys."""
     rest = {name: value for name, value in manifest.items() if name != "manifest_sha256"}
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
 

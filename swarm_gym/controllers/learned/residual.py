@@ -1,7 +1,7 @@
-"""Residual decisions: what a policy adds to the decisions of a controller that is there already.
+"""Residual policies: a policy adds corrections to the decisions of an existing controller, its base.
 
-Source: T. Silver et al., "Residual policy learning", arXiv 1812.06298 (2018). Both are added in an action
-layout scaled to [-1, 1], so that a policy whose output is zero decides as the controller does.
+Source: T. Silver et al., "Residual policy learning", arXiv 1812.06298 (2018). Decisions and corrections are
+added in an action layout scaled to [-1, 1], so that a policy whose output is zero decides as its base does.
 """
 
 from typing import NamedTuple
@@ -17,12 +17,12 @@ from swarm_gym.settings import Settings
 
 
 class Proposal(NamedTuple):
-    """What a controller would do with B swarms, for a policy to correct.
+    """Decisions of the base for B swarms, which a policy may correct.
 
     Attributes:
-        actions: (B, k) in [-1, 1].
-        correctable: (B,) whether corrections count yet.
-        seen: (B, n) what the policy sees, float32.
+        actions: (B, k) decisions in [-1, 1].
+        correctable: (B,) True where corrections are added already.
+        seen: (B, n) observations of the policy, float32.
     """
 
     actions: NDArray
@@ -30,31 +30,30 @@ class Proposal(NamedTuple):
     seen: NDArray
 
     def corrected(self, corrections: NDArray) -> NDArray:
-        """(B, k) actions: the sum with corrections (B, k), each clipped to [-1, 1]."""
+        """Return (B, k) actions: decisions plus corrections (B, k), both clipped to [-1, 1]."""
         allowed = np.where(self.correctable[:, None], np.clip(corrections, -1.0, 1.0), 0.0)
         return np.clip(self.actions + allowed, -1.0, 1.0)
 
 
 def carried_out(decided: NDArray, proposal: Proposal | None) -> NDArray:
-    """(B, k) actions in [-1, 1], of what a policy decides: corrections of a proposal, or all by itself."""
+    """Return (B, k) actions in [-1, 1] from a policy's outputs: corrections of a proposal, or all of them."""
     return np.clip(decided, -1.0, 1.0) if proposal is None else proposal.corrected(decided)
 
 
 class Base:
     """A controller whose decisions a policy corrects.
 
-    Observations have its own layout first, then the policy's. The policy sees its part, and what the
-    controller proposes.
+    The columns of the controller's observation layout come first, then those of the policy's layout. The
+    policy observes its own columns and the decisions that the controller proposes.
 
     Args:
-        controller: decides first; its action layout is `natural` or `extended`.
-        layout: of the actions that are made, scaled to [-1, 1].
-        corrected_from: the iteration, counted from 0, from which the policy is listened to.
-        max_evaluations: budget of the episodes, which are the policy's; None is no budget.
+        controller: controller to correct; its action layout is `natural` or `extended`.
+        layout: action layout of the sum, scaled to [-1, 1].
+        corrected_from: first iteration, counted from 0, in which corrections are added.
+        max_evaluations: evaluation budget of an episode; None is no budget.
 
     Raises:
-        ValueError: for a controller or a layout that this cannot be done with, or a controller that needs
-            other episodes.
+        ValueError: for a controller that cannot be corrected in this layout, or needs other episodes.
     """
 
     def __init__(
@@ -78,30 +77,30 @@ class Base:
         self.corrected_from = corrected_from
         features = make_observation(controller.observation).features
         self._columns = len(features)
-        # All layouts have the iteration here, as a number or as a share of all.
+        # All layouts have the iteration in this column, as a number or as a share of all iterations.
         self._unit = 1.0 if features[ITERATION].name == "iteration" else Settings.iterations
 
     def features(self, observation: str) -> list[str]:
-        """Names of what the policy sees."""
+        """Return the names of the policy's observation features."""
         return [
             *(feature.name for feature in make_observation(observation).features),
             *(f"proposed {label}" for label in self.layout.labels),
         ]
 
     def propose(self, observations: NDArray) -> Proposal:
-        """What the controller proposes on whole observations (B, m)."""
+        """Return the controller's decisions, given the columns of both layouts (B, m)."""
         actions = self.layout.encode(self.controller.act(observations[:, : self._columns]))
         seen = np.concatenate([observations[:, self._columns :], actions], axis=1)
         iteration = np.rint(observations[:, ITERATION] * self._unit)
         return Proposal(actions, iteration >= self.corrected_from, seen.astype(np.float32))
 
     def last(self, observation: NDArray) -> NDArray:
-        """What the policy sees, (k,), of one observation to which nothing is proposed: zeros."""
+        """Return the policy's (k,) features at the end of an episode, where the proposal is zeros."""
         proposal = np.zeros(len(self.layout.labels))
         return np.concatenate([observation[self._columns :], proposal]).astype(np.float32)
 
     def observation_space(self, space: Box) -> Box:
-        """The space of what the policy sees, from that of the whole observation."""
+        """Return the space of the policy's features, given the space of both layouts."""
         low = np.concatenate([space.low[self._columns :], self.layout.space.low])
         high = np.concatenate([space.high[self._columns :], self.layout.space.high])
         return Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)

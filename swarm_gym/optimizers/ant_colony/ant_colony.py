@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.ant_colony.trails import (
     begin_trails,
@@ -66,7 +66,7 @@ class Ways(NamedTuple):
     number: Integers  # (1,) how many there are
 
 
-@inner_kernel
+@kernel
 def _make_ways(num_ants: int, most_cells: int) -> Ways:
     """Room for the ways of so many ants."""
     # What they do not fill of it takes no memory.
@@ -74,7 +74,7 @@ def _make_ways(num_ants: int, most_cells: int) -> Ways:
     return Ways(cells, np.zeros(num_ants + 1, np.int64), np.empty(num_ants), np.zeros(1, np.int64))
 
 
-@inner_kernel
+@kernel
 def _make_ants(swarms: Swarms, b: int, work: Workspace) -> Ants:
     """The ants of swarm `b`, with what they know."""
     common = trails_size(0) + places_size(0)
@@ -83,7 +83,7 @@ def _make_ants(swarms: Swarms, b: int, work: Workspace) -> Ants:
     return make_ants(trails, places, work.noise)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _point_of(table: WalkTable, cells: NDArray[np.int32], first: int, k: int) -> tuple[float, float]:
     """Point k of the way along the cells from `first` on: the start, then their centres."""
     if k == 0:
@@ -91,7 +91,7 @@ def _point_of(table: WalkTable, cells: NDArray[np.int32], first: int, k: int) ->
     return to_map(table, float(cells[first + k, 0]), float(cells[first + k, 1]))
 
 
-@inner_kernel
+@kernel
 def _send_ants(
     swarms: Swarms,
     b: int,
@@ -140,7 +140,7 @@ def _send_ants(
     return ways
 
 
-@inner_kernel
+@kernel
 def _best_way(swarms: Swarms, b: int, table: WalkTable) -> NDArray[np.int32]:
     """The cells of the best way so far, if that arrived and is still free, (its length, 2); else none."""
     if swarms.registers[b, _BEST_ARRIVED] == 0 or swarms.best_collision[b] > 0.0:
@@ -153,7 +153,7 @@ def _best_way(swarms: Swarms, b: int, table: WalkTable) -> NDArray[np.int32]:
     return cells
 
 
-@inner_kernel
+@kernel
 def _renew_trails(swarms: Swarms, b: int, table: WalkTable, ants: Ants, ways: Ways, knobs: Floats) -> None:
     """Let trails evaporate, and lay those of the ants that arrived and of the best one so far."""
     trails, width, cells = ants.trails, table.num_columns, ways.cells
@@ -168,7 +168,7 @@ def _renew_trails(swarms: Swarms, b: int, table: WalkTable, ants: Ants, ways: Wa
     settle_way(trails, width, best)
 
 
-@inner_kernel
+@kernel
 def begin(
     rules: AntColonyRules,
     swarms: Swarms,
@@ -185,7 +185,7 @@ def begin(
     iterate(rules, swarms, b, table, work, 0.0, knobs)
 
 
-@inner_kernel
+@kernel
 def change_size(
     rules: AntColonyRules,  # noqa: ARG001
     swarms: Swarms,
@@ -198,7 +198,7 @@ def change_size(
     swarms.registers[b, _NEXT_SIZE] = size
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: AntColonyRules,  # noqa: ARG001
     swarms: Swarms,
@@ -217,7 +217,7 @@ def iterate(
     _renew_trails(swarms, b, table, ants, ways, knobs)
 
 
-@inner_kernel
+@kernel
 def re_evaluate(
     rules: AntColonyRules,  # noqa: ARG001
     swarms: Swarms,

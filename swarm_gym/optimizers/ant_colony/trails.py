@@ -17,7 +17,7 @@ of its moves in the directions `STEP_COLUMNS`, `STEP_ROWS`. Zeros are trails too
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
@@ -38,13 +38,13 @@ NUM_COMMON = _UNTOUCHED + NUM_MOVES
 _PER_CELL = 1 + NUM_MOVES
 
 
-@inner_kernel
+@kernel
 def trails_size(num_cells: int) -> int:
     """How many numbers the trails on so many cells are."""
     return NUM_COMMON + _PER_CELL * num_cells
 
 
-@inner_kernel
+@kernel
 def begin_trails(trails: Floats) -> None:
     """The first tau on all moves; rounds go on being counted, so that no cell seems to be up to date."""
     trails[_ROUND] += 1.0
@@ -52,7 +52,7 @@ def begin_trails(trails: Floats) -> None:
     trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = FIRST_TRAIL
 
 
-@inlined_kernel
+@kernel(inline="late")
 def current_trails(trails: Floats, cell: int) -> int:
     """Where tau of the moves of a cell lies in `trails`, up to date."""
     place = NUM_COMMON + _PER_CELL * cell
@@ -63,7 +63,7 @@ def current_trails(trails: Floats, cell: int) -> int:
     return place + 1
 
 
-@inner_kernel
+@kernel
 def evaporate(trails: Floats, evaporation: float) -> None:
     """Begin a round, in which the share rho evaporates from all moves."""
     kept = 1.0 - evaporation
@@ -77,7 +77,7 @@ def evaporate(trails: Floats, evaporation: float) -> None:
     trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = _clipped(trails[_UNCLIPPED])
 
 
-@inner_kernel
+@kernel
 def lay_on_way(trails: Floats, width: int, cells: Cells, amount: float) -> None:
     """Lay an amount on each move along a way in this round; `settle_way` has to follow.
 
@@ -95,7 +95,7 @@ def lay_on_way(trails: Floats, width: int, cells: Cells, amount: float) -> None:
             _lay(trails, row * width + column, MOVE_BY_STEP[to_row - row + 1, to_column - column + 1], amount)
 
 
-@inner_kernel
+@kernel
 def settle_way(trails: Floats, width: int, cells: Cells) -> None:
     """Clip the moves of these cells, after all that is laid there in this round; others may be among them."""
     for k in range(cells.shape[0]):
@@ -105,7 +105,7 @@ def settle_way(trails: Floats, width: int, cells: Cells) -> None:
                 trails[move] = _clipped(trails[move])
 
 
-@inner_kernel
+@kernel
 def _lay(trails: Floats, cell: int, move: int, amount: float) -> None:
     place = NUM_COMMON + _PER_CELL * cell
     if trails[place] < trails[_BEGUN]:
@@ -119,12 +119,12 @@ def _lay(trails: Floats, cell: int, move: int, amount: float) -> None:
     trails[place + 1 + move] += amount
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _clipped(value: float) -> float:
     return min(max(value, LEAST_TRAIL), MOST_TRAIL)
 
 
-@inner_kernel
+@kernel
 def _catch_up(trails: Floats, place: int, last: float) -> None:
     """The rounds up to the `last` one, in which nothing was laid on the moves of a cell."""
     changing = True

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers.ant_colony.trails import NUM_MOVES, STEP_COLUMNS, STEP_ROWS, current_trails
 from swarm_gym.problem.walk.table import WalkTable, cell_of
@@ -50,7 +50,7 @@ class Ants(NamedTuple):
     weights: Floats  # (8,) of them, then their running sums
 
 
-@inner_kernel
+@kernel
 def make_ants(trails: Floats, places: Floats, noise: Floats) -> Ants:
     """Ants that know these trails and places."""
     return Ants(
@@ -58,25 +58,25 @@ def make_ants(trails: Floats, places: Floats, noise: Floats) -> Ants:
     )
 
 
-@inner_kernel
+@kernel
 def places_size(num_cells: int) -> int:
     """How many numbers are remembered of so many cells."""
     return NUM_COMMON + _PER_CELL * num_cells
 
 
-@inlined_kernel
+@kernel(inline="late")
 def most_steps(table: WalkTable) -> int:
     """How many steps an ant takes at most."""
     return PATIENCE * (table.num_columns + table.num_rows)
 
 
-@inner_kernel
+@kernel
 def set_weights(places: Floats, trail_weight: float, sight_weight: float) -> None:
     """Let ants decide by these from now on: alpha, and beta for each cell of the straight line."""
     places[_TRAIL_WEIGHT], places[_SIGHT_WEIGHT] = trail_weight, sight_weight
 
 
-@inner_kernel
+@kernel
 def learn_map(places: Floats, table: WalkTable) -> None:
     """Forget distances that were to another target, or on a map of another width."""
     column, row = cell_of(table, table.target[0], table.target[1])
@@ -89,7 +89,7 @@ def learn_map(places: Floats, table: WalkTable) -> None:
     places[_TARGET_COLUMN], places[_TARGET_ROW], places[_WIDTH] = column, row, width
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _is_allowed(blocked: Flags, column: int, row: int, move: int) -> bool:
     """Whether a move leads to a free cell on the map, and past no corner of a blocked one."""
     to_column, to_row = column + STEP_COLUMNS[move], row + STEP_ROWS[move]
@@ -100,7 +100,7 @@ def _is_allowed(blocked: Flags, column: int, row: int, move: int) -> bool:
     return move % 2 == 0 or not (blocked[row, to_column] or blocked[to_row, column])
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _first_above(sums: Floats, value: float, count: int) -> int:
     """The first of the sums that exceeds a value, else the last one."""
     k = 0
@@ -109,7 +109,7 @@ def _first_above(sums: Floats, value: float, count: int) -> int:
     return k
 
 
-@inner_kernel
+@kernel
 def walk(
     ants: Ants,
     table: WalkTable,
@@ -180,7 +180,7 @@ def walk(
     return length, column == end_column and row == end_row
 
 
-@inner_kernel
+@kernel
 def _cut_loops(places: Floats, blocked: Flags, cells: Cells, first: int, length: int) -> int:
     """Go on from each cell to the last one of the way that is next to it; how many cells are left."""
     # Until here all cells had the first moment of this ant; those that it left again still do.

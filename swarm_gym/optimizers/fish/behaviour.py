@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.population import Swarms, Workspace, copy_position, evaluate_path, is_spent
@@ -44,7 +44,7 @@ class School(NamedTuple):
     outcome: Floats  # (2,) fitness and collision there; infinite while there is no candidate
 
 
-@inner_kernel
+@kernel
 def gather(
     table: Table,
     visual: float,
@@ -77,7 +77,7 @@ def gather(
     )
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def square(scale: Floats, position: Floats, other: Floats) -> float:
     """Squared Euclidean distance of two positions, in ranges."""
     squares = broadcast(0.0)
@@ -87,14 +87,14 @@ def square(scale: Floats, position: Floats, other: Floats) -> float:
     return total(squares)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def are_companions(school: School, position: Floats, other: Floats) -> bool:
     """Whether two positions lie within sight of each other; the same place does not count."""
     reach = school.visual * school.unit
     return 0.0 < square(school.scale, position, other) < reach * reach
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def count_companions(school: School, swarms: Swarms, b: int, position: Floats) -> int:
     """How many members of swarm `b` are within sight of a position."""
     count = 0
@@ -104,20 +104,20 @@ def count_companions(school: School, swarms: Swarms, b: int, position: Floats) -
     return count
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def is_roomy(school: School, swarms: Swarms, b: int, companions: int) -> bool:
     """Whether a place with so many companions is not crowded."""
     return companions / swarms.size[b] < school.crowding
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def draw(swarms: Swarms, b: int, work: Workspace) -> float:
     """A number uniform in [0, 1)."""
     fill_uniform(swarms.stream[b], work.noise)
     return work.noise[0]
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def go_astray(
     school: School,
     swarms: Swarms,
@@ -136,7 +136,7 @@ def go_astray(
         store(work.path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def go_towards(
     school: School,
     table: Table,
@@ -156,42 +156,42 @@ def go_towards(
         store(work.path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def go_to(work: Workspace, position: Floats) -> None:
     """Let `work.path` be a position."""
     for k in range(0, position.shape[0], NUM_LANES):
         store(work.path, k + 1, load(position, k))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def take_down(work: Workspace, position: Floats) -> None:
     """Let an array, (C,), hold the position of `work.path`."""
     for k in range(0, position.shape[0], NUM_LANES):
         store(position, k, load(work.path, k + 1))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def empty_centre(school: School) -> None:
     """Begin to find the mean of some positions."""
     for k in range(0, school.centre.shape[0], NUM_LANES):
         store(school.centre, k, broadcast(0.0))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def add_to_centre(school: School, position: Floats) -> None:
     """Add one of these positions."""
     for k in range(0, position.shape[0], NUM_LANES):
         store(school.centre, k, load(school.centre, k) + load(position, k))
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def finish_centre(school: School, count: int) -> None:
     """Divide the sum by the number of positions."""
     for k in range(0, school.centre.shape[0], NUM_LANES):
         store(school.centre, k, load(school.centre, k) / count)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def look_at(swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     """Fitness of `work.path`, where no fish goes; counted, not remembered."""
     fitness, _ = evaluate(table, work.path)
@@ -199,7 +199,7 @@ def look_at(swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     return fitness
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def try_out(school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
     """Fitness and collision of `work.path`, repaired, where a fish may go."""
     if school.repair_degree > 0.0:
@@ -207,14 +207,14 @@ def try_out(school: School, swarms: Swarms, b: int, table: Table, work: Workspac
     return evaluate_path(swarms, b, table, work)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def look_at_centre(school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> float:
     """Fitness of the centre."""
     go_to(work, school.centre)
     return look_at(swarms, b, table, work)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def step_towards(
     school: School,
     swarms: Swarms,
@@ -231,7 +231,7 @@ def step_towards(
     return try_out(school, swarms, b, table, work)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def offer(school: School, work: Workspace, fitness: float, collision: float) -> None:
     """Let `work.path` be the candidate if it is better than the one before."""
     if fitness < school.outcome[0]:
@@ -239,7 +239,7 @@ def offer(school: School, work: Workspace, fitness: float, collision: float) -> 
         take_down(work, school.candidate)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def approach(
     school: School,
     swarms: Swarms,
@@ -255,7 +255,7 @@ def approach(
         offer(school, work, fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def leap(school: School, swarms: Swarms, b: int, i: int, table: Table, work: Workspace) -> None:
     """Offer any point that member i sees."""
     if not is_spent(swarms, b):
@@ -264,7 +264,7 @@ def leap(school: School, swarms: Swarms, b: int, i: int, table: Table, work: Wor
         offer(school, work, fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def settle(school: School, swarms: Swarms, b: int, i: int) -> None:
     """End the turn of member i: it goes to the candidate, if there is one."""
     if school.outcome[0] < math.inf:

@@ -16,7 +16,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.fish.behaviour import (
     School,
@@ -45,7 +45,7 @@ class HybridFishSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def prey(
     rules: HybridFishSwarmRules,  # noqa: ARG001
     school: School,
@@ -86,7 +86,7 @@ def prey(
 PREY[HybridFishSwarmRules] = prey
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def share_left(progress: float) -> float:
     """The share of sight and step that is left at a share of the iterations."""
     if progress < 1.0 / 3.0:
@@ -96,7 +96,7 @@ def share_left(progress: float) -> float:
     return 0.25 * math.exp(-5.0 * (3.0 * progress - 2.0))
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: HybridFishSwarmRules,
     swarms: Swarms,

@@ -15,7 +15,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.fish.behaviour import (
     School,
@@ -45,7 +45,7 @@ class ImprovedFishSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@kernel
 def begin(
     rules: ImprovedFishSwarmRules,
     swarms: Swarms,
@@ -71,7 +71,7 @@ def begin(
                 swarms.positions[b, i, k] = work.path[k + 1]
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def prey(
     school: School,
     swarms: Swarms,
@@ -93,7 +93,7 @@ def prey(
     leap(school, swarms, b, i, table, work)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def advance(
     school: School,
     swarms: Swarms,
@@ -114,7 +114,7 @@ def advance(
         prey(school, swarms, b, i, table, work, kept)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def take_turns(school: School, swarms: Swarms, b: int, table: Table, work: Workspace, kept: float) -> None:
     """Every fish of swarm `b` takes its turn, while the evaluation budget lasts."""
     if is_spent(swarms, b):
@@ -137,7 +137,7 @@ def take_turns(school: School, swarms: Swarms, b: int, table: Table, work: Works
         settle(school, swarms, b, i)
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: ImprovedFishSwarmRules,  # noqa: ARG001
     swarms: Swarms,

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel, kernel_by_class
+from swarm_gym.compiler.jit import kernel, kernel_by_class
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.fish.behaviour import (
     School,
@@ -42,7 +42,7 @@ class FishSwarmRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def prey(
     rules: FishSwarmRules,  # noqa: ARG001
     school: School,
@@ -69,7 +69,7 @@ PREY: dict[type, Any] = {FishSwarmRules: prey}
 prey_by_rules = kernel_by_class(PREY)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def take_turns(rules: Any, school: School, swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
     """Every fish of swarm `b` takes its turn, while the evaluation budget lasts."""
     for i in range(swarms.size[b]):
@@ -81,7 +81,7 @@ def take_turns(rules: Any, school: School, swarms: Swarms, b: int, table: Table,
         settle(school, swarms, b, i)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def look_around(school: School, swarms: Swarms, b: int, i: int) -> tuple[int, int]:
     """How many companions member i has, and which is the best one; their mean is the centre then."""
     count, best = 0, -1
@@ -97,7 +97,7 @@ def look_around(school: School, swarms: Swarms, b: int, i: int) -> tuple[int, in
     return count, best
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def swarm(
     rules: Any,
     school: School,
@@ -117,7 +117,7 @@ def swarm(
     prey_by_rules(rules, school, swarms, b, i, table, work)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def follow(
     rules: Any,
     school: School,
@@ -137,7 +137,7 @@ def follow(
     prey_by_rules(rules, school, swarms, b, i, table, work)
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: FishSwarmRules,
     swarms: Swarms,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, bits, load
 from swarm_gym.optimizers.glowworm.relay import Sight, distance, in_sight, inert, relay_lengths
@@ -37,7 +37,7 @@ class Glow(NamedTuple):
     dimming: int  # RATIONAL or EXPONENTIAL
 
 
-@inner_kernel
+@kernel
 def qualities(table: WalkTable, sight: Sight, glow: int, absorption: float) -> Floats:
     """(n,) J of the members' places, from 0 to 1: the nearer to the target, the higher."""
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
@@ -61,7 +61,7 @@ def qualities(table: WalkTable, sight: Sight, glow: int, absorption: float) -> F
     return quality
 
 
-@inlined_kernel
+@kernel(inline="late")
 def perceived(glow: Glow, luciferin: float, way: float) -> float:
     """Light of that level from some way off, in map units."""
     if glow.dimming == EXPONENTIAL:
@@ -69,7 +69,7 @@ def perceived(glow: Glow, luciferin: float, way: float) -> float:
     return luciferin / (1.0 + glow.absorption * way)  # eq. 3
 
 
-@inner_kernel
+@kernel
 def count_neighbours(sight: Sight, glow: Glow, i: int, reach: float) -> int:
     """How many are brighter than member i, in sight and nearer than its range; with the target."""
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
@@ -81,7 +81,7 @@ def count_neighbours(sight: Sight, glow: Glow, i: int, reach: float) -> int:
     return count
 
 
-@inner_kernel
+@kernel
 def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -> int:
     """The neighbour that member i sees shine brightest, the first of equals; -1 if it has none.
 
@@ -124,7 +124,7 @@ def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -
     return brightest
 
 
-@inner_kernel
+@kernel
 def draw_neighbour(
     sight: Sight,
     glow: Glow,

@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.glowworm.glow import (
@@ -60,7 +60,7 @@ class GlowwormRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@inner_kernel
+@kernel
 def shine(swarms: Swarms, b: int, table: WalkTable, sight: Sight, absorption: float, knobs: Floats) -> Glow:
     """Bring the luciferin of all up to date."""
     decay, gain, glow, dimming = knobs[0], knobs[1], int(knobs[6]), int(knobs[9])
@@ -77,7 +77,7 @@ def shine(swarms: Swarms, b: int, table: WalkTable, sight: Sight, absorption: fl
     return Glow(luciferin, absorption, dimming)
 
 
-@inner_kernel
+@kernel
 def decide(
     swarms: Swarms,
     b: int,
@@ -114,7 +114,7 @@ def decide(
     return way > 0.0
 
 
-@inner_kernel
+@kernel
 def wander(
     swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace, step: float, wandering: int
 ) -> bool:
@@ -134,13 +134,13 @@ def wander(
     return is_free
 
 
-@inlined_kernel
+@kernel(inline="late")
 def map_side(table: WalkTable) -> float:
     """The longer side of the map, in map units."""
     return max(table.num_columns, table.num_rows) * table.resolution
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: GlowwormRules,  # noqa: ARG001
     swarms: Swarms,

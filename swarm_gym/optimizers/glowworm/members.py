@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers.glowworm.trajectory import ROBOT, append_point, begin_trajectory, revise_best
 from swarm_gym.population import Swarms, Workspace, is_spent, shrink
@@ -27,7 +27,7 @@ UNLIT = -1.0
 NOWHERE = math.inf
 
 
-@inner_kernel
+@kernel
 def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace) -> None:
     """Evaluate the point of `work.path`, and make it that of member i."""
     swarms.fitness[b, i], swarms.collision[b, i] = evaluate(table, work.path)
@@ -36,7 +36,7 @@ def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Work
         swarms.positions[b, i, k] = work.path[k + 1]
 
 
-@inner_kernel
+@kernel
 def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luciferin: float) -> None:
     """Append the point of `work.path` as a member that shines like this and looks as far as it may."""
     i = swarms.size[b]
@@ -45,14 +45,14 @@ def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luc
     swarms.size[b] += 1
 
 
-@inlined_kernel
+@kernel(inline="late")
 def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
     """Let member i shine like this, and look as far as it may."""
     swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
     swarms.memory[b, i, FOLLOWED], swarms.memory[b, i, HEADING] = 0.0, NOWHERE
 
 
-@inner_kernel
+@kernel
 def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
     """Draw `work.path`, a point uniform in the free cells."""
     fill_uniform(swarms.stream[b], work.noise)
@@ -62,7 +62,7 @@ def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> Non
     work.path[1], work.path[2] = to_map(table, column, row)
 
 
-@inner_kernel
+@kernel
 def begin(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -90,7 +90,7 @@ def begin(
         append_member(swarms, b, table, work, UNLIT)
 
 
-@inner_kernel
+@kernel
 def adopt(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -108,7 +108,7 @@ def adopt(
     begin_trajectory(swarms, b)
 
 
-@inner_kernel
+@kernel
 def change_size(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,
@@ -133,7 +133,7 @@ def change_size(
         swarms.fitness[b, ROBOT], swarms.collision[b, ROBOT] = fitness, collision
 
 
-@inner_kernel
+@kernel
 def re_evaluate(
     rules: Any,  # noqa: ARG001
     swarms: Swarms,

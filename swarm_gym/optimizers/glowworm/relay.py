@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel, merged_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, bits, load, square_root
 from swarm_gym.population import Swarms
 from swarm_gym.problem.geometry.sight import cast_shadow, hidden_at, is_in_shadow
@@ -42,7 +42,7 @@ class Sight(NamedTuple):
     rooms: Rooms  # (H, W)
 
 
-@inner_kernel
+@kernel
 def look_around(swarms: Swarms, b: int, table: WalkTable) -> Sight:
     """The members of swarm `b`, of whom nothing is known yet."""
     size = swarms.size[b]
@@ -55,20 +55,20 @@ def look_around(swarms: Swarms, b: int, table: WalkTable) -> Sight:
     return Sight(x, y, columns, rows, known, np.full(3, -1.0), table.blocked, table.rooms)
 
 
-@inner_kernel
+@kernel
 def inert(size: int, value: float) -> Floats:
     """Numbers of that many members, of the target and up to a whole block."""
     return np.full((size // NUM_LANES + 1) * NUM_LANES, value)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def distance(x: Floats, y: Floats, i: int, k: int) -> float:
     """Between two points, in map units."""
     dx, dy = x[k] - x[i], y[k] - y[i]
     return math.sqrt(dx * dx + dy * dy)
 
 
-@merged_kernel
+@kernel(inline="early")
 def in_sight(
     blocked: Flags,
     rooms: Rooms,
@@ -90,7 +90,7 @@ def in_sight(
     return known[high, low] == IN_SIGHT
 
 
-@inner_kernel
+@kernel
 def relay_lengths(sight: Sight) -> Floats:
     """(N,) lengths of the shortest ways to the target over points in sight; infinite where there is none.
 
@@ -129,7 +129,7 @@ def relay_lengths(sight: Sight) -> Floats:
     return lengths
 
 
-@inner_kernel
+@kernel
 def _shortest(sight: Sight, lengths: Floats, i: int, guess: int) -> tuple[float, int]:
     """Length of the shortest way of member i over one other whose length is known, and which one that is.
 

@@ -6,7 +6,7 @@ trajectory up to a point, and straight on to the target: the best so far is a sh
 
 import math
 
-from swarm_gym.compiler.jit import inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers.best_walk import length_of_walk, re_evaluate_walk
 from swarm_gym.population import Swarms, is_spent
 from swarm_gym.problem.walk.table import WalkTable, is_visible
@@ -14,7 +14,7 @@ from swarm_gym.problem.walk.table import WalkTable, is_visible
 ROBOT = 0
 
 
-@inner_kernel
+@kernel
 def begin_trajectory(swarms: Swarms, b: int) -> None:
     """Let the trajectory begin where the robot is."""
     swarms.walked[b] = 0
@@ -22,7 +22,7 @@ def begin_trajectory(swarms: Swarms, b: int) -> None:
     remember_path(swarms, b)
 
 
-@inner_kernel
+@kernel
 def append_point(swarms: Swarms, b: int) -> None:
     """Let the trajectory go on to where the robot is, if it is not there already."""
     number = swarms.walked[b]
@@ -32,7 +32,7 @@ def append_point(swarms: Swarms, b: int) -> None:
         swarms.walked[b] = number + 1
 
 
-@inner_kernel
+@kernel
 def remember_path(swarms: Swarms, b: int) -> None:
     """Remember the trajectory, and straight on from where the robot is, where it is the best path so far."""
     number = swarms.walked[b]
@@ -45,14 +45,14 @@ def remember_path(swarms: Swarms, b: int) -> None:
             swarms.best_position[b, k] = swarms.positions[b, ROBOT, k]
 
 
-@inner_kernel
+@kernel
 def sees_target(swarms: Swarms, b: int, table: WalkTable) -> bool:
     """Whether the robot does."""
     x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
     return is_visible(table, x, y, table.target[0], table.target[1])
 
 
-@inner_kernel
+@kernel
 def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
     """Put the robot at the target: nothing is left to be found, and the episode ends."""
     swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1] = table.target[0], table.target[1]
@@ -62,7 +62,7 @@ def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
     swarms.budget[b] = swarms.evaluations[b]
 
 
-@inner_kernel
+@kernel
 def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
     """Evaluate the best path so far, all of it, on a map that changed.
 

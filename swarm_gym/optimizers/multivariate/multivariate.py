@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.multivariate.regions import (
@@ -52,7 +52,7 @@ class MultivariateRules(NamedTuple):
     """Stands for the kernels of this optimizer; see `driver`."""
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _search_anywhere(
     regions: Regions,
     swarms: Swarms,
@@ -75,7 +75,7 @@ def _search_anywhere(
         offer_head(regions, limit, work.path[1:], fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _search_around(
     regions: Regions,
     swarms: Swarms,
@@ -107,7 +107,7 @@ def _search_around(
     sort_regions(regions)
 
 
-@inner_kernel
+@kernel
 def begin(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -126,7 +126,7 @@ def begin(
     write_regions(regions, swarms, b)
 
 
-@inner_kernel
+@kernel
 def adopt(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -162,7 +162,7 @@ def adopt(
     write_regions(regions, swarms, b)
 
 
-@inner_kernel
+@kernel
 def _ranked(fitness: Floats) -> Integers:
     """Members by fitness, equals in order; NumPy's sort would take longer to compile than the rest to run."""
     ranked = np.zeros(fitness.shape[0], np.int64)
@@ -175,7 +175,7 @@ def _ranked(fitness: Floats) -> Integers:
     return ranked
 
 
-@inner_kernel
+@kernel
 def change_size(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -202,7 +202,7 @@ def change_size(
     write_regions(regions, swarms, b)
 
 
-@inner_kernel
+@kernel
 def iterate(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,
@@ -221,7 +221,7 @@ def iterate(
     write_regions(regions, swarms, b)
 
 
-@inner_kernel
+@kernel
 def re_evaluate(
     rules: MultivariateRules,  # noqa: ARG001
     swarms: Swarms,

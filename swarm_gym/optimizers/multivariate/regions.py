@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import borrowing_kernel, inner_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.population import Swarms, copy_position, outlives
 
 Floats = NDArray[np.float64]
@@ -33,20 +33,20 @@ class Regions(NamedTuple):
     former: Floats  # (C,) scratch: a head that becomes part of its list
 
 
-@inner_kernel
+@kernel
 def num_regions(size: int) -> int:
     """n: the largest whose heads and full lists are no more than `size` members, but at least one."""
     return max(int((math.sqrt(9.0 + 8.0 * size) - 3.0) / 2.0), 1)
 
 
-@inner_kernel
+@kernel
 def num_besides(size: int) -> int:
     """What `size` has beyond heads and full lists: members that are drawn anywhere besides."""
     count = num_regions(size)
     return max(size - count * (count + 3) // 2, 0)
 
 
-@inner_kernel
+@kernel
 def make_regions(num_columns: int, width: int) -> Regions:
     """An empty table with room for that many regions, of positions with C = `width` columns."""
     shape = (num_columns, num_columns + 1)
@@ -61,7 +61,7 @@ def make_regions(num_columns: int, width: int) -> Regions:
     )
 
 
-@inner_kernel
+@kernel
 def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
     """The table of swarm `b`, with room for that many regions."""
     regions = make_regions(num_columns, swarms.positions.shape[2])
@@ -78,12 +78,12 @@ def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
     return regions
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _copy_in(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
     _put(regions, column, entry, swarms.positions[b, row], swarms.fitness[b, row], swarms.collision[b, row])
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _put(
     regions: Regions, column: int, entry: int, position: Floats, fitness: float, collision: float
 ) -> None:
@@ -92,7 +92,7 @@ def _put(
     regions.collision[column, entry] = collision
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     """Write the table back: heads in order, then the lists, cut to the lengths of their places."""
     count, row = regions.used[0], regions.used[0]
@@ -108,14 +108,14 @@ def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
     swarms.size[b] = row
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _copy_out(regions: Regions, column: int, entry: int, swarms: Swarms, b: int, row: int) -> None:
     copy_position(regions.position[column, entry], swarms.positions[b, row])
     swarms.fitness[b, row] = regions.fitness[column, entry]
     swarms.collision[b, row] = regions.collision[column, entry]
 
 
-@inner_kernel
+@kernel
 def cut_regions(swarms: Swarms, b: int) -> None:
     """Let the registers of swarm `b` speak of the members that are left, after the last ones were deleted."""
     registers = swarms.registers[b]
@@ -126,7 +126,7 @@ def cut_regions(swarms: Swarms, b: int) -> None:
         left -= registers[1 + i]
 
 
-@inner_kernel
+@kernel
 def sort_list(regions: Regions, column: int) -> None:
     """Order a list by fitness; equals keep their order."""
     length = regions.length[column]
@@ -137,14 +137,14 @@ def sort_list(regions: Regions, column: int) -> None:
         offer_local(regions, column, length, position, fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def sort_regions(regions: Regions) -> None:
     """Order the columns by the fitness of their heads; equals keep their order."""
     for place in range(1, regions.used[0]):
         _rank(regions, place)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _rank(regions: Regions, place: int) -> None:
     """Move the column at that place of the order ahead of all with worse heads."""
     order = regions.order
@@ -155,7 +155,7 @@ def _rank(regions: Regions, place: int) -> None:
     order[place] = column
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, collision: float) -> None:
     """Enter a point as the head of a region without a list, where it is among the best `limit`."""
     count, order = regions.used[0], regions.order
@@ -171,7 +171,7 @@ def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, c
     _rank(regions, count - 1)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def offer_local(
     regions: Regions, column: int, limit: int, position: Floats, fitness: float, collision: float
 ) -> None:
@@ -189,7 +189,7 @@ def offer_local(
     _put(regions, column, entry, position, fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def _move_entry(regions: Regions, column: int, source: int, target: int) -> None:
     _put(
         regions,
@@ -201,7 +201,7 @@ def _move_entry(regions: Regions, column: int, source: int, target: int) -> None
     )
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def promote(regions: Regions, column: int, limit: int) -> None:
     """Where the best of a list is better than its head, let them change places."""
     if regions.length[column] == 0 or regions.fitness[column, 1] >= regions.fitness[column, 0]:
@@ -214,7 +214,7 @@ def promote(regions: Regions, column: int, limit: int) -> None:
     offer_local(regions, column, limit, regions.former, fitness, collision)
 
 
-@borrowing_kernel
+@kernel(borrows=True)
 def drop_worst(regions: Regions) -> None:
     """Drop the region whose head `population.shrink` would delete first."""
     count, order = regions.used[0], regions.order

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import (
     NUM_LANES,
     Lanes,
@@ -46,7 +46,7 @@ from swarm_gym.problem.analytic.table import (
 Floats = NDArray[np.float64]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, Lanes, Lanes]:
     """`left`, `rise` and `length` of the segments of a block; `path` as in `cost.evaluate`."""
     first = block * NUM_LANES
@@ -55,7 +55,7 @@ def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, 
     return left, rise, square_root(load(table.squared_spacing, first) + rise * rise)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def circle_shifts(
     rows: Floats, row: int, lane: int | None, left: Any, rise: Any, length: Any
 ) -> tuple[Any, Any]:
@@ -82,7 +82,7 @@ def circle_shifts(
     return up, down
 
 
-@inlined_kernel
+@kernel(inline="late")
 def polygon_shifts(
     rows: Floats, row: int, num_corners: int, lane: int | None, left: Any, rise: Any
 ) -> tuple[Any, Any]:
@@ -100,7 +100,7 @@ def polygon_shifts(
     return up, down
 
 
-@inlined_kernel
+@kernel(inline="late")
 def clearing_shifts(
     table: WaypointTable, tile: int, lane: int | None, left: Any, rise: Any, length: Any
 ) -> tuple[Any, Any]:
@@ -110,7 +110,7 @@ def clearing_shifts(
     return circle_shifts(table.rows, table.first_row[tile], lane, left, rise, length)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, length: Lanes) -> Lanes:
     """For each segment of a block, the sum of its smaller shifts over all obstacles in contact.
 
@@ -124,7 +124,7 @@ def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, l
     return shifts
 
 
-@inlined_kernel
+@kernel(inline="late")
 def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
     """Degree of collision of one segment, 0 to n, with all obstacles, in map units.
 

@@ -7,7 +7,7 @@ paper's tables; the default is 0.3, see docs/readings.md.
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, total
 from swarm_gym.problem.analytic.collision import segments_of, smaller_shifts
 from swarm_gym.problem.analytic.table import WaypointTable
@@ -16,7 +16,7 @@ from swarm_gym.problem.analytic.table import WaypointTable
 FEASIBILITY_TOLERANCE = 1e-9
 
 
-@inlined_kernel
+@kernel(inline="late")
 def evaluate(table: WaypointTable, path: NDArray[np.float64]) -> tuple[float, float]:
     """Fitness (minimised) and degree of collision of a path, both in map units.
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, bits
 from swarm_gym.problem.analytic.collision import clearing_shifts, segments_of, smaller_shifts
 from swarm_gym.problem.analytic.table import PRESENCE, WaypointTable
@@ -18,7 +18,7 @@ from swarm_gym.problem.analytic.table import PRESENCE, WaypointTable
 Floats = NDArray[np.float64]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degree: float) -> bool:
     """Push one segment out of one obstacle after the other; returns whether its right end moved."""
     block, lane = segment // NUM_LANES, segment % NUM_LANES
@@ -40,7 +40,7 @@ def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degr
     return right != before
 
 
-@inlined_kernel
+@kernel(inline="late")
 def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
     """One pass over all segments; changes `path` as in `cost.evaluate`, in place, but not its ends.
 

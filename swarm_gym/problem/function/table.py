@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, floor, load, maximum, total, where
 from swarm_gym.problem.layout import pad
 from swarm_gym.scenarios import FunctionScenario
@@ -56,18 +56,18 @@ def select(tables: FunctionTable, index: int) -> FunctionTable:
     )
 
 
-@inlined_kernel
+@kernel(inline="late")
 def evaluate(table: FunctionTable, path: Floats) -> tuple[float, float]:
     """The value, and no collision; see `tables`."""
     return value(table.function, table.dimension, table.optimum, path), 0.0
 
 
-@inlined_kernel
+@kernel(inline="late")
 def repair(table: FunctionTable, path: Floats, repair_degree: float) -> None:
     """Nothing to repair; see `tables`."""
 
 
-@inlined_kernel
+@kernel(inline="late")
 def value(function: int, dimension: int, optimum: Floats, path: Floats) -> float:
     """The value of a function at `path`, (C + 1,), whose first entry does not count; never below 0."""
     if function == RASTRIGIN:
@@ -81,7 +81,7 @@ def value(function: int, dimension: int, optimum: Floats, path: Floats) -> float
     return _bohachevsky(dimension, optimum, path)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _rastrigin(optimum: Floats, path: Floats) -> float:
     values = broadcast(0.0)
     for k in range(0, optimum.shape[0], NUM_LANES):
@@ -90,7 +90,7 @@ def _rastrigin(optimum: Floats, path: Floats) -> float:
     return total(values)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _sum_squares(dimension: int, optimum: Floats, path: Floats) -> float:
     value = 0.0
     for k in range(dimension):
@@ -99,7 +99,7 @@ def _sum_squares(dimension: int, optimum: Floats, path: Floats) -> float:
     return value
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _easom(dimension: int, optimum: Floats, path: Floats) -> float:
     product, squares = 1.0, 0.0
     for k in range(dimension):
@@ -109,7 +109,7 @@ def _easom(dimension: int, optimum: Floats, path: Floats) -> float:
     return 1.0 - product * math.exp(-squares)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _booth(dimension: int, optimum: Floats, path: Floats) -> float:
     value = 0.0
     for k in range(0, dimension, 2):
@@ -118,7 +118,7 @@ def _booth(dimension: int, optimum: Floats, path: Floats) -> float:
     return value
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _bohachevsky(dimension: int, optimum: Floats, path: Floats) -> float:
     value = 0.0
     for k in range(dimension - 1):
@@ -128,7 +128,7 @@ def _bohachevsky(dimension: int, optimum: Floats, path: Floats) -> float:
     return value
 
 
-@inlined_kernel
+@kernel(inline="late")
 def squared_sine(half_turns: Any) -> Any:
     """sin(pi x)^2 of lanes or a number, (1 - cos(2 pi x)) / 2 without cancellation where it is small.
 
@@ -151,7 +151,7 @@ def squared_sine(half_turns: Any) -> Any:
     return where(is_large, 1.0 - sine * sine, sine * sine)
 
 
-@kernel
+@entry
 def values_in_plane(table: FunctionTable, first: Floats, second: Floats) -> Floats:
     """Values over a plane, with the optimum's components where none are given.
 

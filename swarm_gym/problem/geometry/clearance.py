@@ -8,10 +8,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import entry, kernel
 
 
-@kernel
+@entry
 def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
     """Least distance of a polyline, (k, 2), from the areas of blocked cells, in cells.
 
@@ -34,7 +34,7 @@ def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
     return least
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _within(position: float, number: int) -> int:
     """The index of 0 to `number` - 1 that is nearest."""
     return int(min(max(np.floor(position + 0.5), 0.0), number - 1.0))
@@ -52,7 +52,7 @@ def _to_cell(x0: float, y0: float, x1: float, y1: float) -> float:
     return least
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _enters(x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether a segment meets the unit square around the origin: its shares in both stripes overlap."""
     begin, end = 0.0, 1.0
@@ -66,12 +66,12 @@ def _enters(x0: float, y0: float, x1: float, y1: float) -> bool:
     return begin <= end
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _point_to_cell(x: float, y: float) -> float:
     return math.hypot(max(abs(x) - 0.5, 0.0), max(abs(y) - 0.5, 0.0))
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _point_to_segment(x: float, y: float, x0: float, y0: float, x1: float, y1: float) -> float:
     dx, dy = x1 - x0, y1 - y0
     squared = dx * dx + dy * dy

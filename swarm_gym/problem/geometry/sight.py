@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.traversal import blocked_share, segment_is_free
 
 Rooms = NDArray[np.int16]
@@ -99,7 +99,7 @@ def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1:
     return near
 
 
-@inlined_kernel
+@kernel(inline="late")
 def cast_shadow(rooms: Rooms, x: float, y: float, shadow: Floats) -> None:
     """Find a square of blocked cells around a point: whoever looks through it sees nothing.
 
@@ -114,7 +114,7 @@ def cast_shadow(rooms: Rooms, x: float, y: float, shadow: Floats) -> None:
     shadow[0], shadow[1], shadow[2] = column, row, -0.5 - DEEP - rooms[row, column]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def is_in_shadow(shadow: Floats, x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether the point of a segment that is closest to the middle of such a square is in it.
 
@@ -167,7 +167,7 @@ def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float,
     return min(total, 1.0)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _paces(dx: float, dy: float) -> tuple[float, float, float]:
     """Shares of a segment per column and per row, and of a step near blocked cells."""
     per_column = 1.0 / dx if dx != 0.0 else math.copysign(math.inf, dx)
@@ -175,13 +175,13 @@ def _paces(dx: float, dy: float) -> tuple[float, float, float]:
     return per_column, per_row, STEP / max(abs(dx), abs(dy), STEP)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _cell(position: float, number: int) -> int:
     """The cell of 0 to `number` - 1 that a coordinate is in, or next to."""
     return min(max(int(position + 0.5), 0), number - 1)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _leave(
     column: int,
     row: int,

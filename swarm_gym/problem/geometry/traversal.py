@@ -14,14 +14,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import entry, kernel
 
 # How deep, in cells, a path may enter a blocked cell and still only touch it: well above rounding errors,
 # and well below 1/(6 n), by which a segment between corners or centres of n x n cells misses a third.
 TOLERANCE = 1e-9
 
 
-@kernel
+@entry
 def segment_is_free(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float) -> bool:
     """Whether a segment enters no blocked cell, stays on the grid and passes no closed gap.
 
@@ -40,7 +40,7 @@ def segment_is_free(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float,
     return blocked_share(blocked, x0, y0, x1, y1, 0.0) == 0.0 and not _passes_gap(blocked, x0, y0, x1, y1)
 
 
-@kernel
+@entry
 def path_is_free(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> bool:
     """Whether all segments of a polyline, (k, 2), are free, and it passes no gap by turning in it."""
     side = 0.0
@@ -62,7 +62,7 @@ def path_is_free(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> boo
     return True
 
 
-@kernel
+@entry
 def blocked_length(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
     """Length of a polyline, (k, 2), in blocked cells and outside the grid, in cells.
 
@@ -119,7 +119,7 @@ def is_gap(blocked: NDArray[np.bool_], i: int, j: int) -> bool:
     return falling != rising and blocked[j, i] == falling and blocked[j, i - 1] == rising
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _first_line(position: float, change: float, number: int) -> int:
     """The grid line 0 to `number` that comes next after a coordinate, or one that does not exist."""
     # Kept as floats, which far lines need, until they are limited.
@@ -128,7 +128,7 @@ def _first_line(position: float, change: float, number: int) -> int:
     return int(min(max(np.ceil(position + 0.5) - 1.0, -1.0), float(number)))
 
 
-@inlined_kernel
+@kernel(inline="late")
 def _crossing(line: int, position: float, change: float, number: int) -> float:
     """Where a segment crosses a grid line, as a share of its length; infinite if there is no such line."""
     if change == 0.0 or line < 0 or line > number:

@@ -8,7 +8,7 @@ units, so that thresholds on E(P) keep a meaning.
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import (
     Lanes,
     broadcast,
@@ -23,7 +23,7 @@ from swarm_gym.compiler.simd import (
 from swarm_gym.problem.grid.table import GridTable
 
 
-@inlined_kernel
+@kernel(inline="late")
 def samples_of(
     table: GridTable, path: NDArray[np.float64], block: int
 ) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes]:
@@ -43,7 +43,7 @@ def samples_of(
     return x, y, dx, dy, look_up(table.blocked, row_of * table.num_columns + column_of)
 
 
-@inlined_kernel
+@kernel(inline="late")
 def evaluate(table: GridTable, path: NDArray[np.float64]) -> tuple[float, float]:
     """Fitness (minimised) and degree of collision of a path, both in map units; see `tables`."""
     lengths, counts = broadcast(0.0), broadcast(0.0)

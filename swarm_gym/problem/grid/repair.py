@@ -9,7 +9,7 @@ path as it came.
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, store, total
 from swarm_gym.problem.grid.cost import samples_of
 from swarm_gym.problem.grid.table import GridTable
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 LEAST_WEIGHT = 1.0 / 3.0
 
 
-@inlined_kernel
+@kernel(inline="late")
 def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
     """One pass over all samples; changes `path` in place, inside the bounds; see `tables`."""
     num_blocks, num_points = table.first.shape[0], table.base.shape[0]

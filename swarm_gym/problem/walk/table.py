@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.jit import inlined_kernel, inner_kernel, kernel
+from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.sight import sees, share_blocked, tabulate_rooms
 from swarm_gym.problem.layout import pad
 from swarm_gym.scenarios import GridScenario
@@ -104,19 +104,19 @@ def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
     )
 
 
-@inlined_kernel
+@kernel(inline="late")
 def to_cells(table: WalkTable, x: float, y: float) -> tuple[float, float]:
     """Column and row of a point in map units."""
     return (x - table.origin[0]) * table.scale[0], (y - table.origin[1]) * table.scale[1]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def to_map(table: WalkTable, column: float, row: float) -> tuple[float, float]:
     """The point, in map units, of a column and a row."""
     return table.origin[0] + column / table.scale[0], table.origin[1] + row / table.scale[1]
 
 
-@inlined_kernel
+@kernel(inline="late")
 def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
     """Column and row of the cell that a point of the map, in map units, lies in."""
     column, row = to_cells(table, x, y)
@@ -126,7 +126,7 @@ def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
     )
 
 
-@inner_kernel
+@kernel
 def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Whether two points, in map units, see each other; see `sight.sees`."""
     column, row = to_cells(table, x, y)
@@ -134,7 +134,7 @@ def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -
     return sees(table.blocked, table.rooms, column, row, to_column, to_row)
 
 
-@inner_kernel
+@kernel
 def share_blocked_between(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
     """Share of the straight way between two points, in map units, that is blocked; see `sight`."""
     column, row = to_cells(table, x, y)
@@ -151,7 +151,7 @@ def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
     return way + table.penalty * collision / table.resolution, collision
 
 
-@inlined_kernel
+@kernel(inline="late")
 def repair(table: WalkTable, path: Floats, repair_degree: float) -> None:
     """Move the point `path[1:3]`, where it lies in a blocked cell, that share of the way to a free one."""
     column, row = cell_of(table, path[1], path[2])

@@ -1,1 +1,1 @@
-"""Scenarios whose map changes during an episode."""
+"""Scenarios whose maps change during an episode, or whose robots drive during it."""

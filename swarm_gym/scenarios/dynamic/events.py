@@ -1,8 +1,8 @@
-"""What can happen on a map while a robot is planned for: obstacles appear, move and disappear; it drives.
+"""Events on a map during an episode: obstacles appear, move and disappear. A robot can drive meanwhile.
 
-Obstacles are named by their numbers, which nothing changes: those of a map of circles and polygons have the
-numbers of their places in `Scenario.obstacles`, and what appears has the next one. On grid maps only what
-appeared has a number, from 0 on.
+Obstacles are identified by numbers, which never change. On a map of circles and polygons, obstacles of the
+first map have their indices in `Scenario.obstacles`. Obstacles that appear are numbered on from there. On
+grid maps only obstacles that appeared have numbers, from 0 on.
 """
 
 from dataclasses import dataclass
@@ -11,13 +11,18 @@ from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, require_numbers
 
-# By number; None is one that is gone.
+# Obstacles by number; None stands for an obstacle that has disappeared.
 Obstacles = list[Obstacle | None]
 
 
 @dataclass(frozen=True)
 class Appear:
-    """An obstacle comes onto the map, after an iteration of that number."""
+    """The event that an obstacle appears on the map.
+
+    Attributes:
+        iteration: number of the iteration that the event follows, from 1 on.
+        obstacle: the obstacle, in map coordinates.
+    """
 
     iteration: int
     obstacle: Obstacle
@@ -28,13 +33,19 @@ class Appear:
             raise ScenarioError(f"{shown(self)}: expected a Circle or a Polygon, got {shown(self.obstacle)}")
 
     def change(self, obstacles: Obstacles) -> None:
-        """Let it happen."""
+        """Apply the event to the obstacles."""
         obstacles.append(self.obstacle)
 
 
 @dataclass(frozen=True)
 class Move:
-    """An obstacle moves by (x, y), in map units, after an iteration of that number."""
+    """The event that an obstacle moves.
+
+    Attributes:
+        iteration: number of the iteration that the event follows, from 1 on.
+        number: number of the obstacle.
+        by: displacement (x, y) in map units.
+    """
 
     iteration: int
     number: int
@@ -46,13 +57,18 @@ class Move:
         object.__setattr__(self, "by", require_numbers(self, "by", self.by, 2))
 
     def change(self, obstacles: Obstacles) -> None:
-        """Let it happen."""
+        """Apply the event to the obstacles."""
         obstacles[self.number] = _present(self, obstacles).moved(self.by)
 
 
 @dataclass(frozen=True)
 class Disappear:
-    """An obstacle goes from the map, after an iteration of that number."""
+    """The event that an obstacle disappears from the map.
+
+    Attributes:
+        iteration: number of the iteration that the event follows, from 1 on.
+        number: number of the obstacle.
+    """
 
     iteration: int
     number: int
@@ -62,7 +78,7 @@ class Disappear:
         require_integer(f"{shown(self)}: number", self.number, 0)
 
     def change(self, obstacles: Obstacles) -> None:
-        """Let it happen."""
+        """Apply the event to the obstacles."""
         _present(self, obstacles)
         obstacles[self.number] = None
 
@@ -72,12 +88,12 @@ Event = Appear | Move | Disappear
 
 @dataclass(frozen=True)
 class Drive:
-    """How a robot drives while it is planned for: after some iterations a piece of the best path so far.
+    """The times and distances of a robot's drives along the best path so far, while it is planned for.
 
     Attributes:
-        first: the iteration that it first drives after.
-        every: iterations from one drive to the next.
-        distance: how far it drives each time, in map units.
+        first: number of the iteration that the first drive follows.
+        every: number of iterations from one drive to the next.
+        distance: length of each drive, in map units.
     """
 
     first: int
@@ -91,9 +107,11 @@ class Drive:
 
 
 def _present(event: Move | Disappear, obstacles: Obstacles) -> Obstacle:
-    """The obstacle that an event is about."""
+    """Return the obstacle that an event is about."""
     obstacle = obstacles[event.number] if event.number < len(obstacles) else None
     if obstacle is None:
         there = [number for number, other in enumerate(obstacles) if other is not None]
-        raise ScenarioError(f"{event}: there is no obstacle of that number then, but {there}")
+        raise ScenarioError(
+            f"{event}: there is no obstacle of that number at that time, expected one of {there}"
+        )
     return obstacle

@@ -1,10 +1,10 @@
-"""Scenarios on whose maps something happens: `dynamic:<base>-<event>@<iteration>`, see `dynamic_scenario`.
+"""Dynamic scenarios by name: `dynamic:<base>-<event>@<iteration>`.
 
-The base is a scenario of a fixed map, the event one of those below for it, and the iteration the one that it
-follows: on `dynamic:case1-block@70` the block is there from the 71st iteration on.
+The base is a scenario of a fixed map, and the event is one of `EVENTS` for that base. The event follows the
+iteration. On `dynamic:case1-block@70` the block is there from iteration 71 on.
 
-With `-drive@40,every=5,distance=60` behind that, or in the place of the event, the robot drives 60 map units
-after iterations 40, 45, 50 and so on; so it can on any map.
+With the suffix `-drive@40,every=5,distance=60`, or with it instead of an event, the robot drives 60 map units
+after iterations 40, 45, 50 and so on. Robots can drive on any map.
 """
 
 import re
@@ -20,56 +20,58 @@ from swarm_gym.scenarios.scenario import Circle, Polygon
 
 NAME = "dynamic"
 USAGE = f"{NAME}:<base>[-<event>@<iteration>][-drive@<first>,every=<iterations>,distance=<length>]"
-# The pattern of a length in a name: no sign, no exponent and no superfluous zero.
+# Pattern of a length in a name: without sign, exponent and superfluous zeros.
 LENGTH = rf"{NUMBER}(?:\.[0-9]*[1-9])?"
 
-# By base and name, with iterations counted from the one in the scenario's name. A block closes the corridor
-# that the shortest path takes, a gate the one that populations of fireflies have settled in by iteration 50;
-# above each stand the lengths of the shortest path and, for maps of circles and polygons, the least fitness
-# with 31 waypoints and mu = 0.3, before and after.
+# Events by base and name; their iterations are counted from the one in the name of the scenario. A block
+# closes the corridor of the shortest path. A gate closes the corridor in which populations of fireflies have
+# settled by iteration 50. The comment above each event has the length of the shortest path before and after
+# it and, for maps of circles and polygons, the smallest fitness with 31 waypoints and mu = 0.3.
 EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
     "case1": {
-        # 994.23 to 1005.43, 299.00 to 302.43: over the circle at (680, 280), no longer below it.
+        # Length 994.23 to 1005.43, fitness 299.00 to 302.43: over the circle at (680, 280), not below it.
         "block": (Appear(0, Polygon.rectangle(600, 100, 640, 270)),),
-        # Somebody walks through the same corridor, from below it to the next one, and is gone.
+        # A person walks through the same corridor, from below it to the next one, and disappears.
         "passer": (
             Appear(0, Circle(640, 160, 25)),
             *(Move(iteration, 14, (0, 30)) for iteration in (5, 10, 15, 20, 25)),
             Disappear(30, 14),
         ),
-        # 994.23 and 299.00 as before: in the other corridor, over the circle at (680, 280).
+        # Length 994.23 and fitness 299.00 stay: this is the other corridor, over the circle at (680, 280).
         "gate": (Appear(0, Polygon.rectangle(690, 290, 730, 400)),),
     },
-    # 1053.55 to 1071.78, 316.63 to 325.17: through the middle, no longer below all obstacles.
-    # 1053.55 and 316.63 as before: the gap between the obstacles at x = 600 is closed.
+    # Block: 1053.55 to 1071.78, 316.63 to 325.17; through the middle, no longer below all obstacles.
+    # Gate: 1053.55 and 316.63 stay; the gap between the obstacles at x = 600 is closed.
     "case2": {
         "block": (Appear(0, Polygon.rectangle(600, 60, 640, 200)),),
         "gate": (Appear(0, Polygon.rectangle(600, 220, 640, 400)),),
     },
-    # 997.45 to 1011.18, 300.27 to 303.74: below the circle at (530, 240), no longer over it.
-    # 997.45 to 1019.62, 300.27 to 306.52: the wall at x = 600 becomes longer.
+    # Block: 997.45 to 1011.18, 300.27 to 303.74; below the circle at (530, 240), no longer over it.
+    # Gate: 997.45 to 1019.62, 300.27 to 306.52; the wall at x = 600 becomes longer.
     "case3": {
         "block": (Appear(0, Polygon.rectangle(560, 270, 620, 330)),),
         "gate": (Appear(0, Polygon.rectangle(600, 180, 640, 350)),),
     },
-    # 109.46 to 124.40: the door from the corridor to the room of the target; another room leads there, too.
+    # 109.46 to 124.40: closes the door from the corridor to the target's room; another room leads there, too.
     "rooms:0": {"block": (Appear(0, Polygon.rectangle(103.5, 55.5, 111.5, 57.5)),)},
-    # Brand and Yu's: 400.00 to 433.47, and 463.45 for a robot that has gone straight on for 175 by then.
+    # Brand and Yu's: 400.00 to 433.47, and 463.45 for a robot that has driven 175 straight on by then.
     "open:500": {"block": (Appear(0, Polygon.rectangle(174.5, 269.5, 324.5, 329.5)),)},
 }
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single scenarios that a name stands for: several if its base is a range and has no event.
+    """Return the names of the single scenarios that a name stands for.
+
+    Names without event whose base is a range stand for several scenarios.
 
     Raises:
-        UnknownNameError: if there is no such base, there are no events for it, or none of that name.
+        UnknownNameError: if there is no such base, or the base has no events, or none of that name.
         ScenarioError: if the name has another form.
     """
-    from swarm_gym.scenarios import expand_name
+    from swarm_gym.scenarios.registry import expand_name  # which imports this module
 
     parts = _parse(name)
-    # Names could be as deep as they are long.
+    # Without this check, bases could be nested as deeply as a name is long.
     if parts.base.partition(":")[0] == NAME:
         raise ScenarioError(
             f"scenario {shown(name)}: the base must be a scenario of a fixed map, got {shown(parts.base)}"
@@ -85,17 +87,17 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> DynamicScenario:
-    """The scenario of that name.
+    """Return the scenario of that name.
 
     Raises:
-        ScenarioError: if the base has no map, or one that changes itself.
+        ScenarioError: if the base has no map, or a map that changes itself.
     """
-    from swarm_gym.scenarios import make_scenario
+    from swarm_gym.scenarios.registry import make_scenario  # which imports this module
 
     base, event, begin, drive = _parse(name)
     events = () if event is None else EVENTS[base][event]
     shifted = (replace(one, iteration=one.iteration + begin) for one in events)
-    made: Any = make_scenario(base)  # a map, which the scenario sees to
+    made: Any = make_scenario(base)  # `DynamicScenario` checks that it has a map
     return DynamicScenario(name, made, tuple(shifted), drive)
 
 
@@ -111,7 +113,7 @@ def _parse(name: str) -> _Parts:
     drive_at = f"(?:-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
     match = re.fullmatch(f"{NAME}:(.+?){event_at}{drive_at}", name)
     iterations = ("0",) if match is None else match.group(3, 4, 5)
-    # There is one or the other, and none of these numbers is 0.
+    # At least one of event and drive is there, and none of these numbers is 0.
     if match is None or iterations == (None, None, None) or "0" in iterations:
         raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with iterations from 1 on")
     base, event, begin, first, every, distance = match.groups()

@@ -1,4 +1,4 @@
-"""A path-planning task whose map changes while it is worked on; checked when it is made."""
+"""Path-planning tasks whose map changes during an episode; values are checked when an object is made."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, 
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 from swarm_gym.scenarios.scenario import Scenario
 
 MapScenario = Scenario | GridScenario
@@ -19,11 +19,11 @@ StaticScenario = MapScenario | FunctionScenario
 
 
 class World(NamedTuple):
-    """What a scenario is from some time on.
+    """A fixed map with its task, and the iteration after which it is in force.
 
     Attributes:
-        iteration: after which this is in force; 0 is from the beginning.
-        scenario: the map as it is then, and the task.
+        iteration: number of the iteration after which this world is in force; 0 for the first one.
+        scenario: the task on the map as it is then.
     """
 
     iteration: int
@@ -32,20 +32,21 @@ class World(NamedTuple):
 
 @dataclass(frozen=True)
 class DynamicScenario:
-    """A task on a map on which something happens: data, like the maps themselves.
+    """A task on a map that changes by events, or on which a robot drives during planning.
 
-    An event takes place between two iterations: after the one of its number is done, before the next one is
-    decided on. What would take place after the end of an episode does not.
+    An event takes place between two iterations: after the iteration of its number, and before the decision on
+    the next one. Events after the end of an episode do not take place.
 
     Attributes:
-        name: what results are filed under; all its worlds have it.
-        base: the task before anything happened.
-        events: in the order in which they happen; several may follow the same iteration.
-        drive: how the robot drives meanwhile; None if it stays at the start.
+        name: name under which results are filed; all worlds of the scenario have it.
+        base: the task before the first event.
+        events: events in the order in which they happen; several may follow the same iteration.
+        drive: times and distances of the robot's drives; None if it stays at the start.
 
     Raises:
-        ScenarioError: if the events are malformed or not in order, or if one leaves start or target in an
-            obstacle or, on a grid map, apart; the message names the event or the iteration.
+        ScenarioError: if the events are malformed or not in order, or if an event makes the task impossible:
+            an obstacle covers start or target, or no path connects them on a grid map. The message names the
+            event or the iteration.
     """
 
     name: str
@@ -64,15 +65,17 @@ class DynamicScenario:
             raise ScenarioError(f"{where}: drive must be a Drive or None, got {shown(self.drive)}")
         for event in self.events:
             if event.iteration < 1:
-                raise ScenarioError(f"{where}: {event}: events can follow iterations from 1 on")
+                raise ScenarioError(
+                    f"{where}: {event}: expected an iteration from 1 on, got {event.iteration}"
+                )
         for before, after in pairwise(self.events):
             if before.iteration > after.iteration:
                 raise ScenarioError(f"{where}: events must be in order, got {before} before {after}")
-        assert self.worlds  # which refuses what is impossible
+        assert self.worlds  # making them checks every event
 
     @cached_property
     def worlds(self) -> tuple[World, ...]:
-        """The base, and what becomes of it with the events of every iteration."""
+        """The worlds: the base, and the map after the events of every iteration."""
         worlds = [World(0, replace(self.base, name=self.name))]
         obstacles: Obstacles = list(self.base.obstacles) if isinstance(self.base, Scenario) else []
         for iteration in sorted({event.iteration for event in self.events}):
@@ -103,17 +106,17 @@ AnyScenario = StaticScenario | DynamicScenario
 
 
 def worlds_of(scenario: AnyScenario) -> tuple[World, ...]:
-    """What a scenario is, from which iteration on; that of one without events is one for ever."""
+    """Return the worlds of a scenario in order; a scenario without events has one."""
     return scenario.worlds if isinstance(scenario, DynamicScenario) else (World(0, scenario),)
 
 
 def world_at(scenario: AnyScenario, iteration: int) -> StaticScenario:
-    """What a scenario is when so many iterations are done, and what follows the last of them has happened."""
+    """Return the world's scenario after so many iterations, and after the events that follow the last one."""
     return [world.scenario for world in worlds_of(scenario) if world.iteration <= iteration][-1]
 
 
 def drive_of(scenario: AnyScenario) -> Drive | None:
-    """How the robot of a scenario drives while it is planned for; None if it does not."""
+    """Return the times and distances of the drives of a scenario's robot; None if it does not drive."""
     return scenario.drive if isinstance(scenario, DynamicScenario) else None
 
 

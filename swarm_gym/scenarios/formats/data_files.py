@@ -1,4 +1,4 @@
-"""Where the files of maps are found: in the data folder, or at an absolute path."""
+"""Access to map files, in the data folder or at an absolute path."""
 
 import os
 from pathlib import Path, PurePath
@@ -8,25 +8,25 @@ import platformdirs
 
 from swarm_gym.errors import ScenarioError, shown
 
-DATA = "SWARM_GYM_DATA"  # the variable that names the folder
+DATA = "SWARM_GYM_DATA"  # environment variable with the path of the data folder
 
-# Sub-folders of the data folder that are searched before the others.
+# Subfolders of the data folder that are searched before the others.
 FOLDERS = ("movingai", "ros")
 
 
 def data_folder() -> Path:
-    """Folder of the maps: `SWARM_GYM_DATA` where that is set, else in the user's data."""
+    """Return the folder of the maps: `SWARM_GYM_DATA` if it is set, else a folder in the user's data."""
     return Path(os.environ.get(DATA) or platformdirs.user_data_dir("swarm_gym"))
 
 
 def find_data_file(*names: str) -> Path:
-    """The first file there is of some names, each absolute or relative to the data folder.
+    """Return the first file that exists out of some names, each absolute or relative to the data folder.
 
-    A relative name is looked up in the folder itself, then in `FOLDERS`, then in its other sub-folders, one
+    A relative name is looked up in the folder itself, then in `FOLDERS`, then in its other subfolders, one
     level deep.
 
     Raises:
-        ScenarioError: if there is none, or a relative name leads out of the folder, be it by a link.
+        ScenarioError: if no file exists, or a relative name leads out of the folder, also by a link.
     """
     for name in names:
         _check(name)
@@ -34,43 +34,47 @@ def find_data_file(*names: str) -> Path:
     places = [folder, *(folder / name for name in FOLDERS), *_other_folders(folder)]
     for name in names:
         for place in places:
-            # An absolute name replaces the place.
+            # An absolute name replaces `place`.
             if os.path.isfile(place / name):
                 if not PurePath(name).is_absolute():
                     require_inside(folder, place / name)
                 return place / name
-    searched = "" if PurePath(names[0]).is_absolute() else f"; searched {folder} and its sub-folders"
+    searched = "" if PurePath(names[0]).is_absolute() else f"; searched {folder} and its subfolders"
     raise ScenarioError(
-        f"no file {' or '.join(names)}{searched}. `python -m swarm_gym.scenarios.download` gets public maps, "
-        "and SWARM_GYM_DATA names another folder"
+        f"no file {' or '.join(names)}{searched}. `python -m swarm_gym.scenarios.download` downloads "
+        "public maps, and the environment variable SWARM_GYM_DATA selects another folder"
     )
 
 
 def require_inside(folder: Path, path: Path) -> None:
-    """Refuse a path that leads out of a folder, by its parts or by links.
+    """Raise an error if a path leads out of a folder, by its parts or by links.
 
     Raises:
-        ScenarioError: if it does.
+        ScenarioError: if the path leads out of the folder.
     """
     real = os.path.realpath(path)
     if not PurePath(real).is_relative_to(os.path.realpath(folder)):
-        raise ScenarioError(f"{path} leads out of the folder {folder}, to {real}")
+        raise ScenarioError(
+            f"{path} leads out of the folder {folder}, to {real}; move the file into the folder"
+        )
 
 
 def open_file(path: Path) -> BinaryIO:
-    """A file to read bytes from; no folder, and no device, which might have no end.
+    """Open a regular file for reading bytes.
+
+    Folders and devices are refused; a device might have no end.
 
     Raises:
         OSError: if there is no such file, or it may not be read.
     """
-    # Unlike methods of `Path`, these take any name.
+    # These functions accept any name; methods of `Path` do not.
     if not os.path.isfile(path):
         raise OSError("not a regular file" if os.path.exists(path) else "no such file")
     return path.open("rb")
 
 
 def stamp_of(path: Path) -> tuple[int, int]:
-    """What changes with a file, by which it is known whether it has to be read again.
+    """Return time of change and size of a file; if they differ, the file has to be read again.
 
     Raises:
         ScenarioError: if there is no such file.
@@ -84,10 +88,12 @@ def stamp_of(path: Path) -> tuple[int, int]:
 
 def _check(name: str) -> None:
     if not name.isprintable():
-        raise ScenarioError(f"file {shown(name)}: a name has no control characters")
+        raise ScenarioError(f"file {shown(name)}: a name must not have control characters")
     path = PurePath(name)
     if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
-        raise ScenarioError(f"file {shown(name)}: a relative name must stay in the folder of the maps")
+        raise ScenarioError(
+            f"file {shown(name)}: a relative name must stay in the data folder; use an absolute path"
+        )
 
 
 def _other_folders(folder: Path) -> list[Path]:

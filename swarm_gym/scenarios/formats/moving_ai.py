@@ -4,8 +4,8 @@ Source: N. R. Sturtevant, "Benchmarks for grid-based pathfinding", IEEE Transact
 Intelligence and AI in Games 4(2):144-148, 2012, doi 10.1109/TCIAIG.2012.2197681.
 
 Map coordinates are those of the benchmark: cells have side 1 and their centres at integers, x grows to the
-right from 0, y downwards from 0. Swamp counts as free and water as blocked, so that on maps that have either,
-the lengths in the problem files may not be the shortest ones.
+right from 0, and y grows downwards from 0. Swamp counts as free and water as blocked. On maps with swamp or
+water, the lengths in the problem files may therefore not be those of the shortest paths.
 """
 
 import itertools
@@ -30,20 +30,30 @@ USAGE = f"{NAME}:<map>#<problem> or {NAME}:<map>?start=<x>,<y>&goal=<x>,<y>"
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
 MAX_PROBLEMS = 100_000
-MAX_PROBLEM_FILE = 2**24  # bytes, more than so many problems have
+MAX_PROBLEM_FILE = 2**24  # bytes, more than MAX_PROBLEMS problems need
 
 _HEADER_LINES = 4
 _LONGEST_LINE = 1024
-_BLANK_END = 64  # bytes of white space that may follow the last row
+_BLANK_END = 64  # maximum number of bytes of white space after the last row
 
-# What the byte of a cell means: 0 free, 1 blocked, 2 neither.
+# Meaning of each byte of a cell: 0 free, 1 blocked, 2 neither.
 _MEANING = np.full(256, 2, dtype=np.uint8)
 _MEANING[list(PASSABLE)] = 0
 _MEANING[list(BLOCKED)] = 1
 
 
 class BenchmarkProblem(NamedTuple):
-    """A line of a `.scen` file; width and height are those of the map, start and goal cells (x, y)."""
+    """A line of a `.scen` file.
+
+    Attributes:
+        bucket: group of problems of similar length.
+        map: name of the map, as the file has it.
+        width: number of columns of the map.
+        height: number of rows of the map.
+        start: cell (x, y) of the start.
+        goal: cell (x, y) of the goal.
+        length: length of the shortest path, in sides of a cell.
+    """
 
     bucket: int
     map: str
@@ -55,7 +65,7 @@ class BenchmarkProblem(NamedTuple):
 
 
 def read_map(path: str | Path) -> GridMap:
-    """The map in a `.map` file. Lines may end with CR LF.
+    """Read the map in a `.map` file; its lines may end with CR LF.
 
     Raises:
         ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
@@ -81,7 +91,7 @@ def read_map(path: str | Path) -> GridMap:
 
 
 def read_scenarios(path: str | Path) -> list[BenchmarkProblem]:
-    """The problems in a `.scen` file. Blank lines are passed over.
+    """Read the problems in a `.scen` file; blank lines are skipped.
 
     Raises:
         ScenarioError: if the file cannot be read or is malformed; the message names file, line and reason.
@@ -90,7 +100,7 @@ def read_scenarios(path: str | Path) -> list[BenchmarkProblem]:
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The names of single problems that a name stands for: `...#0-799` for 800 of them, the last included.
+    """Return the names of the single problems that a name stands for; `...#0-799` stands for 800 problems.
 
     The first problem of a file is number 0. No file is read.
 
@@ -102,13 +112,13 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> GridScenario:
-    """The single problem of that name.
+    """Return the single problem of that name.
 
-    The map is `<map>.map` in the data folder, or an absolute path that ends with `.map`; problems are those
-    of `<map>.map.scen` or `<map>.scen`.
+    The map is the file `<map>.map` in the data folder, or an absolute path that ends with `.map`. Problems
+    are read from `<map>.map.scen` or `<map>.scen`.
 
     Raises:
-        ScenarioError: if a file is missing or malformed, there is no such problem, or it is not solvable.
+        ScenarioError: if a file is missing or malformed, or there is no such problem, or it has no solution.
     """
     given, problems, cells = _parse(name)
     stem = given.removesuffix(".map") if Path(given).is_absolute() else given
@@ -118,13 +128,14 @@ def make(name: str) -> GridScenario:
     path = find_data_file(f"{stem}.map.scen", f"{stem}.scen")
     listed = _cached_problems(path, stamp_of(path))
     if problems[0] >= len(listed):
-        raise ScenarioError(f"scenario {shown(name)}: {path} has problems 0 to {len(listed) - 1}")
+        raise ScenarioError(f"scenario {shown(name)}: {path} has only the problems 0 to {len(listed) - 1}")
     line, problem = listed[problems[0]]
     if (problem.width, problem.height) != (grid.width, grid.height):
         raise _malformed(
             path,
             line,
-            f"the map is {problem.width} x {problem.height}, but it is {grid.width} x {grid.height}",
+            f"expected a map of {grid.width} x {grid.height} cells, as the map file has it, "
+            f"got {problem.width} x {problem.height}",
         )
     try:
         return GridScenario(name, grid, problem.start, problem.goal)
@@ -133,7 +144,7 @@ def make(name: str) -> GridScenario:
 
 
 def cached_map(path: Path) -> GridMap:
-    """The map of a file, which is read again when it has changed."""
+    """Return the map of a file, which is read again only if the file has changed."""
     return _cached_map(path, stamp_of(path))
 
 
@@ -151,7 +162,7 @@ def _cached_problems(path: Path, _stamp: tuple[int, int]) -> list[tuple[int, Ben
 
 
 def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
-    """Map, numbers of problems and, in their stead, cells of start and goal."""
+    """Return the map, the numbers of problems and, instead of numbers, the cells of start and goal."""
     cell = rf"({NUMBER}),({NUMBER})"
     if match := re.fullmatch(rf"{NAME}:(.+)\?start={cell}&goal={cell}", name):
         x, y, goal_x, goal_y = map(int, match.groups()[1:])
@@ -166,7 +177,7 @@ def _parse(name: str) -> tuple[str, range, tuple[Cell, Cell] | None]:
         )
     if Path(match[1]).is_absolute() and not match[1].endswith(".map"):
         raise ScenarioError(
-            f"scenario {shown(name)}: an absolute path to a map ends with .map, got {shown(match[1])}"
+            f"scenario {shown(name)}: an absolute path to a map must end with .map, got {shown(match[1])}"
         )
     return match[1], problems, cells
 
@@ -176,7 +187,7 @@ def _malformed(path: Path, line: int, reason: str) -> ScenarioError:
 
 
 def _read_header(path: Path, file: BinaryIO) -> tuple[int, int]:
-    """Width and height."""
+    """Return width and height."""
     patterns = (rb"type\s+octile", rb"height\s+([1-9][0-9]{0,8})", rb"width\s+([1-9][0-9]{0,8})", b"map")
     expected = ("'type octile'", "'height' and a positive number", "'width' and a positive number", "'map'")
     sizes = []
@@ -189,32 +200,34 @@ def _read_header(path: Path, file: BinaryIO) -> tuple[int, int]:
             sizes.append(int(match[1]))
             if sizes[-1] > MAX_SIDE:
                 raise _malformed(
-                    path, line, f"a map has at most {MAX_SIDE} cells along a side, got {sizes[-1]}"
+                    path, line, f"expected at most {MAX_SIDE} cells along a side, got {sizes[-1]}"
                 )
     height, width = sizes
     return width, height
 
 
 def _read_rows(path: Path, file: BinaryIO, width: int, height: int) -> bytes:
-    """The cells, row by row: never more of the file than the header announces."""
+    """Return the cells, row by row; never read more of the file than the header announces."""
     rows: list[bytes] = []
     for line in range(_HEADER_LINES + 1, _HEADER_LINES + 1 + height):
         text = file.readline(width + len(b"\r\n"))
         row = text.removesuffix(b"\n").removesuffix(b"\r")
         if not text:
-            raise _malformed(path, line, f"the file ends after {len(rows)} of {height} rows")
+            raise _malformed(path, line, f"expected {height} rows, but the file ends after {len(rows)}")
         if len(row) != width:
             got = f"{len(row)}" if len(row) < width else "more"
             raise _malformed(path, line, f"expected a row of {width} cells, got {got}")
         rows.append(row)
     end = file.read(_BLANK_END + 1)
     if end.strip() or len(end) > _BLANK_END:
-        raise _malformed(path, _HEADER_LINES + 1 + height, f"the file goes on after {height} rows")
+        raise _malformed(
+            path, _HEADER_LINES + 1 + height, f"expected the file to end after {height} rows, but it goes on"
+        )
     return b"".join(rows)
 
 
 def _read_numbered(path: Path) -> list[tuple[int, BenchmarkProblem]]:
-    """Problems, each with its line in the file."""
+    """Return the problems, each with its line in the file."""
     try:
         with open_file(path) as file:
             size = os.fstat(file.fileno()).st_size
@@ -224,12 +237,12 @@ def _read_numbered(path: Path) -> list[tuple[int, BenchmarkProblem]]:
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error}") from error
     if not numbered:
-        raise ScenarioError(f"{path}: no problems after line 1")
+        raise ScenarioError(f"{path}: expected at least one problem after line 1, got none")
     return numbered
 
 
 def _problems(path: Path, file: BinaryIO) -> Iterator[tuple[int, BenchmarkProblem]]:
-    """Problems, each with its line: never more of the file in memory than is known to be well-formed."""
+    """Yield the problems, each with its line; memory holds one line at a time."""
     first = file.readline(_LONGEST_LINE)
     if not re.fullmatch(rb"version\s+1(\.0)?\s*", first):
         raise _malformed(path, 1, f"expected 'version 1', got {_shown(first)}")
@@ -247,10 +260,10 @@ def _problems(path: Path, file: BinaryIO) -> Iterator[tuple[int, BenchmarkProble
 
 
 def _parse_problem(path: Path, line: int, text: bytes) -> BenchmarkProblem:
-    # Names of maps may have spaces where fields are separated by tabs.
+    # If tabs separate the fields, names of maps may have spaces.
     fields = [field.strip() for field in (text.split(b"\t") if b"\t" in text else text.split())]
     if len(fields) != 9:
-        raise _malformed(path, line, f"expected 9 fields, got {len(fields)}: {_shown(text)}")
+        raise _malformed(path, line, f"expected 9 fields, got {len(fields)} in {_shown(text)}")
     if not text.isascii():
         raise _malformed(path, line, f"expected ASCII, got {_shown(text)}")
     integers = []
@@ -267,7 +280,7 @@ def _parse_problem(path: Path, line: int, text: bytes) -> BenchmarkProblem:
         )
     for cell in ((x, y), (goal_x, goal_y)):
         if not (cell[0] < width and cell[1] < height):
-            raise _malformed(path, line, f"cell {cell} lies outside the map of {width} x {height}")
+            raise _malformed(path, line, f"expected a cell on the map of {width} x {height}, got {cell}")
     name, length = fields[1].decode(), float(fields[8])
     return BenchmarkProblem(bucket, name, width, height, (x, y), (goal_x, goal_y), length)
 

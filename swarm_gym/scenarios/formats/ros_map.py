@@ -1,11 +1,11 @@
 """Maps of ROS's map_server, a YAML file and an image: the scenarios `ros:<map>?start=<x>,<y>&goal=<x>,<y>`.
 
-Source: the documentation of map_server (http://wiki.ros.org/map_server) and of Nav2's successor of it.
+Source: the documentation of map_server (http://wiki.ros.org/map_server) and of its successor in Nav2.
 
 Map coordinates are metres, x to the right and y upwards. A pixel of grey value v is occupied with probability
-p = (255 - v) / 255, or v / 255 in a negated map: blocked where p > occupied_thresh, free where
-p < free_thresh, unknown between them. Unknown cells count as blocked: a robot must not plan through what it
-has not seen.
+p = (255 - v) / 255, or v / 255 in a negated map. It is blocked where p > occupied_thresh, free where p <
+free_thresh, and unknown between them. Unknown cells count as blocked, because a robot must not plan through
+an area that it has not seen.
 """
 
 import io
@@ -31,13 +31,21 @@ NAME = "ros"
 USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"
 
 MAX_YAML = 2**16  # bytes
-MAX_IMAGE = 2**26  # bytes: all pixels as decimal numbers
+MAX_IMAGE = 2**26  # bytes, enough for all pixels as decimal numbers
 MAX_COORDINATE = 1e6  # metres
 _NUMBER = r"-?[0-9]{1,9}(?:\.[0-9]{1,15})?"
 
 
 class RosMapFile(NamedTuple):
-    """What a YAML file of map_server says; the origin is the outer corner of the lower left pixel."""
+    """The content of a YAML file of map_server.
+
+    Attributes:
+        image: path of the image.
+        resolution: side of a pixel in metres.
+        origin: (x, y) of the outer corner of the lower left pixel, in metres.
+        negate: whether white means occupied.
+        free_thresh: probability of occupation below which a cell is free.
+    """
 
     image: Path
     resolution: float
@@ -47,7 +55,7 @@ class RosMapFile(NamedTuple):
 
 
 def read_yaml(path: str | Path) -> RosMapFile:
-    """The YAML file of a map. Keys that map_server does not know are passed over.
+    """Read the YAML file of a map; keys that map_server does not know are skipped.
 
     Raises:
         ScenarioError: if the file cannot be read or is malformed; the message names file, key and value.
@@ -69,7 +77,7 @@ def read_yaml(path: str | Path) -> RosMapFile:
 
 
 def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
-    """The map of a YAML file, inflated by a radius in metres.
+    """Read the map of a YAML file and inflate it by a radius in metres.
 
     Raises:
         ScenarioError: if a file cannot be read or is malformed; the message names file and reason.
@@ -81,7 +89,7 @@ def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """The name itself. No file is read.
+    """Return the name itself; no file is read.
 
     Raises:
         ScenarioError: if the name has another form.
@@ -91,9 +99,9 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def make(name: str) -> GridScenario:
-    """The scenario of that name: start, goal and radius are in metres.
+    """Return the scenario of that name; start, goal and radius are in metres.
 
-    The map is `<map>.yaml` in the data folder, or an absolute path that ends with `.yaml`.
+    The map is the file `<map>.yaml` in the data folder, or an absolute path that ends with `.yaml`.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.
@@ -111,7 +119,7 @@ FAMILY = Family(USAGE, (), expand, make)
 def _read(name: str, described: RosMapFile, _stamp: tuple[int, int], radius: float) -> GridMap:
     grey = np.arange(256)
     probability = (grey if described.negate else 255 - grey) / 255
-    # Since what is unknown is blocked like what is occupied, occupied_thresh decides nothing.
+    # Unknown cells are blocked like occupied ones, so occupied_thresh decides nothing.
     blocked = (probability >= described.free_thresh)[_read_grey(described.image)]
     side, (x, y) = described.resolution, described.origin
     grid = GridMap(name, blocked, side, (x + side / 2, y + (len(blocked) - 0.5) * side), y_up=True)
@@ -119,7 +127,7 @@ def _read(name: str, described: RosMapFile, _stamp: tuple[int, int], radius: flo
 
 
 def _parse(name: str) -> tuple[str, Point, Point, float]:
-    """Map, start, goal and radius."""
+    """Return map, start, goal and radius."""
     point = f"({_NUMBER}),({_NUMBER})"
     match = re.fullmatch(
         rf"{NAME}:(.+?)\?start={point}&goal={point}(?:&inflate=([0-9]{{1,9}}(?:\.[0-9]{{1,15}})?))?", name
@@ -129,14 +137,14 @@ def _parse(name: str) -> tuple[str, Point, Point, float]:
     given, *numbers = match.groups()
     if Path(given).is_absolute() and not given.endswith(".yaml"):
         raise ScenarioError(
-            f"scenario {shown(name)}: an absolute path to a map ends with .yaml, got {shown(given)}"
+            f"scenario {shown(name)}: an absolute path to a map must end with .yaml, got {shown(given)}"
         )
     x, y, goal_x, goal_y, radius = (float(number or 0) for number in numbers)
     return given, (x, y), (goal_x, goal_y), radius
 
 
 class _Entries:
-    """The entries of a YAML file, checked one by one."""
+    """The entries of a YAML file, checked when they are read."""
 
     def __init__(self, path: Path, entries: dict[Any, Any]):
         self._path = path
@@ -148,7 +156,9 @@ class _Entries:
     def text(self, key: str, default: str | None = None) -> str:
         if key not in self._entries:
             if default is None:
-                raise ScenarioError(f"{self._path}: {key} is missing")
+                raise ScenarioError(
+                    f"{self._path}: the key {key!r} is missing; add it as map_server writes it"
+                )
             return default
         if not isinstance(self._entries[key], str):
             raise self.refused(key, "a single value")
@@ -162,13 +172,13 @@ class _Entries:
 
     def origin(self) -> Point:
         if "origin" not in self._entries:
-            raise ScenarioError(f"{self._path}: origin is missing")
+            raise ScenarioError(f"{self._path}: the key 'origin' is missing; add it as map_server writes it")
         values = self._entries["origin"]
         numbers = [_as_number(value) for value in values] if isinstance(values, list) else []
         if len(numbers) != 3 or not all(abs(number) <= MAX_COORDINATE for number in numbers):
             raise self.refused("origin", f"[x, y, yaw], in metres and radians, at most {MAX_COORDINATE:g}")
         if numbers[2] != 0:
-            raise self.refused("origin", "[x, y, 0]: maps that are turned by a yaw are not supported")
+            raise self.refused("origin", "[x, y, 0], since maps that are turned by a yaw are not supported")
         return numbers[0], numbers[1]
 
     def image(self) -> Path:
@@ -177,14 +187,14 @@ class _Entries:
         if not given.isprintable() or not path.name:
             raise self.refused("image", "a file name")
         if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
-            raise self.refused("image", "in the folder of the YAML file")
-        # A description does not choose which files are opened. ROS writes absolute paths into that folder.
+            raise self.refused("image", "a file in the folder of the YAML file")
+        # A YAML file must not choose which files are opened. ROS writes absolute paths into its own folder.
         require_inside(self._path.parent, self._path.parent / path)
         return self._path.parent / path
 
 
 def _as_number(value: object) -> float:
-    """A number from its text; NaN, which is in no interval, for what is none."""
+    """Return the number that a text stands for, or NaN, which lies in no interval, if it is no number."""
     if not isinstance(value, str) or not re.fullmatch(r"[-+]?[0-9.]{1,40}([eE][-+]?[0-9]{1,3})?", value):
         return math.nan
     try:
@@ -202,20 +212,22 @@ def _load(path: Path) -> dict[Any, Any]:
         with open_file(path) as file:
             content = file.read(MAX_YAML + 1)
         if len(content) > MAX_YAML:
-            raise ScenarioError(f"{path}: expected at most {MAX_YAML} bytes")
-        # Every scalar stays a text: YAML 1.1 has surprising numbers (`5e-2` is none) and dates.
+            raise ScenarioError(f"{path}: expected at most {MAX_YAML} bytes, the file has more")
+        # Every scalar stays a text, because YAML 1.1 has surprising rules: `5e-2` is not a number.
         entries = yaml.load(content, Loader=yaml.BaseLoader)
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error}") from error
     except (yaml.YAMLError, UnicodeError, RecursionError) as error:
-        raise ScenarioError(f"{path}: not a YAML file: {' '.join(str(error).split())}") from error
+        raise ScenarioError(f"{path}: expected a YAML file: {' '.join(str(error).split())}") from error
     if not isinstance(entries, dict):
-        raise ScenarioError(f"{path}: expected keys and values, as map_server writes them")
+        raise ScenarioError(
+            f"{path}: expected keys and values, as map_server writes them, got {shown(entries)}"
+        )
     return entries
 
 
 def _read_grey(path: Path) -> NDArray[np.uint8]:
-    """Grey values of an image, shape (height, width), from the top."""
+    """Return the grey values of an image, shape (height, width), first row on top."""
     try:
         from PIL import Image
     except ImportError as error:
@@ -225,17 +237,17 @@ def _read_grey(path: Path) -> NDArray[np.uint8]:
             size = os.fstat(file.fileno()).st_size
             if size > MAX_IMAGE:
                 raise ScenarioError(f"{path}: expected at most {MAX_IMAGE} bytes, got {size}")
-            # From memory, since of a file as many bytes would be asked for as it claims to have.
+            # Decoding from memory, since a decoder asks a file for as many bytes as its header claims.
             content = io.BytesIO(file.read())
         with warnings.catch_warnings():
-            # The limit below is the stricter one.
+            # The check below is stricter than Pillow's warning.
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
             image = Image.open(content, formats=("PPM", "PNG"))
             width, height = image.size
-            # Before any pixel is decoded.
+            # Checked before any pixel is decoded.
             if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
                 raise ScenarioError(
-                    f"{path}: a map has at most {MAX_SIDE} cells along a side, got {width} x {height}"
+                    f"{path}: expected at most {MAX_SIDE} cells along a side, got {width} x {height}"
                 )
             if image.mode not in ("1", "L"):
                 raise ScenarioError(

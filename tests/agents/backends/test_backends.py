@@ -150,7 +150,7 @@ def test_work_that_needs_too_much_memory_is_given_up_by_ray(tmp_path, monkeypatc
 def slurm_jobs(tmp_path, monkeypatch):
     """A backend with four jobs at a time that end at once, and how each of them ends; then all go well."""
     pytest.importorskip("submitit", reason="needs the extra `slurm`")
-    monkeypatch.setattr(slurm, "PATIENCE", 0.0)
+    monkeypatch.setattr(slurm, "POLL_INTERVAL", 0.0)
     backend = make("slurm", tmp_path, jobs=4)
     states, jobs = [], []
 
@@ -225,8 +225,8 @@ def test_without_its_library_the_extra_is_named(tmp_path, monkeypatch, name, lib
     ("options", "error", "message"),
     [
         (BackendOptions(jobs=-1), ValueError, "--jobs must be positive, or 0 for all cores, got -1"),
-        (BackendOptions(address="auto"), ValueError, "--address auto: --backend local has none"),
-        (BackendOptions("slurm", "local"), ValueError, "say by --jobs"),
+        (BackendOptions(address="auto"), ValueError, "--address auto: --backend local has no address"),
+        (BackendOptions("slurm", "local"), ValueError, "give the number of jobs"),
     ],
 )
 def test_options_that_cannot_be_are_refused(tmp_path, options, error, message):
@@ -259,7 +259,7 @@ def test_files_that_cannot_be_brought_along_are_refused(tmp_path, monkeypatch, f
     there.mkdir()
     monkeypatch.chdir(here)
     Path(file).touch()
-    with pytest.raises(BackendError, match=rf"{file} is not brought to other machines.*below this folder"):
+    with pytest.raises(BackendError, match=rf"{file} is not copied to other machines.*below this folder"):
         pack(there, [Path(file)])
     assert not (there / "agents" / "policy.safetensors").exists()
 

@@ -57,7 +57,7 @@ def test_an_error_ends_its_own_run(tmp_path):
 
 @pytest.mark.parametrize("released", [True, False])
 def test_a_lock_that_a_lost_machine_may_have_left_is_waited_for(tmp_path, monkeypatch, released):
-    monkeypatch.setattr(many_runs, "PATIENCE", 1.5)
+    monkeypatch.setattr(many_runs, "LOCK_TIMEOUT", 1.5)
     backend = LocalBackend(1)
     backend.on_this_machine = False
     config = tiny_config(tmp_path, **SHORT, name="one", resume=True)

@@ -19,7 +19,7 @@ from agents.training.run import TrainingRun
 from experiments.runs.database import Results
 from experiments.runs.runner import configuration, missing_runs, run_missing
 from experiments.runs.suite import Suite
-from experiments.scaling.clusters import logical_cluster
+from experiments.scaling.overheads import logical_cluster
 from helpers.small_commands import CONTROLLERS, rows
 from helpers.trainings import STEPS, TINY, make_policy, tiny_config
 from swarm_gym.controllers.learned.policy_file import load_policy

@@ -6,8 +6,8 @@ import pytest
 from agents.evaluation.rollout import run_episodes
 from agents.training.learners import make_learner
 from helpers.trainings import tiny_config, train
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.controllers.registry import load_learned
 
 pytestmark = pytest.mark.usefixtures("plain_pictures")
 
@@ -80,7 +80,7 @@ def test_a_policy_with_a_base_begins_as_the_base(tmp_path):
     ("options", "message"),
     [
         ({"candidates": 3}, "multiple of candidates, got 8 and 3"),
-        ({"warm_start": "spsfa-tip"}, "imitates nobody"),
+        ({"warm_start": "spsfa-tip"}, "imitates no controller"),
         ({"reward": "paired"}, "changes nothing.*'final-gap'"),
         ({"base": "spsfa", "action": "natural"}, "scaled to"),
     ],

@@ -11,7 +11,7 @@ from agents.training.learners.environments import make_reference, reference_cont
 from agents.training.paired_reward import Reference
 from agents.training.sb3_vec_env import SB3VecEnv
 from helpers.trainings import STEPS, tiny_config, train
-from swarm_gym.controllers.learned.load import load_learned
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 

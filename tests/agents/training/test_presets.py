@@ -13,7 +13,7 @@ from agents.training.presets import PresetError, load_preset, preset_names
 
 
 @pytest.mark.parametrize("name", preset_names())
-def test_every_shipped_preset_loads(name):
+def test_every_packaged_preset_loads(name):
     config = load_preset(name)
     assert config.preset == name
     assert config.algorithm in LEARNERS
@@ -152,8 +152,8 @@ def test_an_option_that_is_none_is_refused(option, capsys):
         (["--presets", "case1", "nowhere"], "error: preset 'nowhere'"),
         (["--seeds", "1", "--jobs", "-1"], "error: --jobs must be positive"),
         (["--seeds", "1", "--address", "10.0.0.1:6379"], "error: --address 10.0.0.1:6379: --backend local"),
-        (["--address", "auto"], "error: --address auto: --backend local has none"),
-        (["--backend", "slurm", "--address", "local"], "error: --backend slurm: say by --jobs"),
+        (["--address", "auto"], "error: --address auto: --backend local has no address"),
+        (["--backend", "slurm", "--address", "local"], "error: --backend slurm: give the number of jobs"),
     ],
 )
 def test_the_program_ends_with_one_line(tmp_path, arguments, message):

@@ -15,8 +15,8 @@ from agents.runs.seeds import TEST, VALIDATION, training_seed
 from agents.training.learners import make_learner
 from agents.training.sb3_vec_env import SB3VecEnv
 from helpers.trainings import STEPS, make_rule, tiny_config, train
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -103,7 +103,7 @@ def test_an_unreadable_configuration_is_named_when_resuming(tmp_path):
         train(tmp_path, resume=True)
 
 
-def test_options_that_a_stored_configuration_lacks_are_the_defaults(tmp_path):
+def test_a_stored_configuration_with_other_options_is_not_resumed(tmp_path):
     train(tmp_path)
     path = tmp_path / "ppo" / "config.json"
     stored = json.loads(path.read_text())
@@ -112,7 +112,8 @@ def test_options_that_a_stored_configuration_lacks_are_the_defaults(tmp_path):
     with pytest.raises(RunFolderError, match="with temperature was 3, is 'no option'"):
         train(tmp_path, resume=True)
     path.write_text(json.dumps(stored))
-    train(tmp_path, resume=True)
+    with pytest.raises(RunFolderError, match="with reference was 'no option', is 'spsfa-tip'"):
+        train(tmp_path, resume=True)
 
 
 def test_a_run_is_not_overwritten_and_a_missing_one_not_resumed(ended, tmp_path):

@@ -13,8 +13,7 @@ from tensorboard.plugins.hparams.plugin_data_pb2 import HParamsPluginData
 
 from agents import SizeLimits, make_controller
 from agents.evaluation.rollout import Episodes, run_episodes
-from agents.training.figures import draw_decisions
-from agents.training.replay_strip import ReplayStrip
+from agents.training.pictures import ReplayStrip, draw_decisions
 from helpers.trainings import train
 from swarm_gym.controllers.learned.policy_file import load_policy
 

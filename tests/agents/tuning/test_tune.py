@@ -219,7 +219,7 @@ def test_options_that_cannot_be_are_refused_before_anything_is_written(tmp_path,
 
 
 def test_where_to_tune_is_refused_as_it_is_for_trainings(tmp_path):
-    with pytest.raises(SystemExit, match="error: --address auto: --backend local has none"):
+    with pytest.raises(SystemExit, match="error: --address auto: --backend local has no address"):
         main(["--address", "auto", "--runs", str(tmp_path)])
     assert list(tmp_path.iterdir()) == []
 

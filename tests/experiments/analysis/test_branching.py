@@ -7,8 +7,17 @@ from scipy import stats
 from agents import make_controller
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
-from experiments.branching import CHANGES, WINDOWS, Change, Changed, analyse, branching_tables, write_report
+from experiments.analysis.branching import (
+    CHANGES,
+    WINDOWS,
+    Change,
+    Changed,
+    analyse,
+    branching_tables,
+    write_report,
+)
 from experiments.runs.database import ResultsError
+from helpers.stored_runs import printed_rows
 
 NAME = "open-loop:three-cases-extended"
 SEEDS = ANALYSIS[:3]
@@ -45,11 +54,11 @@ def test_the_table_says_what_the_changes_did(found):
     assert len(branching.rows) == len(WINDOWS) * len(CHANGES)
     before = np.array([w.gap for w in found.straight])
     after = np.array([w.gap for w in found.branches[(30, 60), "size x 2"]])
-    (row,) = [r for r in branching.rows if r[:2] == ("30 to 59", "size x 2")]
+    (row,) = [r for r in printed_rows(branching) if r[:2] == ("30 to 59", "size x 2")]
     assert row[2].startswith(f"{100 * (after - before).mean():+.2f} % [")
     assert row[3] == f"{100 * (abs(after - before) > 0.01).mean():.0f} %"
     assert float(row[4]) > 1.2
-    (best,) = [r for r in foresight.rows if r[0].startswith("log(best fitness")]
+    (best,) = [r for r in printed_rows(foresight) if r[0].startswith("log(best fitness")]
     column = foresight.columns.index("iteration 60, case3")
     seen = found.straight[1].seen[60, :, 6]
     assert best[column] == f"{stats.spearmanr(seen, before[1]).statistic:+.2f}"

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from agents.evaluation.masking import CLOCKS, Blinded, clock_columns, input_names, mean_courses
+from agents.evaluation.masking import CLOCKS, Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import decision_names, watch
 from agents.evaluation.rollout import run_episodes
 from agents.runs.seeds import ANALYSIS
 from agents.training.config import TrainConfig
+from experiments.analysis.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.analysis.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
-from experiments.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
@@ -60,7 +60,7 @@ def test_an_input_that_is_not_used_changes_nothing(found):
     for name in NAMES:
         if name not in (COLLISION, *CLOCKS):
             np.testing.assert_array_equal(found.changes[name], [0.0, 0.0])
-            for ours, theirs in zip(found.blinded[name], found.seeing, strict=True):
+            for ours, theirs in zip(found.masked[name], found.seeing, strict=True):
                 np.testing.assert_array_equal(ours, theirs)
 
 
@@ -68,12 +68,12 @@ def test_an_input_that_is_used_changes_its_decisions_and_the_episodes(found):
     size, phi = found.changes[COLLISION]
     assert size > 0.01
     assert phi == 0.0
-    assert (found.blinded[COLLISION].evaluations != found.seeing.evaluations).any()
+    assert (found.masked[COLLISION].evaluations != found.seeing.evaluations).any()
 
 
 def test_all_but_the_iteration_is_all_that_this_one_sees(found):
     np.testing.assert_array_equal(found.changes[ALL_BUT_ITERATION], found.changes[COLLISION])
-    np.testing.assert_array_equal(found.blinded[ALL_BUT_ITERATION].gap, found.blinded[COLLISION].gap)
+    np.testing.assert_array_equal(found.masked[ALL_BUT_ITERATION].gap, found.masked[COLLISION].gap)
 
 
 def test_the_iteration_is_taken_away_by_its_mean_over_all(found):
@@ -97,18 +97,18 @@ def test_changes_of_the_size_are_octaves():
 
 def test_blind_for_everything_is_the_same_schedule_for_every_swarm():
     watched = watch(Partial(), [], ["case3"], SEEDS)
-    blinded = Blinded(Partial(), mean_courses(watched.seen, watched.running), range(len(NAMES)))
-    sizes = run_episodes(blinded, "case1", SEEDS).sizes
+    masked = Masked(Partial(), mean_courses(watched.seen, watched.running), range(len(NAMES)))
+    sizes = run_episodes(masked, "case1", SEEDS).sizes
     assert (sizes == sizes[0]).all()
     assert np.ptp(sizes[0]) > 0
 
 
 def test_what_watches_disturbs_neither_the_episodes_nor_a_memory():
     controller = Remembering()
-    blinded = Blinded(controller, np.zeros((1, 4)), [0])
+    masked = Masked(controller, np.zeros((1, 4)), [0])
     alone = run_episodes(controller, "case3", SEEDS)
     watched = watch(
-        controller, [blinded, blinded.__class__(controller, np.zeros((1, 4)), [])], ["case3"], SEEDS
+        controller, [masked, masked.__class__(controller, np.zeros((1, 4)), [])], ["case3"], SEEDS
     )
     np.testing.assert_array_equal(watched.evaluations, alone.evaluations)
     np.testing.assert_array_equal(watched.returns, alone.returns)
@@ -195,7 +195,7 @@ def test_the_report_has_a_row_per_input_in_every_form(found, tmp_path):
     assert [row[0] for row in changes.rows] == list(found.changes)
     assert [row[0] for row in performance.rows] == ["nothing", *found.changes]
     unused = next(row for row in performance.rows if row[0] == DIVERSITY)
-    assert unused[2] == "+0.00 % [+0.00, +0.00]"
+    assert str(unused[2]) == "+0.00 % [+0.00, +0.00]"
     for table in (changes, performance):
         assert table.markdown() in page
         assert (tmp_path / f"{table.name}.csv").exists()

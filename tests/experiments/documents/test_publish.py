@@ -1,15 +1,17 @@
 """Numbers in the documents come out of results."""
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
-from experiments.benchmark import GROUPS
 from experiments.documents.blocks import replace_block
-from experiments.publish import publish
+from experiments.publish import DOCUMENTS, main, publish
+from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page
 
+ROOT = Path(__file__).parents[3]
 TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
 BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
@@ -40,13 +42,13 @@ def made_up():
 def documents(tmp_path, monkeypatch):
     """A checkout with empty blocks, a suite and a benchmark."""
     monkeypatch.chdir(tmp_path)
-    for folder in ("suite", "docs", "speed"):
-        (tmp_path / folder).mkdir()
+    for folder in ("results/docs/paper", "docs", "results/benchmark"):
+        (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "README.md").write_text(TEXT)
     (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
     for name in ("README.md", "summary.md", "a.svg", "a.png"):
-        (tmp_path / "suite" / name).write_text(f"content of {name}")
-    write_measurements(tmp_path / "speed/benchmark.json", made_up())
+        (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
+    write_measurements(tmp_path / "results/benchmark/benchmark.json", made_up())
     ratios = [
         Measurement(f"case{k}: niapy, {cost} / swarm_gym", "times", 1.5, 1.0, 2.0)
         for k in (1, 2, 3)
@@ -55,13 +57,13 @@ def documents(tmp_path, monkeypatch):
     curves = [Measurement("elite-genetic: A, cost in NumPy / swarm_gym", "times", 1.5, 1.0, 2.0)]
     fish = [Measurement("case1: A, cost in NumPy / swarm_gym", "times", 2.5, 2.0, 3.0)]
     groups = {"peers": ratios, "bezier-peers": curves, "fish-peers": fish}
-    write_measurements(tmp_path / "speed/peers.json", groups)
-    write_page(tmp_path / "speed")
+    write_measurements(tmp_path / "results/benchmark/peers.json", groups)
+    write_page(tmp_path / "results/benchmark")
     return tmp_path
 
 
 def test_publishing_copies_the_page_and_fills_both_documents(documents):
-    publish(documents / "suite", documents / "speed")
+    publish("results", documents / "results")
     readme = (documents / "README.md").read_text()
     assert "content of summary.md" in readme
     assert "| single environment, 30 members" not in readme
@@ -75,11 +77,43 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     assert published == {"README.md", "a.svg", "growth.svg"}
 
 
-@pytest.mark.parametrize("missing", ["suite/summary.md", "speed/benchmark.json", "speed/peers.json"])
+@pytest.mark.parametrize(
+    "missing", ["docs/paper/summary.md", "benchmark/benchmark.json", "benchmark/peers.json"]
+)
 def test_nothing_is_written_where_something_is_missing(documents, missing):
-    (documents / missing).unlink()
+    (documents / "results" / missing).unlink()
     with pytest.raises((OSError, ValueError), match=r"summary|benchmark|peers"):
-        publish(documents / "suite", documents / "speed")
+        publish("results", documents / "results")
     assert (documents / "README.md").read_text() == TEXT
     assert (documents / "docs/performance.md").read_text() == PERFORMANCE
+    assert not (documents / "docs/results").exists()
+
+
+def test_a_figure_that_is_no_longer_shown_is_deleted(documents):
+    stale = documents / "docs/results/old.svg"
+    other = documents / "docs/results/study/kept.svg"
+    for file in (stale, other):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    publish("results", documents / "results")
+    assert not stale.exists()
+    assert other.exists()
+
+
+def test_documents_are_published_by_name():
+    assert list(DOCUMENTS) == ["results", "brand-yu", "dynamic", "iafsa", "study", "moa", "scaling"]
+    for documents in DOCUMENTS.values():
+        for document in documents:
+            assert (ROOT / document.path).is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"), [(["moa", "mooa"], "mooa"), ([], "no document is named; name some of results")]
+)
+def test_a_wrong_document_lists_the_valid_ones_and_nothing_is_written(
+    documents, monkeypatch, arguments, message
+):
+    monkeypatch.setattr("sys.argv", ["publish", *arguments])
+    with pytest.raises(SystemExit, match=f"error: .*{message}.*scaling"):
+        main()
     assert not (documents / "docs/results").exists()

@@ -5,18 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from experiments.catalogue import LOOKED_INTO, SUITES
+from experiments.catalogue import SUITES
 from experiments.documents.blocks import block_names
-from experiments.documents.figures import decisions_name
 from experiments.documents.page import describe_provenance
-from experiments.publish_study import STUDY, publish_study
+from experiments.publish import publish
 from experiments.runs.groups import group_controllers
-from experiments.studies.learned.blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS
+from experiments.studies.learned.blocks import BLOCKS, GAP_COLUMNS, PARAMETER_COLUMNS, decisions_name
 from experiments.studies.learned.origins import origins_table
+from experiments.studies.learned.suites import LOOKED_INTO
 from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
+from helpers.stored_runs import printed_rows
 
 ROOT = Path(__file__).parents[3]
+STUDY = Path("docs/study.md")
 ROWS = [("a:x", "one", "1"), ("a:x", "two", "2"), ("all", "one", "3")]
 TABLE = Table("t", "Caption", ("scenarios", "controller", "gap"), ROWS)
 COLUMNS = {
@@ -43,13 +45,6 @@ OTHERS = {
     },
 }
 STUDIES = ("headline", "generalisation", "out-of-distribution", "ablation")
-
-
-def test_a_table_is_read_as_it_was_written():
-    assert Table.from_markdown("t", TABLE.markdown()) == TABLE
-    for damaged in ("", "**Caption**\n\n| a |\n", "**Caption**\n\n| a | b |\n| --- | --- |\n| 1 |\n"):
-        with pytest.raises(ValueError, match="'t'"):
-            Table.from_markdown("t", damaged)
 
 
 def test_parts_of_a_table():
@@ -82,11 +77,11 @@ def test_the_provenance_of_runs_is_one_line():
 
 def test_where_fitted_controllers_come_from():
     table = origins_table(("tuned:three-cases", "learned:three-cases-ppo/0", "distilled:three-cases"))
-    assert [row[1] for row in table.rows] == [
+    assert [row[1] for row in printed_rows(table)] == [
         "tuned: schedule", "trained: ppo", "distilled from learned (three-cases-ppo/0)",
     ]  # fmt: skip
-    assert [row[2] for row in table.rows] == ["–", "imitates SPSFA-TIP", "–"]
-    assert [row[5] for row in table.rows] == ["2,000,000", "640,000", "–"]
+    assert [row[2] for row in printed_rows(table)] == ["–", "imitates SPSFA-TIP", "–"]
+    assert [row[5] for row in printed_rows(table)] == ["2,000,000", "640,000", "–"]
 
 
 def test_the_document_has_every_block_once():
@@ -106,13 +101,13 @@ def results(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
     (tmp_path / STUDY).write_bytes((ROOT / STUDY).read_bytes())
-    folder = tmp_path / "results"
+    folder = tmp_path / "results/study"
     for suite, tables in {**dict.fromkeys(STUDIES, COLUMNS), **OTHERS}.items():
         (folder / suite).mkdir(parents=True)
         (folder / suite / "made-with.md").write_text(f"Runs made with: {suite}.\n")
         for name, columns in tables.items():
             rows = [tuple(f"{column} {k} of {suite}" for column in columns) for k in range(2)]
-            (folder / suite / f"{name}.md").write_text(Table(name, f"{name}.", columns, rows).markdown())
+            (folder / suite / f"{name}.json").write_text(Table(name, f"{name}.", columns, rows).json())
         decisions = map(decisions_name, group_controllers(SUITES["headline"].controllers))
         for name in ("front", "profiles", "sensitivity", *decisions):
             (folder / suite / f"figure-{name}.svg").write_text(f"{suite} {name}")
@@ -123,7 +118,7 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     stale = STUDY.parent / "results/study/old.svg"
     stale.parent.mkdir(parents=True)
     stale.touch()
-    publish_study(results)
+    publish("study", results.parent)
     text = STUDY.read_text(encoding="utf-8")
     assert "make docs-study`\n<!--" not in text
     assert "Runs made with: ablation." in text
@@ -133,16 +128,16 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     assert {path.name for path in stale.parent.iterdir()} == set(shown)
     assert (stale.parent / "generalisation-front.svg").read_text() == "generalisation front"
     assert len(set(shown)) == len(shown) == 6 + len(group_controllers(LOOKED_INTO))
-    publish_study(results)
+    publish("study", results.parent)
     assert STUDY.read_text(encoding="utf-8") == text
 
 
 @pytest.mark.parametrize(
     "missing",
     [
-        "headline/gaps.md",
+        "headline/gaps.json",
         "ablation/made-with.md",
-        "parameters/table-parameter-low-deviation.md",
+        "parameters/table-parameter-low-deviation.json",
         "sensitivity/figure-sensitivity.svg",
         f"headline/figure-{decisions_name(next(iter(group_controllers(LOOKED_INTO))))}.svg",
     ],
@@ -151,7 +146,7 @@ def test_nothing_is_written_where_something_is_missing(results, missing):
     before = STUDY.read_bytes()
     (results / missing).unlink()
     with pytest.raises(OSError, match=re.escape(missing)):
-        publish_study(results)
+        publish("study", results.parent)
     assert STUDY.read_bytes() == before
     assert not (STUDY.parent / "results").exists()
 
@@ -164,6 +159,6 @@ def test_a_missing_or_an_unknown_block_is_named(results, old, new, message):
     STUDY.write_text(STUDY.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     before = STUDY.read_bytes()
     with pytest.raises(ValueError, match=message):
-        publish_study(results)
+        publish("study", results.parent)
     assert STUDY.read_bytes() == before
     assert not (STUDY.parent / "results").exists()

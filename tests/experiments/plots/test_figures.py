@@ -8,8 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from experiments.catalogue import PAPER, Suite
-from experiments.documents.figures import load_cases, load_snapshots, plan, write_figures
+from experiments.documents.figures import plan, write_figures
 from experiments.plots.courses import (
     CASE_DRAWINGS,
     best_by_evaluations,
@@ -20,10 +19,13 @@ from experiments.plots.courses import (
     draw_population_size,
     draw_snapshots,
 )
+from experiments.plots.stored import load_cases, load_snapshots
 from experiments.plots.style import KNOWN_STYLES, render, settings, styles
 from experiments.runs.database import Results
 from experiments.runs.labels import label
 from experiments.runs.run import Run, Snapshot
+from experiments.runs.suite import Suite
+from experiments.studies.spsfa.suites import PAPER
 from helpers.builders import CASES, function_problem, make_problem
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 
@@ -58,7 +60,7 @@ import sys
 from pathlib import Path
 from experiments.documents.figures import write_figures
 from experiments.runs.database import Results
-from experiments.catalogue import Suite
+from experiments.runs.suite import Suite
 
 database, folder, *controllers = sys.argv[1:]
 suite = Suite("tiny", tuple(controllers), ("case1",), 4, "spsfa")

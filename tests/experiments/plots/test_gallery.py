@@ -1,12 +1,22 @@
-"""The gallery shows every optimizer on every kind of map, and the page that ships is up to date."""
+"""The gallery shows every optimizer on every kind of map, and the document that ships is up to date."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from experiments import gallery
-from experiments.gallery import HEIGHT, OPTIONS, PAGE, PICTURES, WIDTH, Panel, page, picture, plan
+from experiments.plots import gallery
+from experiments.plots.gallery import (
+    DOCUMENT,
+    HEIGHT,
+    OPTIONS,
+    PICTURES,
+    WIDTH,
+    Panel,
+    document,
+    picture,
+    plan,
+)
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.rendering import pen
 from swarm_gym.scenarios import FAMILIES, make_scenario
@@ -36,11 +46,11 @@ def test_only_what_the_library_refuses_is_missing(rows):
     assert refused == {(name, function) for name in ("glowworm", "ant-colony")}
 
 
-def test_the_page_that_ships_is_that_of_the_registries(rows):
-    assert (ROOT / PAGE).read_text(encoding="utf-8") == page(rows), "run `make docs-gallery`"
+def test_the_document_that_ships_is_that_of_the_registries(rows):
+    assert (ROOT / DOCUMENT).read_text(encoding="utf-8") == document(rows), "run `make docs-gallery`"
 
 
-def test_the_pictures_that_ship_are_those_on_the_page_and_small(rows):
+def test_the_pictures_that_ship_are_those_of_the_document_and_small(rows):
     expected = {panel.file for row in rows for panel in row if not panel.refusal}
     files = list((ROOT / PICTURES).glob("*"))
     assert {file.name for file in files} == expected
@@ -57,7 +67,7 @@ def test_a_new_optimizer_and_a_new_family_appear_by_themselves(monkeypatch):
     rows = plan()
     assert rows[-1][0].optimizer == "twin"
     assert len(rows[0]) == len(gallery.scenarios())
-    text = page(rows)
+    text = document(rows)
     assert "| `twin` | – (1) |" in text
     assert text.count("\n1. not now\n") == 1
     assert "\n2. " not in text

@@ -9,9 +9,9 @@ import pytest
 from test_video_files import image, read_gif, read_mp4
 
 import swarm_gym  # noqa: F401
-from experiments import video
+from experiments.plots import video
+from experiments.plots.video import VideoConfig, write_video
 from experiments.plots.video_files import LAST
-from experiments.video import VideoConfig, write_video
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.registration import environment_id
@@ -59,7 +59,7 @@ def test_the_same_seed_gives_the_same_film_and_another_one_does_not(tmp_path):
     assert films[0] == films[1] != films[2]
 
 
-def test_a_contestant_can_say_its_optimizer_and_iterations(tmp_path):
+def test_an_entrant_can_say_its_optimizer_and_iterations(tmp_path):
     config = VideoConfig(
         (tmp_path / "a.gif",), **{**SMALL, "controller": "firefly(2)+spsfa", "iterations": None}
     )

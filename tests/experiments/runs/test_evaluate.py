@@ -2,20 +2,23 @@
 
 import dataclasses
 import sqlite3
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
-from experiments.catalogue import COLLECTIONS, SUITES, Suite, get_suite
+from experiments.catalogue import COLLECTIONS, SUITES, get_suite
+from experiments.documents.page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.publish_suite import publish_suite
+from experiments.publish import fill
 from experiments.runs import episode, runner
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.run import Run
 from experiments.runs.runner import configuration, run_missing, run_one
-from experiments.tables import make_tables
+from experiments.runs.suite import Suite
+from experiments.tables.document import Document
 from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
 from swarm_gym.controllers.open_loop import save_open_loop
@@ -209,7 +212,7 @@ def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch)
     folder = page.parent
     assert "Table 3. Final fitness on case1" in page.read_text()
     for stem in ("table-03-optimal-solutions-case1", "table-11-running-times-case3", "comparison"):
-        for suffix in ("md", "csv", "tex"):
+        for suffix in ("md", "csv", "tex", "json"):
             assert (folder / f"{stem}.{suffix}").stat().st_size > 100
     assert page.read_text().count("Runs made with: commit") == 1
     assert (
@@ -275,10 +278,10 @@ def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
     results.close()
 
 
-def test_a_contestant_has_episodes_of_its_own_length(tmp_path):
+def test_an_entrant_has_episodes_of_its_own_length(tmp_path):
     names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
-    results = Results(tmp_path / "contestants.sqlite", configuration(suite))
+    results = Results(tmp_path / "entrants.sqlite", configuration(suite))
     run_missing(suite, results, LocalBackend(1))
     lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
     assert lengths == [100, 7, 100]
@@ -314,14 +317,15 @@ def test_a_collection_has_no_single_database(collection, tmp_path):
         evaluate(EvaluateConfig(collection, output=tmp_path, database=tmp_path / "one.sqlite"))
 
 
-def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path):
+def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path, monkeypatch):
     evaluate(EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False))
     (tmp_path / "both/other/figure-a.svg").write_text("<svg/>")
     document = tmp_path / "docs/page.md"
     document.parent.mkdir()
     names = ("small/summary", "other/comparison", "other/made-with")
     document.write_text("\n".join(f"<!-- {name} -->\n<!-- /{name} -->" for name in names))
-    publish_suite(tmp_path / "both", document)
+    monkeypatch.chdir(tmp_path)
+    fill(Document(Path("docs/page.md"), "both", "both"), tmp_path).write()
     text = document.read_text()
     assert text.count("Runs made with: ") == 1
     for name in names:
@@ -344,7 +348,7 @@ def test_a_run_says_what_its_trace_holds(tmp_path):
 def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
     with results._connection as connection:
         connection.execute("ALTER TABLE runs DROP COLUMN columns")
-    with pytest.raises(ResultsError, match="earlier version"):
+    with pytest.raises(ResultsError, match="not a results database of this version"):
         Results(results.path)
 
 

@@ -4,23 +4,15 @@ import pytest
 
 from agents import make_controller
 from agents.runs.seeds import TEST
-from experiments.catalogue import (
-    COLLECTIONS,
-    FRESH_SEEDS,
-    SUITES,
-    Family,
-    Fitted,
-    controllers_of,
-    families_of,
-    training_seeds,
-)
-from experiments.documents.figures import FIGURES
-from experiments.runs.entrants import contestant
+from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
+from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
 from experiments.runs.labels import label
-from experiments.tables import TABLES
-from swarm_gym.controllers.learned.policy_file import shipped_policies
-from swarm_gym.controllers.open_loop import shipped_open_loops
+from experiments.runs.suite import FRESH_SEEDS, Family
+from experiments.studies.controllers import training_seeds
+from experiments.studies.learned.suites import Fitted, controllers_of, families_of
+from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.scenarios import expand_name
 
 NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parameters")]
@@ -69,7 +61,7 @@ def test_policies_that_are_told_different_prices_are_different_groups():
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
 def test_what_a_suite_names_is_there(suite):
     assert set(suite.tables) <= set(TABLES)
-    assert set(suite.figures) <= set(FIGURES)
+    assert set(suite.figures) <= set(figures())
     groups = group_controllers(suite.controllers)
     assert suite.baseline in groups
     assert {group for family in suite.families for group in family.groups} <= set(groups)
@@ -80,19 +72,19 @@ def test_what_a_suite_names_is_there(suite):
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
 def test_what_a_suite_runs_ships(suite):
     for controller in suite.controllers:
-        assert make_controller(contestant(controller, suite.optimizer).controller)
+        assert make_controller(entrant(controller, suite.optimizer).controller)
     for scenario in suite.scenarios:
         assert expand_name(scenario) == (scenario,)
 
 
-def test_a_contestant_names_its_optimizer_and_how_many_iterations():
-    assert contestant("spsfa-tip", "firefly") == ("firefly", "spsfa-tip", None)
-    assert contestant("multivariate+fixed:65", "firefly") == ("multivariate", "fixed:65", None)
-    found = contestant("multivariate(50)+fixed:65", "firefly")
+def test_an_entrant_names_its_optimizer_and_how_many_iterations():
+    assert entrant("spsfa-tip", "firefly") == ("firefly", "spsfa-tip", None)
+    assert entrant("multivariate+fixed:65", "firefly") == ("multivariate", "fixed:65", None)
+    found = entrant("multivariate(50)+fixed:65", "firefly")
     assert found == ("multivariate", "fixed:65", 50)
     assert found.options == {"iterations": 50}
-    assert contestant("spsfa", "firefly").options == {}
-    assert contestant("learned:a+b", "firefly").controller == "learned:a+b"
+    assert entrant("spsfa", "firefly").options == {}
+    assert entrant("learned:a+b", "firefly").controller == "learned:a+b"
 
 
 def test_a_collection_is_of_suites():
@@ -104,8 +96,8 @@ def test_a_collection_is_of_suites():
 def test_policies_that_ship_are_in_a_suite():
     run = {controller for suite in SUITES.values() for controller in suite.controllers}
     learned = {name.partition("@")[0] for name in run if name.startswith("learned:")}
-    assert {f"learned:{name}" for name in shipped_policies()} == learned
-    assert {f"open-loop:{name}" for name in shipped_open_loops()} <= run
+    assert {f"learned:{name}" for name in packaged_policies()} == learned
+    assert {f"open-loop:{name}" for name in packaged_open_loops()} <= run
 
 
 def test_families_of_a_suite_are_what_it_runs_beside_chance():

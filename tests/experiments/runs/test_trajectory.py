@@ -1,21 +1,21 @@
-"""Lengths and turns of ways."""
+"""Lengths and turns of trajectories."""
 
 import math
 
 import numpy as np
 import pytest
 
-from experiments.runs.trajectory import length_of, turning_of
+from experiments.runs.run import length_of, turning_of
 
 
-def test_a_straight_way_does_not_turn():
+def test_a_straight_trajectory_does_not_turn():
     assert turning_of(np.array([[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]])) == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 3.0, -2.5])
 def test_turns_to_both_sides_add_up(angle):
-    way = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0]])
-    turned = way @ np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    path = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0]])
+    turned = path @ np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
     assert turning_of(turned) == pytest.approx(180.0)
     assert length_of(turned) == pytest.approx(3.0)
 
@@ -30,5 +30,5 @@ def test_a_polygon_turns_by_what_is_missing_to_a_full_circle():
     assert turning_of(polygon) == pytest.approx(360.0 - 30.0)
 
 
-def test_a_way_without_steps_has_no_length():
+def test_a_trajectory_without_steps_has_no_length():
     assert length_of(np.zeros((1, 2))) == turning_of(np.zeros((1, 2))) == 0.0

@@ -6,12 +6,12 @@ from itertools import pairwise
 import pytest
 
 from experiments.catalogue import get_suite
-from experiments.runs.runner import all_runs, make_units
-from experiments.scaling import measure
-from experiments.scaling.measure import Timed
+from experiments.runs.runner import all_runs, make_units, run_one
+from experiments.scaling import overheads
 from experiments.scaling.model import Overheads, Work, predict
+from experiments.scaling.overheads import Timed
 from experiments.scaling.page import Findings, write_page
-from experiments.scaling.study import EVALUATED, evaluations
+from experiments.scaling.study import EVALUATED, evaluations, time_runs
 from experiments.speed.measurement import machine
 
 OVERHEADS = Overheads(start=30.0, per_unit=0.01, units_per_second=100.0, rows_per_second=2000.0)
@@ -87,15 +87,15 @@ def test_the_page_shows_what_was_measured(tmp_path):
 @pytest.mark.slow
 def test_what_is_measured_takes_its_time(tmp_path):
     pytest.importorskip("ray", reason="needs the extra `ray`")
-    for timed in measure.time_backends(10, 0.1, 1):
+    for timed in overheads.time_backends(10, 0.1, 1):
         assert timed.ideal == pytest.approx(1.0)
         assert timed.wall > 0.99
-    timed = measure.time_nodes(2, 2, "wait", 5, 0.1)
+    timed = overheads.time_nodes(2, 2, "wait", 5, 0.1)
     assert (timed.workers, timed.units) == (4, 20)
     assert timed.ideal == pytest.approx(0.5)
     assert timed.wall > 0.5
     suite = get_suite("paper")
-    assert all(seconds > 0.001 for seconds in measure.time_runs(suite, all_runs(suite), 3))
-    run = measure.run_one(("spsfa-tip", "case1", 1), suite, {})
-    assert measure.count_results(5, 1, run, tmp_path)["units per second"] > 0
-    assert set(measure.count_rows(100, run, tmp_path)) == {1, 10}
+    assert all(seconds > 0.001 for seconds in time_runs(suite, all_runs(suite), 3))
+    run = run_one(("spsfa-tip", "case1", 1), suite, {})
+    assert overheads.count_results(5, 1, run, tmp_path)["units per second"] > 0
+    assert set(overheads.count_rows(100, run, tmp_path)) == {1, 10}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp
 
-from experiments.benchmark import GROUPS, BenchmarkConfig, measured_before, run_benchmark
 from experiments.speed import environments, growth, moves, start, threads, training
+from experiments.speed.groups import GROUPS, measure_groups
 from experiments.speed.measurement import (
     ALL_THREADS,
     CASES,
@@ -18,6 +18,7 @@ from experiments.speed.measurement import (
     Measurement,
     Quantity,
     measure,
+    measured_before,
     medians,
     read_measurements,
     write_measurements,
@@ -242,9 +243,9 @@ def test_the_stopwatch_of_training_adds_up_what_a_method_takes():
     assert watch.seconds > first > 0
 
 
-def test_a_group_that_is_not_there_is_refused_before_anything_is_measured(tmp_path):
+def test_a_group_that_is_not_there_is_refused_before_anything_is_measured():
     with pytest.raises(UnknownNameError, match="nonsense"):
-        run_benchmark(BenchmarkConfig(output=tmp_path, groups=("moves", "nonsense")))
+        measure_groups(("moves", "nonsense"), repeats=5)
 
 
 # The page.

@@ -8,14 +8,26 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.catalogue import Suite
-from experiments.documents.page import write_page
+from experiments.documents.page import make_tables, write_page
 from experiments.runs.database import Results
 from experiments.runs.labels import label
 from experiments.runs.run import Run
+from experiments.runs.suite import Suite
 from experiments.statistics import compare, holm, mean_interval, summarise
 from experiments.studies.spsfa.published import FITNESS, SECONDS
-from experiments.tables import Table, make_tables
+from experiments.tables import Table
+from experiments.tables.cell import (
+    MISSING,
+    Cell,
+    count_of,
+    interval_cell,
+    number,
+    number_in,
+    share,
+    share_in,
+    verdict,
+)
+from helpers.stored_runs import cells_of
 
 
 def test_summary_of_a_sample():
@@ -72,12 +84,18 @@ def written(tmp_path):
     return tmp_path / "out"
 
 
-def read(path):
-    return list(csv.DictReader(io.StringIO(path.read_text())))
+def printed(folder, name):
+    """Return the printed rows of a stored table."""
+    return cells_of([Table.read(folder / f"{name}.json")], name)
+
+
+def numbers(folder, name):
+    """Return the rows of a table's CSV."""
+    return list(csv.DictReader(io.StringIO((folder / f"{name}.csv").read_text())))
 
 
 def test_fitness_table_has_our_numbers_and_the_papers(written):
-    fixed, schedule = read(written / "table-03-optimal-solutions-case1.csv")
+    fixed, schedule = printed(written, "table-03-optimal-solutions-case1")
     assert fixed["controller"] == label("fixed:60") == "FA-60"
     assert [fixed[c] for c in ("max", "min", "mean")] == ["440.0000", "310.0000", "350.0000"]
     assert fixed["feasible"] == "75 %"
@@ -87,14 +105,14 @@ def test_fitness_table_has_our_numbers_and_the_papers(written):
 
 
 def test_time_table_relates_evaluations_and_the_papers_times_to_fa_60(written):
-    _, schedule = read(written / "table-04-running-times-case1.csv")
+    _, schedule = printed(written, "table-04-running-times-case1")
     assert schedule["mean"] == "2.0000"
     assert schedule["evaluations / FA-60"] == "0.50"
     assert schedule["paper time / FA-60"] == f"{177.1657 / 164.6528:.2f}"
 
 
 def test_reproduction_table_says_where_the_paper_is_missed(written):
-    fixed, schedule = read(written / "reproduction.csv")
+    fixed, schedule = printed(written, "reproduction")
     assert fixed["min off by"] == "2.3 %"
     assert "no" in fixed["min within"]
     assert schedule["min off by"] == "-0.0 %"
@@ -103,7 +121,7 @@ def test_reproduction_table_says_where_the_paper_is_missed(written):
 
 
 def test_comparison_is_paired(written):
-    (row,) = read(written / "comparison.csv")
+    (row,) = printed(written, "comparison")
     assert row["difference"] == "+44.1"
     assert row["A12"] == "0.00"
     assert row["evaluations ratio"] == "2.00"
@@ -118,8 +136,91 @@ def test_latex_is_escaped_and_balanced(written):
 
 
 def test_markdown_rows_have_the_width_of_the_head():
-    table = Table("t", "A caption", ("a", "b"), [("1", "2"), ("3", "4")])
+    table = Table("t", "A caption", ("a", "b"), [("1", "2"), ("3", number(4.0, ".0f"))])
     assert table.markdown().splitlines()[2:] == ["| a | b |", "| --- | --- |", "| 1 | 2 |", "| 3 | 4 |"]
+
+
+def test_csv_has_the_numbers_in_full(written):
+    fixed, schedule = numbers(written, "table-03-optimal-solutions-case1")
+    assert fixed["controller"] == "FA-60"
+    assert [float(fixed[c]) for c in ("max", "min", "mean", "feasible")] == [440.0, 310.0, 350.0, 0.75]
+    low, high = (float(schedule[f"95 % interval of the mean {end}"]) for end in ("low", "high"))
+    assert (low, high) == summarise(np.array([306, 305.5, 307, 305])).interval
+    fixed, _ = numbers(written, "reproduction")
+    assert float(fixed["min off by"]) == 310.0 / 303.0075 - 1.0
+    assert fixed["min within"] == "no"
+    text = "".join(path.read_text().partition("\n")[2] for path in written.glob("*.csv"))
+    assert "**" not in text
+    assert "±" not in text
+    assert not re.search(r"\d %|\[|\dk,|\d to ", text)
+
+
+def test_csv_has_a_column_for_each_number():
+    rows = [
+        ("one", share_in(0.5, (0.25, 0.75)), count_of(3, 4), verdict(False), number(1.0), MISSING),
+        ("two", MISSING, count_of(4, 4), verdict(True), number(2.0), interval_cell((0.0, np.inf))),
+    ]
+    table = Table("t", "A caption", ("name", "a", "b", "c", "d", "d"), rows)
+    assert table.csv().splitlines() == [
+        "name,a,a low,a high,b,b total,c,d,d low,d high",
+        "one,0.5,0.25,0.75,3,4,no,1.0,,",
+        "two,,,,4,4,yes,2.0,0.0,inf",
+    ]
+    twice = Table("t", "", ("d", "d"), [(number(1.0), number(2.0))])
+    assert twice.csv() == "d,d (2)\n1.0,2.0\n"
+
+
+@pytest.mark.parametrize(
+    ("cell", "text"),
+    [
+        (number(1234.5, ",.1f"), "1,234.5"),
+        (number(np.nan), "–"),
+        (number(None), "–"),
+        (number(True, "d"), "1"),
+        (share(0.123), "12.3 %"),
+        (share(np.nan), "–"),
+        (share(-0.0004, "+.1f"), "-0.0 %"),
+        (number_in(1.0, (0.5, 2.0), ".2f"), "1.00 [0.50, 2.00]"),
+        (share_in(0.01, (-0.02, 0.03), "+.2f"), "+1.00 % [-2.00, +3.00]"),
+        (interval_cell((1.0, 2.0)), "1.0 to 2.0"),
+        (count_of(3, 4), "3 of 4"),
+        (verdict(True), "yes"),
+        (verdict(False), "**no**"),
+        (Cell.of("at {value:k.0f}k", value=12_345.0), "at 12k"),
+    ],
+)
+def test_a_cell_prints_its_numbers(cell, text):
+    assert str(cell) == text
+
+
+def test_a_table_is_read_as_it_was_written(tmp_path):
+    rows = [("a {b}", share_in(1 / 3, (0.1, np.inf))), ("**c**", number(np.int64(7), "d"))]
+    table = Table("t", "Ä caption", ("x", "y"), rows, "case1")
+    table.write(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"t.md", "t.tex", "t.csv", "t.json"}
+    assert Table.read(tmp_path / "t.json") == table
+    no_rows = Table("t", "", ("x",), [])
+    (tmp_path / "t.json").write_text(no_rows.json())
+    assert Table.read(tmp_path / "t.json") == no_rows
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    ["", "{}", "[]", "null", '{"name": "t", "caption": "", "scenario": null, "columns": ["x"], "rows": [[]]}',
+     '{"name": "t", "caption": "", "scenario": null, "columns": ["x"], "rows": [[3]]}'],
+)  # fmt: skip
+def test_what_is_no_table_is_named(tmp_path, damaged):
+    (tmp_path / "t.json").write_text(damaged)
+    with pytest.raises(ValueError, match=r"t\.json is not a table"):
+        Table.read(tmp_path / "t.json")
+
+
+def test_a_table_knows_the_scenario_that_it_is_about(written):
+    scenarios = {table.name: table.scenario for table in map(Table.read, written.glob("*.json"))}
+    assert (
+        scenarios["table-03-optimal-solutions-case1"] == scenarios["table-04-running-times-case1"] == "case1"
+    )
+    assert scenarios["summary"] is scenarios["comparison"] is scenarios["reproduction"] is None
 
 
 def test_the_papers_numbers_are_consistent():

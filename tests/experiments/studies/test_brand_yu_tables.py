@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.catalogue import DYNAMIC as GATES
 from experiments.documents.figures import plan
+from experiments.documents.page import make_tables
 from experiments.runs.run import Run, Snapshot
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
+from experiments.studies.dynamic.suites import DYNAMIC as GATES
 from experiments.studies.dynamic.tables import Recovery
-from experiments.tables import make_tables
-from helpers.stored_runs import cells_of
+from helpers.stored_runs import cells_of, printed_rows
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.simulation import HISTORY
 
@@ -28,7 +28,7 @@ def made_run(key, way=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, sna
         trace[:, HISTORY.index(name)] = course
     way, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (way, path))
     spent = int(trace[-1, HISTORY.index("evaluations")])
-    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, way=way)
+    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=way)
 
 
 def kinked(start, target, length):
@@ -214,7 +214,7 @@ def test_lengths_on_grids_are_beside_the_shortest(database, grids):
 
 
 def test_exponents_are_those_of_the_powers(database, grids):
-    few, ants = (row[1:] for row in make_tables(grids, database)[2].rows)
+    few, ants = (row[1:] for row in printed_rows(make_tables(grids, database)[2]))
     assert ants == ("1.10", "[1.10, 1.10]", "1.50", "[1.50, 1.50]")
     _, covariance = np.polyfit(
         np.log(np.repeat(SIDES, 4)), np.log(np.outer(SIDES, SPREAD).ravel()), 1, cov=True
@@ -284,7 +284,8 @@ def gates(database):
 
 def test_recovery_tables_have_quartiles_of_all_training_seeds(database, gates):
     (table,) = make_tables(gates[0], database)
-    assert [row[:3] for row in table.rows] == [
+    rows = printed_rows(table)
+    assert [row[:3] for row in rows] == [
         (name, *who) for name in OPTIMA for who in (("FA-80", "3"), ("learned three-cases@1", "6"))
     ]
     # Strictly, the second run of each only grazes, and never recovers: medians and quartiles of what is left.
@@ -296,9 +297,9 @@ def test_recovery_tables_have_quartiles_of_all_training_seeds(database, gates):
         "67 %, 17 %, 33 %", "never [8, never]", "never [8,000, never]",
         "67 %, 17 %, 50 %", "8 [2, never]", "8,000 [2,000, never]",
     )  # fmt: skip
-    assert [row[3:9] for row in table.rows] == [fixed, learned] * 2
-    assert [row[9].partition(" [")[0] for row in table.rows] == ["20.00 %", "24.50 %", "21.00 %", "25.50 %"]
-    assert {row[10] for row in table.rows} == {"101,000"}
+    assert [row[3:9] for row in rows] == [fixed, learned] * 2
+    assert [row[9].partition(" [")[0] for row in rows] == ["20.00 %", "24.50 %", "21.00 %", "25.50 %"]
+    assert {row[10] for row in rows} == {"101,000"}
 
 
 def test_recovery_is_drawn_as_medians_beside_the_optimum_of_the_map_in_force(database, gates):

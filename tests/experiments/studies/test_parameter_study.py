@@ -8,20 +8,22 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from experiments.catalogue import PARAMETERS, get_suite
-from experiments.documents.figures import load_cases, plan, write_figures
+from experiments.catalogue import get_suite
+from experiments.documents.figures import plan, write_figures
+from experiments.documents.page import make_tables
+from experiments.plots.stored import load_cases
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.run import Run
 from experiments.statistics import ratio_interval
 from experiments.studies.spsfa.parameter_figures import draw_courses, draw_outcomes
-from experiments.studies.spsfa.parameters import CONTROLLERS, SCENARIO, STUDIES
-from experiments.tables import make_tables
+from experiments.studies.spsfa.parameters import CONTROLLERS, PARAMETER_STUDIES, SCENARIO
+from experiments.studies.spsfa.suites import PARAMETERS
 from helpers.builders import make_problem
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 
 NUM_SEEDS, ITERATIONS = 4, 6
 SUITE = dataclasses.replace(PARAMETERS, num_seeds=NUM_SEEDS)
-GROWTH, DECAY, LOW_DEVIATION = STUDIES
+GROWTH, DECAY, LOW_DEVIATION = PARAMETER_STUDIES
 EVALUATIONS = {GROWTH.controller(500.0): 700, "spsfa-tip": 1000, DECAY.controller(0.1): 2500}
 
 
@@ -66,12 +68,12 @@ def test_the_suite_is_the_papers_grid_with_the_printed_setting_once():
     assert GROWTH.values == tuple(range(500, 2251, 250))
     np.testing.assert_allclose(DECAY.values, np.arange(1, 10) / 10)
     assert LOW_DEVIATION.values == tuple(range(10, 101, 10))
-    assert [study.printed for study in STUDIES] == [1000.0, 0.2, 20.0]
+    assert [study.printed for study in PARAMETER_STUDIES] == [1000.0, 0.2, 20.0]
     assert len(CONTROLLERS) == len(set(CONTROLLERS)) == 8 + 9 + 10 - 2
     assert get_suite("parameters").controllers == CONTROLLERS
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", PARAMETER_STUDIES)
 def test_a_study_varies_one_parameter_and_nothing_else(study):
     assert study.controller(study.printed) == "spsfa-tip"
     for value in study.values:
@@ -122,7 +124,7 @@ def test_a_study_that_is_not_complete_is_refused(results):
 def test_only_parameters_that_were_varied_have_tables_and_figures(results):
     some = dataclasses.replace(SUITE, controllers=("spsfa-tip", DECAY.controller(0.5)))
     (table,) = make_tables(some, results)
-    assert [row[0] for row in table.rows] == ["**0.2**", "0.5"]
+    assert [str(row[0]) for row in table.rows] == ["**0.2**", "0.5"]
     assert list(plan(some, results)) == ["parameter-decay-courses", "parameter-decay-outcomes"]
     for alone in ("spsfa-tip", DECAY.controller(0.5)):
         nothing = dataclasses.replace(SUITE, controllers=(alone,))
@@ -140,7 +142,7 @@ def test_interval_of_a_ratio_covers_it_and_pairs_the_seeds():
     assert ratio_interval(unit, unit) == (1.0, 1.0)
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", PARAMETER_STUDIES)
 def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, case):
     panels = draw_courses(study, case).axes
     for value in study.values:
@@ -157,7 +159,7 @@ def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, case):
     assert len(looks) == len(study.values)
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", PARAMETER_STUDIES)
 def test_outcomes_show_every_run_and_the_papers_ratios_where_it_prints_times(study, case):
     figure = draw_outcomes(study, case)
     runs = {value: case.runs[study.controller(value)] for value in study.values}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.catalogue import STUDY_FIGURES, STUDY_TABLES, Family, Suite, training_seeds
 from experiments.documents.figures import plan, write_figures
+from experiments.documents.page import make_tables
 from experiments.plots.decisions import draw_decisions, load_courses
 from experiments.plots.gaps import draw_front, draw_profiles, logarithmic_ticks
 from experiments.plots.style import styles
@@ -16,10 +16,13 @@ from experiments.runs.database import Results, ResultsError
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run
+from experiments.runs.suite import Family, Suite
 from experiments.statistics import holm, hypervolume
-from experiments.tables import make_tables
-from experiments.tables.differences import difference_tables, duel_tables
+from experiments.studies.controllers import training_seeds
+from experiments.studies.learned.suites import STUDY_FIGURES, STUDY_TABLES
+from experiments.tables.differences import difference_tables, paired_comparison_tables
 from helpers.builders import make_problem
+from helpers.stored_runs import cells_of, printed_rows
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -110,7 +113,7 @@ def outcomes(results):
 @pytest.fixture(scope="module")
 def tables(results):
     made = make_tables(SUITE, results)
-    return {table.name: [dict(zip(table.columns, row, strict=True)) for row in table.rows] for table in made}
+    return {table.name: cells_of(made, table.name) for table in made}
 
 
 def of(gaps, controllers, scenarios):
@@ -190,16 +193,16 @@ def test_differences_are_paired_and_corrected_over_the_table(tables, gaps):
     assert row(tables["differences"], "all", "FA-60")["evaluations ratio"] == "1.89"
 
 
-def test_duels_are_of_the_pairs_that_were_run(outcomes, gaps):
+def test_paired_comparisons_are_of_the_pairs_that_were_run(outcomes, gaps):
     pairs = (("learned:a/*", "fixed:60"), ("spsfa-tip", "learned:a/*"), ("learned:a/*", "learned:b/*"))
-    (table,) = duel_tables(dataclasses.replace(SUITE, duels=pairs), outcomes)
-    assert [r[:3] for r in table.rows[:2]] == [
+    (table,) = paired_comparison_tables(dataclasses.replace(SUITE, pairs=pairs), outcomes)
+    assert [r[:3] for r in printed_rows(table)[:2]] == [
         ("case1", "learned a", "FA-60"),
         ("case1", "SPSFA-TIP", "learned a"),
     ]
     assert len(table.rows) == 2 * 3
     mine, theirs = of(gaps, LEARNED, ["case1"]), of(gaps, ["fixed:60"], ["case1"])
-    first = dict(zip(table.columns, table.rows[0], strict=True))
+    first = cells_of([table], "duels")[0]
     assert first["difference"].startswith(f"{100 * (mine.mean() - theirs.mean()):+.2f} % [")
     p_values = [
         stats.wilcoxon(
@@ -208,8 +211,8 @@ def test_duels_are_of_the_pairs_that_were_run(outcomes, gaps):
         for scenarios in (["case1"], FIELDS, SUITE.scenarios)
         for a, b in ((LEARNED, ["fixed:60"]), (["spsfa-tip"], LEARNED))
     ]
-    assert [r[-1] for r in table.rows] == [f"{p:.2g}" for p in holm(p_values)]
-    assert duel_tables(dataclasses.replace(SUITE, duels=pairs[2:]), outcomes) == []
+    assert [r[-1] for r in printed_rows(table)] == [f"{p:.2g}" for p in holm(p_values)]
+    assert paired_comparison_tables(dataclasses.replace(SUITE, pairs=pairs[2:]), outcomes) == []
 
 
 def test_without_the_baseline_nothing_is_compared(results):
@@ -225,7 +228,7 @@ def test_training_seeds_of_a_baseline_are_drawn_independently(outcomes):
     names = (*LEARNED, *training_seeds("learned:b", 3))
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), baseline="learned:b/*")
     (table,) = difference_tables(suite, Outcomes(names, ("case1",), *both))
-    ((_, controller, difference, *_, improvement, p_value),) = table.rows
+    ((_, controller, difference, *_, improvement, p_value),) = printed_rows(table)
     assert (controller, improvement, p_value) == ("learned a", "0.50", "1")
     centre, low, high = map(float, re.findall(r"[+-][\d.]+", difference))
     assert centre == 0.0

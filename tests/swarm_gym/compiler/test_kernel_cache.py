@@ -9,8 +9,8 @@ from pathlib import Path
 import numba
 import pytest
 
-from swarm_gym.compiler import jit
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler import cache
+from swarm_gym.compiler.jit import entry, kernel
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -21,14 +21,14 @@ def doubled(x):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path / "kernels")
-    jit._warn_once.cache_clear()
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path / "kernels")
+    cache._warn_once.cache_clear()
     return tmp_path / "kernels"
 
 
 def compiled():
-    """A kernel as another process would have it, called once; and how often the cache had it."""
-    function = kernel(doubled)
+    """A compiled function as another process would have it, called once; and how often the cache had it."""
+    function = entry(doubled)
     assert function(21) == 42
     return sum(function.stats.cache_hits.values())
 
@@ -50,6 +50,14 @@ def test_what_is_damaged_is_compiled_anew_and_kept(folder, caplog, suffix, left)
     assert warning.levelno == logging.WARNING
     assert "are damaged" in warning.message
     assert str(folder) in warning.message
+
+
+def test_code_of_other_options_is_not_reused(folder):
+    assert compiled() == 0
+    for decorate, hits in ((kernel, 0), (kernel(inline="late"), 0), (kernel, 1)):
+        function = decorate(doubled)
+        function.compile((numba.int64,))
+        assert sum(function.stats.cache_hits.values()) == hits
 
 
 def test_without_a_folder_to_write_to_it_is_said_once(folder, caplog):
@@ -74,8 +82,8 @@ def test_a_folder_that_is_only_read_serves(folder, caplog, monkeypatch):
 
 
 def _compile_together(folder, barrier, hits):
-    jit.cache_folder = lambda: folder
-    function = kernel(doubled)
+    cache.cache_folder = lambda: folder
+    function = entry(doubled)
     barrier.wait()
     function(21.0)
     hits.put(sum(function.stats.cache_hits.values()))
@@ -102,8 +110,8 @@ def test_of_processes_that_need_the_same_one_compiles_it(folder):
 
 def test_who_has_waited_long_compiles_it_too(folder, monkeypatch):
     # As another process would that compiles the same, and takes long.
-    monkeypatch.setattr(jit, "PATIENCE", 0.1)
-    function = kernel(doubled)
+    monkeypatch.setattr(cache, "COMPILE_TIMEOUT", 0.1)
+    function = entry(doubled)
     assert function._cache._wait_for_others((numba.int64,))
     assert compiled() == 0
     function._cache.let_others_go_on((numba.int64,))

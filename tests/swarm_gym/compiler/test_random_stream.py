@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.random.bit_generator import ISeedSequence
 
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform, seed_stream
 
@@ -34,7 +35,7 @@ def numpy_words(lanes):
 def drawn(stream, rounds):
     """Numbers of so many rounds over the lanes, (rounds, 8)."""
     out = np.empty(8 * rounds)
-    fill_uniform(stream, out)
+    compiled(fill_uniform)(stream, out)
     return out.reshape(rounds, 8)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import (
     as_float,
     bits,
@@ -28,7 +28,7 @@ from swarm_gym.compiler.simd import (
     where,
 )
 
-compiled = cache(kernel)
+compiled = cache(entry)
 
 # Each takes three arrays of eight and returns a list of results that are arrays of eight.
 

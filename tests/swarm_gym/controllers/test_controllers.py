@@ -10,17 +10,17 @@ from agents import CONTROLLERS, Controller, SizeLimits, make_controller
 from agents.evaluation.rollout import run_episodes
 from helpers.trainings import make_policy
 from swarm_gym.action import make_action
-from swarm_gym.controllers.distilled import shipped_rules
+from swarm_gym.controllers.distilled import packaged_rules
 from swarm_gym.controllers.learned import policy_file
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import (
     PolicyFileError,
     load_policy,
+    packaged_policies,
     save_policy,
-    shipped_policies,
 )
-from swarm_gym.controllers.open_loop import OpenLoopFileError, shipped_open_loops
-from swarm_gym.controllers.tuned import FORMAT, TunedFileError, shipped_tuned
+from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
+from swarm_gym.controllers.registry import load_learned
+from swarm_gym.controllers.tuned import FORMAT, TunedFileError, packaged_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
@@ -28,14 +28,14 @@ from swarm_gym.settings import Settings
 
 ARGUMENTS = {
     "fixed": ["60", "2", "200"],
-    "distilled": shipped_rules(),
-    "open-loop": shipped_open_loops(),
+    "distilled": packaged_rules(),
+    "open-loop": packaged_open_loops(),
     "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
     "linear-reduction": ["", "start=120,smallest=20"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
-    "learned": shipped_policies(),
+    "learned": packaged_policies(),
     "spsfa": ["", "growth=500,smallest=20"],
-    "tuned": shipped_tuned(),
+    "tuned": packaged_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
 }
 NAMES = [
@@ -115,7 +115,7 @@ def test_random_covers_the_action_space_and_is_seeded():
             "spfsa.*distilled.*fixed.*learned.*linear-reduction.*spsfa-tip.*tuned",
         ),
         ("", UnknownNameError, "''"),
-        ("fixed", ValueError, "population size, as fixed:60"),
+        ("fixed", ValueError, "population size, e.g. fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),
         ("fixed:0", ValueError, "0"),
         ("fixed:10001", ValueError, "10001"),
@@ -123,8 +123,8 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("spsfa:3", ValueError, "3"),
         ("learned:nowhere", PolicyFileError, "nowhere"),
         ("learned", PolicyFileError, "neither"),
-        ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a shipped one"),
-        ("tuned:nowhere", TunedFileError, "nowhere.*neither a shipped one"),
+        ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a packaged one"),
+        ("tuned:nowhere", TunedFileError, "nowhere.*neither a packaged one"),
     ],
 )
 def test_unknown_controllers_are_refused(name, error, message):
@@ -165,8 +165,8 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
     np.testing.assert_allclose(controller.act(observations), means, atol=1e-6)
 
 
-def test_a_missing_policy_names_the_shipped_ones():
-    with pytest.raises(PolicyFileError, match="shipped policy"):
+def test_a_missing_policy_names_the_packaged_ones():
+    with pytest.raises(PolicyFileError, match="packaged policy"):
         make_controller("learned:no-such-policy")
 
 
@@ -176,11 +176,11 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
     for name in ("alone", "recipe/0", "recipe/1"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         make_policy(tmp_path / f"{name}.safetensors", rng)
-    assert shipped_policies() == ["alone", "recipe/0", "recipe/1"]
-    digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in shipped_policies()}
+    assert packaged_policies() == ["alone", "recipe/0", "recipe/1"]
+    digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in packaged_policies()}
     assert len(digests) == 3
     for name in ("recipe", "recipe/2"):
-        with pytest.raises(PolicyFileError, match=r"shipped policy \(alone, recipe/<seed>\)"):
+        with pytest.raises(PolicyFileError, match=r"packaged policy \(alone, recipe/<seed>\)"):
             make_controller(f"learned:{name}")
 
 

@@ -12,8 +12,8 @@ from swarm_gym.controllers.open_loop import (
     OpenLoop,
     OpenLoopFileError,
     load_open_loop,
+    packaged_open_loops,
     save_open_loop,
-    shipped_open_loops,
 )
 from swarm_gym.optimizers.firefly import Firefly
 
@@ -115,8 +115,8 @@ def test_a_file_that_is_no_open_loop_is_refused_by_name(tmp_path, content):
         load_open_loop(str(path))
 
 
-def test_a_missing_file_names_the_shipped_ones():
-    with pytest.raises(OpenLoopFileError, match=f"nowhere.*{shipped_open_loops()[0]}"):
+def test_a_missing_file_names_the_packaged_ones():
+    with pytest.raises(OpenLoopFileError, match=f"nowhere.*{packaged_open_loops()[0]}"):
         load_open_loop("nowhere")
 
 

@@ -1,5 +1,6 @@
 """Policy files that are damaged, mismatched or hostile: an error that says so, or one that can decide."""
 
+import hashlib
 import json
 import struct
 from contextlib import suppress
@@ -12,7 +13,6 @@ from hypothesis import strategies as st
 from agents import make_controller
 from helpers.mutations import fuzzed, mutated
 from helpers.trainings import add_memory, change_policy, make_policy
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import (
     MAX_FILE,
     MAX_HEADER,
@@ -20,11 +20,12 @@ from swarm_gym.controllers.learned.policy_file import (
     PolicyFileError,
     encode_policy,
     load_policy,
+    packaged_policies,
     resolve,
     save_policy,
-    shipped_policies,
 )
 from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TunedFileError, save_tuned
 from swarm_gym.optimizers import firefly  # noqa: F401, which takes seconds that no example shall wait for
 
@@ -61,8 +62,8 @@ def file_of(header, tensors=b""):
     return struct.pack("<Q", len(header)) + header + tensors
 
 
-@pytest.mark.parametrize("name", shipped_policies())
-def test_every_shipped_policy_loads_and_is_far_below_the_limits(name):
+@pytest.mark.parametrize("name", packaged_policies())
+def test_every_packaged_policy_loads_and_is_far_below_the_limits(name):
     load_policy(resolve(name))
     data = resolve(name).read_bytes()
     assert len(data) < MAX_FILE / 100
@@ -245,8 +246,10 @@ def test_a_value_that_nothing_can_be_done_with_is_refused(policy, key, value):
     length = struct.unpack("<Q", data[:8])[0]
     header = json.loads(data[8 : 8 + length])
     manifest = json.loads(header["__metadata__"]["manifest"])
-    del manifest["manifest_sha256"]  # as in the files of before, so that nothing else is wrong
-    header["__metadata__"]["manifest"] = json.dumps({**manifest, key: value})
+    del manifest["manifest_sha256"]
+    manifest[key] = value
+    digest = hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
+    header["__metadata__"]["manifest"] = json.dumps({"manifest_sha256": digest, **manifest})
     policy.write_bytes(file_of(json.dumps(header).encode(), data[8 + length :]))
     refused(policy, key)
     with pytest.raises(PolicyFileError) as caught:
@@ -272,9 +275,11 @@ def test_a_policy_that_sees_a_price_says_which(tmp_path):
 
 def test_a_memory_without_a_size_is_refused(policy):
     weights, manifest = load_policy(with_memory(policy))
+    save_policy(policy, weights, {**manifest, "lstm_size": None})
+    refused(policy, "lstm_size", "None")
     del manifest["lstm_size"]
     save_policy(policy, weights, manifest)
-    refused(policy, "lstm_size", "None")
+    refused(policy, "lacks lstm_size")
 
 
 def test_more_may_be_said_than_is_needed(policy):
@@ -289,14 +294,13 @@ def test_a_manifest_that_was_changed_is_refused(policy):
     refused(policy, "manifest does not match its own digest")
 
 
-def test_a_file_without_a_digest_of_its_manifest_loads(policy):
+def test_a_file_without_a_digest_of_its_manifest_is_refused(policy):
     data = policy.read_bytes()
     begin = data.index(b'\\"manifest_sha256\\"')
     end = data.index(b", ", begin) + 2
     length = struct.unpack("<Q", data[:8])[0] - (end - begin)
     policy.write_bytes(struct.pack("<Q", length) + data[8:begin] + data[end:])
-    assert "manifest_sha256" not in load_policy(policy)[1]
-    assert decides_or_is_refused(policy)
+    refused(policy, "lacks manifest_sha256")
 
 
 json_values = st.recursive(

@@ -12,11 +12,10 @@ from agents.training.imitation import _cut, demonstrate, imitate
 from agents.training.learners import make_learner
 from agents.training.learners.recurrent import SequencePolicy
 from helpers.trainings import STEPS, add_memory, change_policy, tiny_config, train
-from swarm_gym.controllers.learned.feedforward import FeedforwardController
-from swarm_gym.controllers.learned.load import NETWORKS, load_learned
+from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController, RecurrentController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
-from swarm_gym.controllers.learned.recurrent import ITERATION, RecurrentController
-from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.controllers.registry import load_learned
+from swarm_gym.observation import ITERATION, OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -119,7 +118,7 @@ def test_a_file_that_contradicts_itself_is_refused(policy, changes, message):
 def test_the_file_tells_which_class_it_is_of_and_is_read_once(policy, tmp_path, monkeypatch):
     read = []
     monkeypatch.setattr(
-        "swarm_gym.controllers.learned.load.load_policy", lambda path: read.append(path) or load_policy(path)
+        "swarm_gym.controllers.registry.load_policy", lambda path: read.append(path) or load_policy(path)
     )
     other = make_policy(tmp_path / "other.safetensors", np.random.default_rng(0))
     assert type(load_learned(policy)) is NETWORKS["lstm"] is RecurrentController

@@ -9,10 +9,10 @@ from agents.evaluation.rollout import run_episodes
 from agents.training.sb3_vec_env import SB3VecEnv
 from helpers.trainings import make_rule
 from swarm_gym.action import make_action
-from swarm_gym.controllers.learned.load import load_learned
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
+from helpers.compiled import compiled
 from swarm_gym.batch import episode_seed
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule, parameter_ranges
@@ -13,8 +14,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.population import Swarms, make_workspace, resize, summarise
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.analytic.cost import evaluate
-from swarm_gym.problem.analytic.repair import repair
+from swarm_gym.problem.tables import evaluate_entry, repair_entry
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.simulation import HISTORY
 
@@ -50,12 +50,12 @@ class PaperAlgorithm2:
 
     def uniform(self):
         out = np.empty(32)
-        fill_uniform(self.swarms.stream[0], out)
+        compiled(fill_uniform)(self.swarms.stream[0], out)
         return out
 
     def assess(self, i):
         path = np.concatenate([[0.0], self.swarms.positions[0, i]])
-        f, c = evaluate(self.table, path)
+        f, c = evaluate_entry(self.table, path)
         self.swarms.fitness[0, i], self.swarms.collision[0, i] = f, c
         self.swarms.evaluations[0] += 1
         self.swarms.best_fitness[0] = min(self.swarms.best_fitness[0], f)
@@ -78,12 +78,12 @@ class PaperAlgorithm2:
         positions[i] = np.clip(moved, self.table.lower, self.table.upper)
         if phi > 0:
             path = np.concatenate([[0.0], positions[i]])
-            repair(self.table, path, phi)
+            repair_entry(self.table, path, phi)
             positions[i] = path[1:]
         self.assess(i)
 
     def population_collision(self):
-        summarise(self.swarms, 0, self.k)
+        compiled(summarise)(self.swarms, 0, self.k)
         return self.swarms.summary[0, 0], self.swarms.summary[0, 2]
 
     def run(self):
@@ -103,7 +103,7 @@ class PaperAlgorithm2:
             new = ps + self.omega / ps if e > e_init else ps_max * (e / e_init) ** self.eta
             ps = min(max(math.floor(new + 0.5), self.smallest), self.largest)
             ps_max = max(ps_max, ps)
-            resize(swarms, 0, self.table, make_workspace(32), ps)
+            compiled(resize)(swarms, 0, self.table, make_workspace(32), ps)
             treated = self.treatment and deviation <= self.low_deviation
             phi = min(max(2.0 * ps_max / ps**2, 0.0), 1.0) if treated else 0.0
         return np.array(self.trace)

@@ -171,7 +171,7 @@ def test_parameters_that_change_from_one_iteration_to_the_next_are_followed():
 def test_given_populations_are_refused():
     env = gymnasium.make("swarm_gym/AntColony-v0", scenario="block:20")
     with pytest.raises(
-        SettingError, match="initial_population: ant-colony has members of its own making only"
+        SettingError, match="initial_population: ant-colony makes its first population itself"
     ):
         env.reset(options={"initial_population": np.ones((5, 2))})
 

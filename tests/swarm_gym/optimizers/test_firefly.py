@@ -21,9 +21,9 @@ from helpers.builders import (
     padded,
     problem_of,
     random_population,
-    twins_of,
     workspace,
 )
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.firefly import Firefly, move_towards
@@ -69,7 +69,7 @@ def test_a_move_is_the_naive_one(data, num_waypoints):
     table = make_problem("case1", num_waypoints).table
     work = workspace(num_waypoints)
     work.path[:], work.noise[:] = as_path(position), padded(noise)
-    move_towards(table, work, padded(brighter), *knobs)
+    compiled(move_towards)(table, work, padded(brighter), *knobs)
     expected = naive.firefly_move(
         position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
     )
@@ -83,7 +83,7 @@ def test_a_move_of_values_known_by_hand():
     work = workspace(2)
     work.path[:], work.noise[:] = as_path([0.0, 10.0]), padded([0.5, 1.0])
     # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
-    move_towards(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    compiled(move_towards)(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
     pull = 0.8 * math.exp(-1)
     assert work.path.tolist() == pytest.approx(as_path([30 * pull, 10 + 40 * pull + 3]).tolist())
 
@@ -91,9 +91,15 @@ def test_a_move_of_values_known_by_hand():
 # One iteration.
 
 
+def fireflies(source, size, seed, num_waypoints=31, **options):
+    """(swarms, tables, twin) of a random population."""
+    problem = problem_of(source, num_waypoints)
+    return make_twins(problem, random_population(np.random.default_rng(seed), problem, size), seed, **options)
+
+
 def iterated(source, size, seed, repair_degree, knobs, num_waypoints=31):
     """Swarms before an iteration of fireflies and after it, held against the oracle."""
-    swarms, tables, twin = twins_of(source, size, seed, num_waypoints)
+    swarms, tables, twin = fireflies(source, size, seed, num_waypoints)
     before = Swarms(*map(np.copy, swarms))
     values = advance("firefly", swarms, tables, size, repair_degree, knobs)
     twin.step(size, repair_degree, values.tolist())
@@ -125,7 +131,7 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("source", SOURCES)
 def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
-    swarms, tables, _ = twins_of(source, 20, seed, 31)
+    swarms, tables, _ = fireflies(source, 20, seed, 31)
     before, counter = swarms.evaluations[0], swarms.stream[0, 3].copy()
     advance("firefly", swarms, tables, 20, 0.0)
     moves = swarms.evaluations[0] - before
@@ -160,9 +166,9 @@ def test_equals_do_not_move(size):
 
 
 def test_moves_stay_in_the_workspace_however_strong_the_noise():
-    swarms, tables, _ = twins_of("random", 15, 1, 31)
+    swarms, tables, _ = fireflies("random", 15, 1, 31)
     advance("firefly", swarms, tables, 15, 0.5, {"noise": 1e4})
-    table = select(tables, 0)
+    table = compiled(select)(tables, 0)
     assert (swarms.positions[0, :15] >= table.lower).all()
     assert (swarms.positions[0, :15] <= table.upper).all()
     inner = swarms.positions[0, :15, :31]
@@ -192,7 +198,7 @@ def test_a_swarm_with_parameters_of_its_own_gives_the_same_bits_in_a_batch_of_an
 
 
 def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive():
-    swarms, tables, twin = twins_of("case3", 6, 1, 9, budget=160)
+    swarms, tables, twin = fireflies("case3", 6, 1, 9, budget=160)
     np.testing.assert_allclose(swarms.summary[0], naive.summary(twin, MEAN_WEIGHT), rtol=1e-10)
     for size, repair_degree in ((10, 0.0), (4, 0.5), (4, 1.0), (9, 0.0), (12, 0.0), (14, 0.0)):
         values = advance("firefly", swarms, tables, size, repair_degree)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from helpers.ants import NAME, problem_of, trails_of
 from helpers.builders import advance, begin, random_grid_scenario, walk_problem
+from helpers.compiled import compiled
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.optimizers.ant_colony import walk as ant_colony_walk
 from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
@@ -64,10 +65,10 @@ def test_trails_that_evaporate_where_they_are_looked_at_have_the_bits_of_plain_o
         ]
         plain.renew(evaporation, laid)
         if k < len(looks):
-            place = trails.current_trails(array, looks[k])
+            place = compiled(trails.current_trails)(array, looks[k])
             assert array[place : place + 8].tolist() == plain.tau[looks[k]].tolist()
     for cell in range(WIDTH * HEIGHT):
-        place = trails.current_trails(array, cell)
+        place = compiled(trails.current_trails)(array, cell)
         assert array[place : place + 8].tolist() == plain.tau[cell].tolist()
 
 

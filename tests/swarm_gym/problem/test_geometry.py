@@ -16,6 +16,7 @@ from helpers.builders import (
     random_scenario,
     turned,
 )
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.collision import clearing_shifts
@@ -50,7 +51,9 @@ def kernel_shifts(problem, y0, y1):
     present = table.rows[table.first_row[tiles.start : tiles.stop] + PRESENCE, 1]
     length = math.hypot(SPACING, y1 - y0)
     return [
-        clearing_shifts(table, tile, 1, y0, y1 - y0, length) for tile in tiles if present[tile] > -math.inf
+        compiled(clearing_shifts)(table, tile, 1, y0, y1 - y0, length)
+        for tile in tiles
+        if present[tile] > -math.inf
     ]
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from helpers.builders import random_grid_scenario, small_grid_problem
+from helpers.compiled import compiled
 from oracles import naive_grid
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import GridProblem
-from swarm_gym.problem.tables import evaluate, repair, select, stack
+from swarm_gym.problem.tables import evaluate_entry, repair_entry, select, stack
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.settings import Settings, make_problem
 
@@ -117,11 +118,11 @@ def test_stacked_problems_are_the_problems_themselves(encoding):
     ]
     tables = stack([problem.table for problem in problems])
     for index, problem in enumerate(problems):
-        table = select(tables, index)
+        table = compiled(select)(tables, index)
         for vector in random_vectors(problem, 5):
             path = problem._path(vector)
-            assert evaluate(table, path) == problem.evaluate(vector)
-            repair(table, path, 0.7)
+            assert evaluate_entry(table, path) == problem.evaluate(vector)
+            repair_entry(table, path, 0.7)
             assert path[1 : problem.dimension + 1].tolist() == problem.repaired(vector, 0.7).tolist()
 
 

@@ -7,12 +7,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from helpers.builders import CASES, as_path, make_problem, random_path, random_scenario
+from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.problem import AnalyticProblem
-from swarm_gym.problem.analytic.cost import evaluate
-from swarm_gym.problem.analytic.repair import repair
-from swarm_gym.problem.tables import select, stack
+from swarm_gym.problem.tables import evaluate_entry, repair_entry, select, stack
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
 
 NUMS = (1, 2, 5, 31, 40)
@@ -172,7 +171,7 @@ def test_start_and_target_never_move(source):
     problem = problem_of(source, 3, 2)
     for _ in range(20):
         path = as_path(random_path(rng, problem))
-        repair(problem.table, path, 1.0)
+        repair_entry(problem.table, path, 1.0)
         assert path[0] == 0.0
         assert (path[3:] == 0.0).all()
 
@@ -356,12 +355,12 @@ def test_a_problem_out_of_a_stack_is_the_problem_itself(num_waypoints):
     stacked = stack([problem.table for problem in problems])
     assert len({len(problem.table.rows) for problem in problems}) > 3
     for index, problem in enumerate(problems):
-        table = select(stacked, index)
+        table = compiled(select)(stacked, index)
         for _ in range(10):
             offsets = random_path(rng, problem)
             path = as_path(offsets)
-            assert evaluate(table, path) == problem.evaluate(offsets)
-            repair(table, path, 0.6)
+            assert evaluate_entry(table, path) == problem.evaluate(offsets)
+            repair_entry(table, path, 0.6)
             assert path[1 : num_waypoints + 1].tolist() == problem.repaired(offsets, 0.6).tolist()
 
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from test_traversal import lattice_points, points_anywhere
 
 from helpers.builders import random_grid_scenario
+from helpers.compiled import compiled
 from helpers.grids import frozen, grid, grids
 from swarm_gym.problem.geometry.sight import (
     cast_shadow,
@@ -41,9 +42,9 @@ points = st.one_of(lattice_points(SIDE), points_anywhere(SIDE))
 
 def assert_as_traversed(blocked, p, q):
     rooms = tabulate_rooms(blocked)
-    assert sees(blocked, rooms, *p, *q) == segment_is_free(blocked, *p, *q)
-    expected = blocked_share(blocked, *p, *q, 1.0)
-    share = share_blocked(blocked, rooms, *p, *q)
+    assert compiled(sees)(blocked, rooms, *p, *q) == segment_is_free(blocked, *p, *q)
+    expected = compiled(blocked_share)(blocked, *p, *q, 1.0)
+    share = compiled(share_blocked)(blocked, rooms, *p, *q)
     assert share == pytest.approx(expected, abs=1e-9)
     assert (share == 0.0) == (expected == 0.0)
     assert 0.0 <= share <= 1.0
@@ -73,7 +74,7 @@ def test_pairs_on_a_larger_map(seed):
     blocked = random_grid_scenario(seed, (80, 120), rock=0.2).map.blocked
     rooms = tabulate_rooms(blocked)
     ends = np.random.default_rng(seed).uniform(-0.5, (119.5, 79.5, 119.5, 79.5), (3000, 4))
-    found = [sees(blocked, rooms, *pair) for pair in ends]
+    found = [compiled(sees)(blocked, rooms, *pair) for pair in ends]
     assert found == [segment_is_free(blocked, *pair) for pair in ends]
     assert 0 < sum(found) < len(found)
 
@@ -101,35 +102,35 @@ def test_rooms_are_cells_around_of_the_same_kind(blocked):
 def test_whoever_looks_through_a_shadow_sees_nothing(blocked, p, q, r, s):
     """And whoever does not see has something in the way, which may cast one."""
     rooms, shadow = tabulate_rooms(blocked), np.full(3, -1.0)
-    share = hidden_at(blocked, rooms, *p, *q)
+    share = compiled(hidden_at)(blocked, rooms, *p, *q)
     assert (share < 0.0) == segment_is_free(blocked, *p, *q)
-    assert not is_in_shadow(shadow, *p, *q)
+    assert not compiled(is_in_shadow)(shadow, *p, *q)
     if share >= 0.0:
-        cast_shadow(rooms, *(a + share * (b - a) for a, b in zip(p, q, strict=True)), shadow)
-        if is_in_shadow(shadow, *r, *s):
+        compiled(cast_shadow)(rooms, *(a + share * (b - a) for a, b in zip(p, q, strict=True)), shadow)
+        if compiled(is_in_shadow)(shadow, *r, *s):
             assert not segment_is_free(blocked, *r, *s)
 
 
 def test_a_block_hides_what_is_behind_it_and_its_shadow_says_so():
     blocked = grid(*["........................"] * 8, *["......############......"] * 8, *["." * 24] * 8)
     rooms, shadow = tabulate_rooms(blocked), np.full(3, -1.0)
-    share = hidden_at(blocked, rooms, 11.0, 1.0, 12.0, 22.0)
+    share = compiled(hidden_at)(blocked, rooms, 11.0, 1.0, 12.0, 22.0)
     assert 0.3 < share < 0.7
-    cast_shadow(rooms, 11.0 + share, 1.0 + 21.0 * share, shadow)
+    compiled(cast_shadow)(rooms, 11.0 + share, 1.0 + 21.0 * share, shadow)
     assert shadow[2] > 2.0
-    assert is_in_shadow(shadow, 10.0, 2.0, 13.0, 20.0)
-    assert not is_in_shadow(shadow, 2.0, 2.0, 2.0, 20.0)
-    assert hidden_at(blocked, rooms, 2.0, 2.0, 2.0, 20.0) == -1.0
-    assert share_blocked(blocked, rooms, 11.0, 1.0, 11.0, 21.0) == pytest.approx(8 / 20)
+    assert compiled(is_in_shadow)(shadow, 10.0, 2.0, 13.0, 20.0)
+    assert not compiled(is_in_shadow)(shadow, 2.0, 2.0, 2.0, 20.0)
+    assert compiled(hidden_at)(blocked, rooms, 2.0, 2.0, 2.0, 20.0) == -1.0
+    assert compiled(share_blocked)(blocked, rooms, 11.0, 1.0, 11.0, 21.0) == pytest.approx(8 / 20)
 
 
 def test_everything_outside_the_map_is_blocked():
     blocked = frozen(np.zeros((12, 12), np.bool_))
     rooms = tabulate_rooms(blocked)
-    assert sees(blocked, rooms, -0.5, -0.5, 11.5, 11.5)
-    assert not sees(blocked, rooms, 5.0, 5.0, 5.0, 11.6)
-    assert not sees(blocked, rooms, -math.pi, 5.0, 15.0, 5.0)
-    assert share_blocked(blocked, rooms, 5.5, -12.5, 5.5, 11.5) == pytest.approx(0.5)
+    assert compiled(sees)(blocked, rooms, -0.5, -0.5, 11.5, 11.5)
+    assert not compiled(sees)(blocked, rooms, 5.0, 5.0, 5.0, 11.6)
+    assert not compiled(sees)(blocked, rooms, -math.pi, 5.0, 15.0, 5.0)
+    assert compiled(share_blocked)(blocked, rooms, 5.5, -12.5, 5.5, 11.5) == pytest.approx(0.5)
 
 
 def test_a_jump_does_not_end_in_a_closed_gap():
@@ -139,7 +140,7 @@ def test_a_jump_does_not_end_in_a_closed_gap():
     rooms = tabulate_rooms(frozen(blocked))
     assert rooms[2, 2] == 2
     for p, q in (((2.0, 2.0), (7.0, 7.0)), ((1.0, 1.0), (8.0, 8.0)), ((2.5, 1.5), (6.5, 7.5))):
-        assert not sees(blocked, rooms, *p, *q)
-        assert not sees(blocked, rooms, *q, *p)
+        assert not compiled(sees)(blocked, rooms, *p, *q)
+        assert not compiled(sees)(blocked, rooms, *q, *p)
         assert not segment_is_free(blocked, *p, *q)
-        assert share_blocked(blocked, rooms, *p, *q) == 0.0
+        assert compiled(share_blocked)(blocked, rooms, *p, *q) == 0.0

@@ -6,6 +6,7 @@ import shapely
 from test_clearance import areas
 
 from helpers.builders import random_grid_scenario
+from helpers.compiled import compiled
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import select, stack
@@ -58,7 +59,7 @@ def test_problems_of_maps_of_different_sizes_are_stacked_and_selected_again():
     problems = [walk_problem(3), walk_problem(4, shape=(30, 11))]
     tables = stack([problem.table for problem in problems])
     for index, problem in enumerate(problems):
-        chosen = select(tables, index)
+        chosen = compiled(select)(tables, index)
         for name, value in problem.table._asdict().items():
             found = getattr(chosen, name)
             found = found[: problem.table.num_free] if name == "free" else found
@@ -85,20 +86,20 @@ def test_analytic_maps_are_walked_on_as_cells():
     [
         (
             {"scenario": "case1", "encoding": "bezier"},
-            "encoding 'bezier' is for grid maps; scenario 'case1' is one of the analytic maps",
+            "encoding 'bezier' needs grid maps, but scenario 'case1' is one of the analytic maps",
         ),
         (
             {"scenario": "function:booth-2", "encoding": "walk"},
-            "'encoding' says nothing about test functions",
+            "'encoding' has no effect on test functions",
         ),
-        ({"scenario": "case1", "cell_size": 3.0}, "'cell_size' says nothing about encoding 'waypoints'"),
+        ({"scenario": "case1", "cell_size": 3.0}, "'cell_size' has no effect with encoding 'waypoints'"),
         (
             {"scenario": "block:50", "encoding": "walk", "cell_size": 1.0},
-            "'cell_size' says nothing about grid maps",
+            "'cell_size' has no effect on grid maps",
         ),
         (
             {"scenario": "block:50", "encoding": "walk", "num_waypoints": 5},
-            "'num_waypoints' says nothing about encoding 'walk'",
+            "'num_waypoints' has no effect with encoding 'walk'",
         ),
         ({"scenario": "case1", "encoding": "walk", "cell_size": 0.0}, "cell_size must lie in"),
         ({"scenario": "case1", "encoding": "walk", "penalty": -1.0}, "penalty must lie in"),

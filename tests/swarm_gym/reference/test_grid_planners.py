@@ -14,6 +14,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from helpers.compiled import compiled
 from helpers.grids import frozen, grid
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.traversal import is_gap, path_is_free, segment_is_free
@@ -118,7 +119,8 @@ def sight_optimum(blocked, start, goal):
         (i - 0.5, j - 0.5)
         for j in range(height + 1)
         for i in range(width + 1)
-        if not is_gap(blocked, i, j) and segment_is_free(blocked, i - 0.5, j - 0.5, i - 0.5, j - 0.5)
+        if not compiled(is_gap)(blocked, i, j)
+        and segment_is_free(blocked, i - 0.5, j - 0.5, i - 0.5, j - 0.5)
     ]
     nodes = np.array([start, goal, *crossings], dtype=float)
     edges = [
@@ -401,7 +403,7 @@ def test_the_queue_gives_the_cheapest_first_and_of_these_the_longest_way(seed):
     for _ in range(200):
         if expected and rng.random() < 0.3:
             first = min(expected, key=expected.__getitem__)
-            assert take_first(queue, size) == first
+            assert compiled(take_first)(queue, size) == first
             size -= 1
             del expected[first]
         else:
@@ -411,10 +413,10 @@ def test_the_queue_gives_the_cheapest_first_and_of_these_the_longest_way(seed):
             if node in expected:
                 queue.way[node] = -expected[node][1]
             expected[node] = (cost, -queue.way[node], node)
-            size = enter(queue, size, node)
+            size = compiled(enter)(queue, size, node)
     heap = list(expected.values())
     heapq.heapify(heap)
     while heap:
-        assert take_first(queue, size) == heapq.heappop(heap)[2]
+        assert compiled(take_first)(queue, size) == heapq.heappop(heap)[2]
         size -= 1
     assert size == 0

@@ -1,4 +1,4 @@
-"""Pictures show what the swarm does, the same every time, with and without a window."""
+"""Pictures show the state of the swarm, the same every time, with and without a window."""
 
 import subprocess
 import sys
@@ -36,20 +36,20 @@ def scene_after(steps, **options):
 
 
 def straight(scenario, offset=0.0):
-    """A path of three points beside the line from start to target."""
+    """Return a path of three points beside the line from start to target."""
     start, target = np.array(scenario.start), np.array(scenario.target)
     return np.array([start, (start + target) / 2 + [0.0, offset], target])
 
 
 def empty_scene(scenario, **changes):
-    """A scene without members and without a best path."""
+    """Return a scene without members and without a best path."""
     scene = Scene(
         scenario=scenario,
         paths=np.empty((0, 3, 2)),
         are_points=False,
         feasible=np.empty(0, dtype=np.bool_),
         best_path=np.zeros((3, 2)),
-        way=np.empty((0, 2)),
+        trajectory=np.empty((0, 2)),
         best_fitness=np.inf,
         best_feasible=False,
         iteration=0,
@@ -65,12 +65,12 @@ OPEN_MAP = Scenario("open", (100.0, 300.0), (900.0, 300.0), (), (0.0, 0.0, 1000.
 
 
 def places(frame, colour, tolerance=40):
-    """(k, 2) row and column of the pixels that nearly have this colour."""
+    """Return (k, 2) row and column of the pixels that nearly have this colour."""
     return np.argwhere(np.abs(frame.astype(int) - colour).max(axis=-1) < tolerance)
 
 
 def changed(before, after):
-    """(k, 2) row and column of the pixels in which two pictures differ."""
+    """Return (k, 2) row and column of the pixels in which two pictures differ."""
     return np.argwhere((before != after).any(axis=-1))
 
 
@@ -208,7 +208,7 @@ def test_dashes_are_where_pygame_would_draw_them(width):
     for line in lines:
         ours, theirs = (pen.Pen(pygame.Surface((400, 400))) for _ in range(2))
         ours.dashes((255, 0, 0), line[None], width)
-        # One to three dashes, each of six tenths of its part, the first of which begins the line.
+        # One to three dashes, each six tenths of its part; the first one begins at the start of the line.
         count = int(np.clip(np.hypot(*(line[1] - line[0])) // ours.px(14), 1, 3))
         for k in range(count):
             begin, end = (line[0] + (k + part) / count * (line[1] - line[0]) for part in (0, 0.6))
@@ -255,11 +255,11 @@ def test_of_a_walking_robot_its_trajectory_and_place_are_shown():
     simulation = env.unwrapped.simulation
     scene = Scene.of(simulation)
     assert scene.are_points
-    assert len(scene.way) > 100
-    np.testing.assert_array_equal(scene.way[-1], simulation.positions(0)[0])
+    assert len(scene.trajectory) > 100
+    np.testing.assert_array_equal(scene.trajectory[-1], simulation.positions(0)[0])
     np.testing.assert_array_equal(scene.best_path[-1], scene.scenario.target)
     length = np.linalg.norm(np.diff(scene.best_path, axis=0), axis=1).sum()
-    assert length == pytest.approx(scene.best_fitness, rel=0.01)  # some points are left out
+    assert length == pytest.approx(scene.best_fitness, rel=0.01)  # the scene leaves some points out
     assert len(places(env.render(), pen.BEST)) > 300
 
 
@@ -343,7 +343,7 @@ def test_members_on_a_test_function_are_dots_where_their_first_two_components_ar
     before = Renderer().frame(bare)[55:335, :700]
 
     def centre(vector, as_member):
-        """Column and row of a dot, which has its colour."""
+        """Return column and row of a dot of this colour."""
         points = problem.points(vector)[:2]
         scene = replace(bare, best_path=points, best_fitness=1.0)
         if as_member:
@@ -413,7 +413,7 @@ def test_human_mode_shows_every_step_and_closes_twice(window):
     np.testing.assert_array_equal(shown, Renderer().frame(Scene.of(env.unwrapped.simulation)))
     assert env.render() is None
     pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_SPACE))
-    assert env.render() is None  # and has seen the key
+    assert env.render() is None  # and it has read the key
     assert "paused" in pygame.display.get_caption()[0]
     env.unwrapped.close()
     env.unwrapped.close()

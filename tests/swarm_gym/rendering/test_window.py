@@ -1,4 +1,4 @@
-"""A window obeys its user, stays responsive while it waits, and never holds up what it shows once closed."""
+"""A window obeys its user, stays responsive while it waits, and delays nothing once it is closed."""
 
 import threading
 from types import SimpleNamespace
@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from swarm_gym.rendering.window import FASTEST, KEYS, PATIENCE, SLOWEST, Window
+from swarm_gym.rendering.window import FASTEST, KEYS, POLL_INTERVAL, SLOWEST, Window
 
 pygame = pytest.importorskip("pygame")
 pytestmark = pytest.mark.usefixtures("window")
@@ -21,7 +21,7 @@ def picture(colour="red", size=SIZE):
 
 
 def press(*keys):
-    """As if the user pressed keys, by pygame's names; the window sees them the next time that it looks."""
+    """Simulate that the user presses keys, by pygame's names; the window reads them at its next look."""
     for key in keys:
         pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.key.key_code(key)))
 
@@ -38,14 +38,14 @@ def shown_colour(at=(160, 120)):
 
 @pytest.fixture
 def naps_until_shown(monkeypatch):
-    """How often a window slept until `show` returned, with a user who presses one key after each such time.
+    """Return how often a window slept until `show` returned.
 
-    No other time passes.
+    The user presses one key after each of these times. No other time passes.
     """
     slept, left = [], []
 
     def sleep(seconds):
-        assert 0 < seconds <= PATIENCE
+        assert 0 < seconds <= POLL_INTERVAL
         slept.append(seconds)
         press(left.pop(0))
 
@@ -74,7 +74,7 @@ def test_a_paused_window_waits_for_a_step_and_stays_paused(naps_until_shown):
     window = opened()
     press("space")
     for key in ("right", "n"):
-        # Other keys do not let it go on; nothing but sleep passes the time.
+        # Other keys do not end the pause; time passes only while the window sleeps.
         assert naps_until_shown(window, "a", "left", key) == 3
         assert shown_colour() == (0, 0, 255)
         assert window.is_paused
@@ -88,12 +88,12 @@ def test_a_paused_window_goes_on_when_the_user_resumes(naps_until_shown):
     assert naps_until_shown(window, "space") == 1
     assert not window.is_paused
     assert "paused" not in pygame.display.get_caption()[0]
-    assert naps_until_shown(window, "a") == 1  # at its pace again
+    assert naps_until_shown(window, "a") == 1  # at its speed again
 
 
 def test_a_step_counts_for_one_picture_and_only_while_paused(naps_until_shown):
     window = opened()
-    press("right", "space")  # a step before the pause is none
+    press("right", "space")  # a key for a step has no effect before the pause
     assert naps_until_shown(window, "right") == 1
     press("right", "right")  # pressed twice before the next picture
     assert naps_until_shown(window) == 0
@@ -163,7 +163,7 @@ def test_a_slow_window_looks_what_its_user_does_between_two_pictures(monkeypatch
 
     monkeypatch.setattr("swarm_gym.rendering.window.time.sleep", sleep)
     window.show(picture())
-    assert max(slept) <= PATIENCE
+    assert max(slept) <= POLL_INTERVAL
     assert len(slept) == 3
     assert window.is_dismissed
 

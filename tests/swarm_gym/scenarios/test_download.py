@@ -14,12 +14,12 @@ CONTENT = {"maps/one.map": b"one", "maps/one.map.scen": b"problems", "two.yaml":
 
 class QuietHandler(SimpleHTTPRequestHandler):
     def log_message(self, *arguments):
-        """Nothing."""
+        """Log nothing."""
 
 
 @pytest.fixture
 def served(tmp_path):
-    """The folder of a server, which has the files, and its address."""
+    """Return the folder of a server, which has the files, and its address."""
     root = tmp_path / "server"
     for name, content in CONTENT.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ def served(tmp_path):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch, served):
-    """The data folder, not there yet; the maps to download are those of the server."""
+    """Return the data folder, which does not exist yet; the maps to download are those of the server."""
 
     def remote(name):
         content = CONTENT[name]
@@ -111,7 +111,7 @@ def test_a_file_that_is_not_the_expected_one_is_not_kept(folder, served, capsys,
 def test_a_file_that_is_gone_is_reported_with_its_address(folder, served, capsys):
     (served[0] / "two.yaml").unlink()
     assert main(["two"]) == 1
-    assert f"{served[1]}two.yaml cannot be reached" in capsys.readouterr().err
+    assert f"{served[1]}two.yaml cannot be downloaded" in capsys.readouterr().err
     assert contents(folder) == {}
 
 
@@ -120,7 +120,7 @@ def test_without_a_network_nothing_is_written_and_the_exit_code_is_one(folder, m
     nowhere = file._replace(source=Source("http://127.0.0.1:9/", ""))  # the discard port: nobody listens
     monkeypatch.setattr(download, "MAPS", {"two": (nowhere,)})
     assert main([]) == 1
-    assert "http://127.0.0.1:9/two.yaml cannot be reached" in capsys.readouterr().err
+    assert "http://127.0.0.1:9/two.yaml cannot be downloaded" in capsys.readouterr().err
     assert not folder.exists()
 
 

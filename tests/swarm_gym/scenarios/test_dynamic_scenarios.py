@@ -1,4 +1,4 @@
-"""Scenarios on whose maps something happens: what they become, what is refused, and their names."""
+"""Dynamic scenarios: their worlds, the errors they raise, and their names."""
 
 import math
 import pickle
@@ -30,7 +30,7 @@ from swarm_gym.scenarios import (
     worlds_of,
 )
 from swarm_gym.scenarios.dynamic.family import EVENTS
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 
 FIRST, SECOND, NEW = Circle(30, 0, 10), Polygon.rectangle(50, -5, 60, 5), Circle(80, 0, 5)
 BASE = Scenario("base", (0, 0), (100, 0), (FIRST, SECOND), (-10, -50, 110, 50))
@@ -145,7 +145,7 @@ def test_a_circle_blocks_the_cells_that_it_reaches_into_but_not_those_that_it_to
     np.testing.assert_array_equal(found, expected)
 
 
-# Refusals.
+# Errors.
 
 
 @pytest.mark.parametrize(

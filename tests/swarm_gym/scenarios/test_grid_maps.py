@@ -29,7 +29,7 @@ checked = settings(deadline=None, derandomize=True)
 
 
 def cells(drawing):
-    """What is blocked, from '#' and '.'."""
+    """Return an array of blocked cells, drawn with '#' and '.'."""
     return np.array([[character == "#" for character in row] for row in drawing.split()])
 
 
@@ -45,7 +45,7 @@ def refused(make, *expected):
 
 
 def steps(blocked, cell):
-    """Where a path that cuts no corner can go from a free cell."""
+    """Return the cells that a path without cut corners can reach from a free cell in one step."""
     height, width = blocked.shape
 
     def free(column, row):
@@ -252,7 +252,7 @@ def test_a_scenario_has_the_line_from_start_to_target_and_the_extent_of_its_map(
         ((0, 0), (0, INF), ["target", "finite"]),
         ((0, 0, 0), (4, 0), ["start", "(0, 0, 0)"]),
         (None, (4, 0), ["start", "None"]),
-        ((0, 0), (0, 0), ["same point", "(0.0, 0.0)"]),
+        ((0, 0), (0, 0), ["must be different points", "(0.0, 0.0)"]),
     ],
 )
 def test_a_malformed_task_is_refused(start, target, expected):

@@ -1,4 +1,4 @@
-"""Routes stand in for the IAFSA paper's: on known maps, clear of obstacles by the robot's radius."""
+"""Routes like those of the IAFSA paper: on known maps, clear of obstacles by the robot's radius."""
 
 import math
 
@@ -12,9 +12,9 @@ from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
-from swarm_gym.scenarios.iafsa_routes import SITES, inflation, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES, inflation, read_site_map
 
-# Tables 4 and 5 of the paper.
+# Tables 4 and 5 of the IAFSA paper.
 NAMES = {
     "turtlebot3": ("A-B", "B-C", "C-D", "D-E"),
     "playground": ("A-B", "A-C", "E-D", "D-B"),
@@ -71,7 +71,7 @@ def test_maps_are_inflated_by_the_radius_and_half_a_diagonal_at_least(radius):
 
 
 def squares_of(grid):
-    """Areas of the blocked cells, in map coordinates."""
+    """Return the areas of the blocked cells, in map coordinates."""
     rows, columns = np.nonzero(grid.blocked)
     return shapely.STRtree(_squares(grid, columns, rows))
 
@@ -113,6 +113,8 @@ def test_obstacles_lie_between_the_ends_and_lengths_differ(site):
     for scenario in make_scenarios(f"routes:{site}"):
         cells = scenario.map.to_cells([scenario.start, scenario.target])
         assert blocked_length(scenario.map.blocked, cells) * scenario.map.resolution > 0.5
-        np.testing.assert_allclose(cells, np.round(cells), atol=1e-9)  # centres, from which A* goes
+        np.testing.assert_allclose(
+            cells, np.round(cells), atol=1e-9
+        )  # at the centres of cells, where A* starts
         lengths.append(shortest_path(scenario)[0])
     assert min(np.diff(np.sort(lengths))) > 0.3

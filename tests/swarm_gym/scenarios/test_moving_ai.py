@@ -14,9 +14,9 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
 from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEMS, read_map, read_scenarios
-from swarm_gym.scenarios.moa_tasks import TASKS
+from swarm_gym.scenarios.papers.moa import TASKS
 
-# Passable: column 0, and the right of the row in the middle.
+# Passable cells: column 0, and the right part of the middle row.
 MAP = b"type octile\nheight 3\nwidth 4\nmap\n.@OT\nGS..\n.W@.\n"
 BLOCKED = [[0, 1, 1, 1], [0, 0, 0, 0], [0, 1, 1, 0]]
 
@@ -38,7 +38,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def small(folder):
-    """The map and its problems, in the data folder."""
+    """Write the map and its problems into the data folder."""
     (folder / "small.map").write_bytes(MAP)
     (folder / "small.map.scen").write_bytes(PROBLEMS)
     return folder
@@ -88,14 +88,14 @@ def test_a_map_is_read(folder, content):
         (MAP.replace(b"width 4", b"width 4097"), 3, "4097"),
         (MAP.replace(b"width 4", b"width 99999999999"), 3, "99999999999"),
         (MAP.replace(b"map\n", b"", 1), 4, "'map'"),
-        (MAP[:33], 5, "ends after 0 of 3 rows"),
-        (MAP[:43], 7, "ends after 2 of 3 rows"),
+        (MAP[:33], 5, "expected 3 rows, but the file ends after 0"),
+        (MAP[:43], 7, "expected 3 rows, but the file ends after 2"),
         (MAP[:-2], 7, "row of 4 cells, got 3"),
         (MAP.replace(b".@OT", b".@O"), 5, "row of 4 cells, got 3"),
         (MAP.replace(b"GS..", b"GS..."), 6, "row of 4 cells, got more"),
         (MAP.replace(b"GS..", b"GS.." + b"." * 99), 6, "row of 4 cells, got more"),
-        (MAP + b"....\n", 8, "goes on after 3 rows"),
-        (MAP + b"\n" * 1000, 8, "goes on after 3 rows"),
+        (MAP + b"....\n", 8, "to end after 3 rows, but it goes on"),
+        (MAP + b"\n" * 1000, 8, "to end after 3 rows, but it goes on"),
         (MAP.replace(b"W", b"w"), 7, "column 2, got b'w'"),
         (MAP.replace(b"W", b"\xff"), 7, r"column 2, got b'\xff'"),
         (MAP.replace(b"W", b"\0"), 7, r"column 2, got b'\x00'"),
@@ -169,7 +169,7 @@ def test_a_name_of_a_map_may_have_spaces_between_tabs(folder):
         (PROBLEMS.replace(b"\t5.5", b"\t-5"), 4, "length, got '-5'"),
         (PROBLEMS.replace(b"\t3\t2\t4", b"\t3\t2.0\t4"), 3, "integer, got '2.0'"),
         (PROBLEMS.replace(b"\t3\t2\t4", b"\t-3\t2\t4"), 3, "integer, got '-3'"),
-        (PROBLEMS.replace(b"\t3\t2\t4", b"\t3\t3\t4"), 3, "cell (3, 3) lies outside the map of 4 x 3"),
+        (PROBLEMS.replace(b"\t3\t2\t4", b"\t3\t3\t4"), 3, "expected a cell on the map of 4 x 3, got (3, 3)"),
         (PROBLEMS.replace(b"\t4\t3\t3\t2", b"\t0\t3\t3\t2"), 4, "0 x 3"),
         (PROBLEMS.replace(b"\t4\t3\t3\t2", b"\t4\t5000\t3\t2"), 4, "4 x 5000"),
         (PROBLEMS.replace(b"maps/small", b"maps/sm\xe4ll", 1), 2, "ASCII"),
@@ -182,7 +182,7 @@ def test_a_malformed_problem_is_refused_with_file_line_and_reason(folder, conten
 
 def test_a_file_without_problems_is_refused(folder):
     path = written(folder, b"version 1\n\n", "small.scen")
-    refused(lambda: read_scenarios(path), str(path), "no problems")
+    refused(lambda: read_scenarios(path), str(path), "expected at least one problem")
 
 
 @given(content=mutated(PROBLEMS, *INSERTIONS) | st.binary(max_size=60))
@@ -279,7 +279,7 @@ def test_a_problem_in_a_wall_is_refused_with_its_line(small):
     refused(lambda: make_scenario("moving-ai:small#1"), f"{path}, line 3:", "cell (1, 0)", "not free")
 
 
-# Maps of the benchmark, where they have been downloaded.
+# Maps of the benchmark, if they have been downloaded.
 
 
 @pytest.fixture
@@ -322,4 +322,4 @@ def test_a_task_that_there_is_not_is_refused(name):
 
 def test_the_tasks_are_refused_on_another_map_of_the_name(small):
     (small / "small.map").rename(small / "den400d.map")
-    refused(lambda: make_scenario("den400d:P1"), "den400d:P1", "not the benchmark's map")
+    refused(lambda: make_scenario("den400d:P1"), "den400d:P1", "is not the map den400d")

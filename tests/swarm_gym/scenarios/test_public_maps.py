@@ -1,4 +1,4 @@
-"""Public maps, where they are in the data folder: they load, are planned on, and are drawn."""
+"""Public maps, if they are in the data folder: they load, paths are planned on them, and they are drawn."""
 
 import gymnasium
 import numpy as np

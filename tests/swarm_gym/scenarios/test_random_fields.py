@@ -36,7 +36,7 @@ def shape(obstacle):
 
 
 def blocking(field):
-    """How many obstacles the straight line crosses."""
+    """Return the number of obstacles that the straight line crosses."""
     line = shapely.LineString([field.start, field.target])
     return sum(line.intersection(shape(obstacle)).length > 0 for obstacle in field.obstacles)
 

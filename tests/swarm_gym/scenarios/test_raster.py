@@ -1,4 +1,4 @@
-"""Obstacles as cells, against shapely."""
+"""Obstacles as cells, compared with shapely."""
 
 import math
 
@@ -10,7 +10,7 @@ from helpers.builders import random_circle, random_polygon, random_scenario
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, Polygon, Scenario, make_scenario, rasterised
-from swarm_gym.scenarios.obstacle_cells import cells_of
+from swarm_gym.scenarios.raster import cells_of
 
 
 def empty_map(resolution=1.0, origin=(0.0, 0.0), y_up=False, shape=(14, 17)):
@@ -24,7 +24,7 @@ def square(grid, column, row):
 
 
 def depth(obstacle, shape):
-    """How far a shape reaches into an obstacle, or how far it is away from it, then negative."""
+    """Return how far a shape reaches into an obstacle; it is negative if they are apart."""
     if isinstance(obstacle, Circle):
         return obstacle.radius - shapely.Point(obstacle.x, obstacle.y).distance(shape)
     polygon = shapely.Polygon(obstacle.vertices)
@@ -41,7 +41,7 @@ def test_covered_are_the_cells_that_an_obstacle_reaches_into(make, seed, geometr
     covered = cells_of(obstacle, grid)
     for (row, column), given in np.ndenumerate(covered):
         deep = depth(obstacle, square(grid, column, row))
-        # What is hardly touched may be one or the other, by rounding.
+        # Rounding may decide either way on a cell that is hardly touched.
         assert deep > -1e-9 if given else deep < 1e-9
 
 
@@ -70,7 +70,7 @@ def test_a_free_path_over_cells_enters_no_obstacle(case, cell_size):
             assert depth(obstacle, path) < 1e-9
         else:
             assert not shapely.Polygon(obstacle.vertices).buffer(-1e-6).intersects(path)
-    # Cells take room from the passages, but not much where they are small.
+    # Cells make passages narrower, but small cells only a little.
     optimum = shortest_path(scenario)[0]
     assert optimum - 1e-6 < length < optimum * (1.01 if cell_size < 3.0 else 1.2)
 

@@ -40,7 +40,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def described(folder, *changes):
-    """The YAML file with some texts replaced, each (old, new)."""
+    """Write the YAML file with some texts replaced, each (old, new)."""
     text = YAML
     for old, new in changes:
         assert old in text
@@ -83,7 +83,7 @@ def test_a_negated_map_is_free_where_it_is_dark(folder):
 
 @pytest.mark.parametrize(("grey", "blocked"), [(204, True), (205, True), (206, False), (127, True)])
 def test_a_pixel_is_free_below_the_threshold(folder, grey, blocked):
-    # (255 - 205) / 255 = 0.19608 is the grey of what map_server saves as unknown.
+    # (255 - 205) / 255 = 0.19608 is the grey that map_server saves for unknown cells.
     path = image(folder, [[grey, 254]])
     assert read_ros_map(path).blocked.tolist() == [[blocked, False]]
 
@@ -290,7 +290,7 @@ def test_a_missing_map_is_reported_with_its_file(folder):
 @pytest.mark.parametrize(("module", "library"), [("yaml", "PyYAML"), ("PIL", "Pillow")])
 def test_a_missing_library_is_reported_with_the_extra(folder, monkeypatch, module, library):
     monkeypatch.setitem(sys.modules, module, None)
-    (folder / "small.pgm").write_bytes(PGM + b"\n" * len(module))  # not one that was read before
+    (folder / "small.pgm").write_bytes(PGM + b"\n" * len(module))  # so that it is no file from the cache
     with pytest.raises(MissingExtraError, match=rf"{library}.*swarm_gym\[maps\]"):
         read_ros_map(folder / "small.yaml")
 

@@ -23,7 +23,7 @@ def circles(case):
 
 
 def rectangles(case):
-    """(x_min, y_min, x_max, y_max) of the polygons, all of which have to be rectangles."""
+    """Return (x_min, y_min, x_max, y_max) of the polygons, all of which have to be rectangles."""
     found = []
     for obstacle in make_scenario(case).obstacles:
         if isinstance(obstacle, Polygon):
@@ -37,7 +37,7 @@ def rectangles(case):
 
 
 def checksums(shapes):
-    """Sums, and sums weighted by position in the list: they see a swap of two entries, too."""
+    """Return sums, and sums weighted by position in the list, which reveal that two entries are swapped."""
     return (
         [sum(column) for column in zip(*shapes, strict=True)],
         [sum(k * v for k, v in enumerate(column, 1)) for column in zip(*shapes, strict=True)],
@@ -119,7 +119,7 @@ def test_an_unknown_name_is_refused_with_the_valid_ones(name):
         assert valid in str(caught.value)
 
 
-# Refusals: the message names the part and its value.
+# Errors: the message names the part and its value.
 
 
 def refused(make, *mentions):
@@ -315,7 +315,7 @@ coordinates = st.tuples(st.integers(-50, 50), st.integers(-50, 50))
 
 
 def hull(points):
-    """Counter-clockwise corners of the convex hull of integer points, without straight corners."""
+    """Return the counter-clockwise corners of the convex hull of integer points, without straight corners."""
     shape = shapely.MultiPoint(points).convex_hull
     assume(shape.geom_type == "Polygon")
     ring = shapely.geometry.polygon.orient(shape.simplify(0)).exterior.coords[:-1]

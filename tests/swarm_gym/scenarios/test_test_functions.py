@@ -9,15 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helpers.builders import as_path, function_problem
+from helpers.compiled import compiled
 from oracles.naive_functions import FUNCTIONS as NAIVE
 from oracles.naive_swarm import oracle_of
-from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load, store
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem, FunctionProblem
 from swarm_gym.problem.function.table import NUMBERS, squared_sine, values_in_plane
-from swarm_gym.problem.tables import evaluate, select, stack
+from swarm_gym.problem.tables import evaluate_entry, select, stack
 from swarm_gym.reference import ensure_optima, gap_to_optimum, known_optimum, shortest_path
 from swarm_gym.scenarios import FunctionScenario, expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.function_scenario import FUNCTIONS
@@ -54,7 +55,7 @@ def test_there_are_kernels_and_textbook_formulas_of_every_function():
 @settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_values_are_those_of_the_textbook(function, data):
-    """Random vectors of any dimension, with the optimum at its place or at another one."""
+    """Compare random vectors of any dimension, with the optimum at its place or at another one."""
     dimension = data.draw(dimensions(function))
     number = data.draw(st.none() | st.integers(0, 999))
     shifted = "" if number is None else f"-shifted:{number}"
@@ -91,9 +92,9 @@ def test_no_value_is_below_0(function, data):
     assert problem.evaluate(optimum + scale * rng.uniform(-1.0, 1.0, len(optimum)))[0] >= 0.0
 
 
-@kernel
+@entry
 def squared_sines(angles):
-    """Of lanes, and of one number after the other."""
+    """Return the results for several lanes at once, and for one number after the other."""
     out = np.empty((2, len(angles)))
     for k in range(0, len(angles), 8):
         store(out[0], k, squared_sine(load(angles, k)))
@@ -103,7 +104,7 @@ def squared_sines(angles):
 
 
 def test_the_squared_sine_is_exact_to_a_few_last_bits_near_its_zeros_too():
-    """Held against one of more bits, at whole half turns and something, small or not."""
+    """Compare with a computation of more bits, at multiples of a half turn and near them."""
     rng = np.random.default_rng(0)
     parts = np.concatenate(
         [rng.uniform(-0.5, 0.5, 397), [0.25, 0.5, -0.5], 10.0 ** rng.uniform(-12, -1, 400)]
@@ -135,7 +136,7 @@ def test_values_known_from_the_literature():
     assert value("function:booth-2", -10.0, -10.0) == 2594.0
     assert value("function:booth-4", 0.0, 0.0, 1.0, 3.0) == 74.0
     assert value("function:bohachevsky-2", 1.0, 1.0) == pytest.approx(3.6)
-    # -1 at (pi, pi), and 0 on the lines where a cosine is; 1 is added.
+    # -1 at (pi, pi), and 0 on the lines where a cosine is 0; 1 is added.
     assert value("function:easom-2", math.pi, math.pi) == 0.0
     assert value("function:easom-2", math.pi / 2, math.pi) == pytest.approx(1.0)
     assert value("function:easom-2", 3.0, 3.5) == pytest.approx(
@@ -164,7 +165,7 @@ def test_out_of_a_stack_every_problem_keeps_its_values():
     problems = [function_problem(f"function:{function}-4-shifted:3") for function in FUNCTIONS]
     tables, vector = stack([problem.table for problem in problems]), [-3.0, -1.5, 0.25, 2.0]
     for number, problem in enumerate(problems):
-        assert evaluate(select(tables, number), as_path(vector)) == problem.evaluate(vector)
+        assert evaluate_entry(compiled(select)(tables, number), as_path(vector)) == problem.evaluate(vector)
 
 
 def test_repair_changes_nothing():
@@ -226,7 +227,7 @@ def test_shifted_optima_spread_over_the_middle_of_the_domain():
 
 
 def test_shifted_optima_do_not_change():
-    """Published results refer to these."""
+    """Check that optima stay where they are, since published results refer to them."""
     names = [f"function:{function}-10-shifted:0-9" for function in FUNCTIONS]
     optima = [made.optimum for name in names for made in make_scenarios(name)]
     assert hashlib.sha256(np.array(optima, dtype="<f8").tobytes()).hexdigest()[:16] == "eea981d5b134bec7"
@@ -270,7 +271,7 @@ def test_scenarios_of_ones_own_are_checked():
     refused(lambda: FunctionScenario("mine", "booth", 2, (0.0, 10.5)), "component 2", "[-10.0, 10.0]", "10.5")
 
 
-# What is known, and what there is not.
+# Known optima, and options that test functions do not have.
 
 
 def test_the_optimum_is_known_to_be_0_without_a_file(tmp_path, monkeypatch):

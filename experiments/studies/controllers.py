@@ -1,0 +1,16 @@
+"""Controllers and scenarios that several studies compare."""
+
+
+def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
+    """Return the names of the policies of a recipe, such as `learned:three-cases/0@1`, at each price."""
+    told = [f"@{price:g}" for price in prices] or [""]
+    return tuple(f"{recipe}/{k}{price}" for price in told for k in range(number))
+
+
+CASES = ("case1", "case2", "case3")
+FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
+SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
+
+# Learned controllers at one of the prices that they were trained for, for comparisons other than fronts.
+HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
+HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 7, 2)

@@ -1,0 +1,36 @@
+"""Figures of the study of learned controllers: performance profiles, fronts and decisions."""
+
+from functools import partial
+
+from experiments.plots.decisions import deciding_groups, draw_decisions
+from experiments.plots.gaps import draw_front, draw_profiles
+from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.style import styles
+from experiments.runs.groups import group_controllers
+from experiments.studies.learned.blocks import decisions_name
+
+
+def profile_figures(stored: Stored) -> Drawings:
+    """Return the figure of the share of runs within a gap, by the gap."""
+    return {"profiles": partial(draw_profiles, stored.outcomes)}
+
+
+def front_figures(stored: Stored) -> Drawings:
+    """Return the figure of mean gap against mean evaluations."""
+    return {"front": partial(draw_front, stored.suite, stored.outcomes)}
+
+
+def decision_figures(stored: Stored) -> Drawings:
+    """Return a figure of the decisions of each group of controllers that decides anything."""
+    among = styles(group_controllers(stored.suite.controllers))
+    return {
+        decisions_name(group): partial(draw_decisions, stored.suite, stored.results, group, among)
+        for group in deciding_groups(stored.suite, stored.results)
+    }
+
+
+FIGURES: dict[str, FigureMaker] = {
+    "profiles": profile_figures,
+    "front": front_figures,
+    "decisions": decision_figures,
+}

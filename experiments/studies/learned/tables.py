@@ -1,0 +1,21 @@
+"""The tables of the study of learned controllers, and the document that shows them.
+
+Suites of other studies name some of these tables as well.
+"""
+
+from pathlib import Path
+
+from experiments.studies.learned.blocks import BLOCKS
+from experiments.tables.differences import difference_tables, paired_comparison_tables
+from experiments.tables.document import Document
+from experiments.tables.front import front_tables
+from experiments.tables.gaps import gap_tables, near_optimum_tables
+
+TABLES = {
+    "gaps": gap_tables,
+    "differences": difference_tables,
+    "duels": paired_comparison_tables,
+    "front": front_tables,
+    "near-optimum": near_optimum_tables,
+}
+DOCUMENTS = {"study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS)}

@@ -1,0 +1,21 @@
+"""The suite of the MOA paper: six tasks on a map of a computer game."""
+
+from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.studies.moa.published import METHODS
+from swarm_gym.scenarios import expand_name
+
+# The first population is one of the MOA paper's 450 iterations.
+MOA_PAPER = Suite(
+    name="moa-paper",
+    controllers=tuple(f"{method}+fixed:65" for method in METHODS),
+    scenarios=expand_name("den400d:P1-P6"),
+    num_seeds=30,
+    baseline="multivariate+fixed:65",
+    # The number of control points was chosen on the seeds below.
+    first_seed=FRESH_SEEDS,
+    options={"encoding": "bezier", "iterations": 449},
+    tables=("moa",),
+    figures=("maps",),
+)
+
+SUITES = (MOA_PAPER,)

@@ -1,0 +1,161 @@
+"""The cache of compiled kernels, which cannot be stale.
+
+Numba's cache looks at the file of the cached function only: it does not notice an edit in a *called* function
+of another file, and it reuses code that was compiled without bounds checks where they are asked for. Here a
+digest of all sources that hold kernels and of the bounds-check flag names the cache folder, so that neither
+can happen.
+"""
+
+import hashlib
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from filelock import FileLock
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+
+from swarm_gym.files import digest_of_sources, user_cache
+
+# Only these folders and files of the package hold kernels, which call nothing from outside of them.
+KERNEL_SOURCES = ("compiler", "population.py", "problem", "optimizers", "reference")
+COMPILE_TIMEOUT = 600.0  # seconds that a process waits for the kernel that another one compiles
+
+
+@cache
+def cache_folder() -> Path:
+    """Return the folder for compiled kernels of exactly these sources, in the user's cache."""
+    package = Path(__file__).parents[1]
+    parts = [digest_of_sources(package / part) for part in KERNEL_SOURCES]
+    digest = hashlib.sha256(f"{parts} boundscheck={numba.config.BOUNDSCHECK}".encode()).hexdigest()[:16]
+    return user_cache() / "kernels" / digest
+
+
+@cache
+def announce_compilation() -> None:
+    """Log a warning, once per process, if nothing of these sources is cached and all has to be compiled."""
+    if not numba.config.DISABLE_JIT and not any(cache_folder().rglob("*.nbi")):
+        logging.getLogger("swarm_gym").warning(
+            "compiling the kernels for these sources, once; this takes about half a minute for each optimizer"
+        )
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of one function, in our folder.
+
+    If the folder cannot be written to, every process compiles its kernels, and logs a warning once.
+
+    When several processes need the same code, one compiles it and the others wait: dozens of workers that
+    start with an empty cache take as long as one. A process that compiles a kernel waits only for kernels
+    that this one calls, so that no two processes wait for each other.
+
+    Processes save one after the other. Numba numbers the files of a function by its index: two processes that
+    save at once may take the same number, and the index would then name the code of another signature.
+
+    Args:
+        function: the function.
+        options: with which it is compiled. Code that was compiled with other options is not reused.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]):
+        super().__init__(function)
+        self._options = repr(sorted(options.items()))
+        self._compiling: dict[Any, FileLock] = {}
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return what is cached for a signature, or None: then this process has to compile it."""
+        found = self._load(signature, context)
+        if found is not None or not self._wait_for_others(signature):
+            return found
+        return self._load(signature, context)
+
+    def let_others_go_on(self, signature: Any) -> None:
+        """End the wait of other processes for a signature, whether it was compiled or not."""
+        lock = self._compiling.pop(signature, None)
+        if lock is not None:
+            lock.release()
+
+    def _wait_for_others(self, signature: Any) -> bool:
+        """Reserve a signature for this process; return whether another one may have compiled it meanwhile."""
+        digest = hashlib.sha256(f"{self._impl.filename_base} {signature}".encode()).hexdigest()[:16]
+        lock = FileLock(Path(self.cache_path, f"{digest}.lock"), timeout=COMPILE_TIMEOUT)
+        try:
+            Path(self.cache_path).mkdir(parents=True, exist_ok=True)
+            lock.acquire()
+        # A timeout is an OSError, too; file systems without locks raise NotImplementedError.
+        except (OSError, NotImplementedError):
+            return False  # both processes compile it
+        self._compiling[signature] = lock
+        return True
+
+    def _load(self, signature: Any, context: Any) -> Any:
+        try:
+            return super().load_overload(signature, context)
+        except OSError:
+            return None
+        except Exception as error:  # half a file, after a power failure, may raise anything
+            _warn_once(f"compiled kernels in {self.cache_path} are damaged ({error!r}) and compiled anew")
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, signature: Any, data: Any) -> None:
+        """Cache what was compiled for a signature, or log a warning where that is not possible."""
+        folder = cache_folder()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with FileLock(folder / "lock"):
+                super().save_overload(signature, data)
+        except (OSError, NotImplementedError) as error:  # NotImplementedError: a file system without locks
+            _warn_once(
+                f"compiled kernels cannot be kept in {folder} ({error}): each process compiles them again. "
+                "SWARM_GYM_CACHE names another folder"
+            )
+
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        return (*super()._index_key(signature, codegen), self._options)
+
+
+class _Locator:
+    """The place of a function's cached code: a folder of ours, which may be a read-only one."""
+
+    def __init__(self, function: Callable[..., Any], file: str):
+        self._folder = cache_folder() / function.__module__
+        self._file = file
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> "_Locator":
+        return cls(function, file)
+
+    def ensure_cache_path(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> bytes:
+        return _digest_of_file(self._file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+class _Code(CompileResultCacheImpl):
+    _locator_classes = (_Locator,)
+
+
+KernelCache._impl_class = _Code
+
+
+@cache
+def _digest_of_file(file: str) -> bytes:
+    return hashlib.sha256(Path(file).read_bytes()).digest()
+
+
+@cache
+def _warn_once(message: str) -> None:
+    logging.getLogger("swarm_gym").warning(message)

@@ -1,0 +1,1 @@
+"""Tasks of published studies, one module for each paper."""

@@ -1,0 +1,112 @@
+"""Registry of scenarios: every name, and the function or family that makes the scenario of that name."""
+
+from collections.abc import Callable
+
+from swarm_gym.errors import ScenarioError, UnknownNameError, shown
+from swarm_gym.scenarios import random_fields, rooms_and_caves, test_functions
+from swarm_gym.scenarios.dynamic import family as dynamic_family
+from swarm_gym.scenarios.dynamic.scenario import AnyScenario, DynamicScenario
+from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.formats import moving_ai, ros_map
+from swarm_gym.scenarios.function_scenario import FunctionScenario
+from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.papers import brand_yu, iafsa, moa, spsfa
+from swarm_gym.scenarios.scenario import Scenario
+
+SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
+    "case1": spsfa.case1,
+    "case2": spsfa.case2,
+    "case3": spsfa.case3,
+}
+
+FAMILIES: dict[str, Family] = {
+    "random-fields": random_fields.FAMILY,
+    "rooms": rooms_and_caves.ROOMS,
+    "caves": rooms_and_caves.CAVES,
+    "moving-ai": moving_ai.FAMILY,
+    "den400d": moa.FAMILY,
+    "ros": ros_map.FAMILY,
+    "function": test_functions.FAMILY,
+    **brand_yu.FAMILIES,
+    iafsa.NAME: iafsa.FAMILY,
+    dynamic_family.NAME: dynamic_family.FAMILY,
+}
+
+
+def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
+    """Return the scenario of a name; a scenario is returned as it is.
+
+    Raises:
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name stands for several scenarios, or does not have the form of its family.
+    """
+    if isinstance(scenario, AnyScenario):
+        return scenario
+    names = expand_name(scenario)
+    if names != (scenario,):
+        raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, got a range of {len(names)}")
+    return _make(scenario)
+
+
+def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
+    """Return all scenarios that a name stands for, in order; a scenario is returned as the only one.
+
+    Raises:
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name does not have the form of its family.
+    """
+    if isinstance(scenario, AnyScenario):
+        return (scenario,)
+    return tuple(map(_make, expand_name(scenario)))
+
+
+def require_analytic(scenario: AnyScenario) -> Scenario:
+    """Return the scenario if its map consists of circles and polygons.
+
+    Raises:
+        ScenarioError: if it has a grid map, no map, or a map that changes.
+    """
+    if not isinstance(scenario, Scenario):
+        raise ScenarioError(
+            f"scenario {shown(scenario.name)}: expected a map of circles and polygons, "
+            f"got {_OTHERS[type(scenario)]}"
+        )
+    return scenario
+
+
+def expand_name(name: str) -> tuple[str, ...]:
+    """Return the names of the single scenarios that a name stands for, in order.
+
+    A range of a family, such as `rooms:0-9`, stands for several scenarios; any other name stands for one.
+
+    Raises:
+        UnknownNameError: if there is no scenario of that name.
+        ScenarioError: if the name does not have the form of its family.
+    """
+    family = _family_of(name)
+    if family is not None:
+        return family.expand(name)
+    if not isinstance(name, str) or name not in SCENARIOS:
+        raise UnknownNameError("scenario", name, [*SCENARIOS, *(f.usage for f in FAMILIES.values())])
+    return (name,)
+
+
+def sample_names() -> tuple[str, ...]:
+    """Return the names of all scenarios outside families, and some names of every family."""
+    return (*SCENARIOS, *(name for family in FAMILIES.values() for name in family.samples))
+
+
+def _make(name: str) -> AnyScenario:
+    family = _family_of(name)
+    return SCENARIOS[name]() if family is None else family.make(name)
+
+
+def _family_of(name: object) -> Family | None:
+    return FAMILIES.get(name.partition(":")[0]) if isinstance(name, str) else None
+
+
+_OTHERS: dict[type, str] = {
+    GridScenario: "a grid map",
+    FunctionScenario: "a test function",
+    DynamicScenario: "a map that changes; choose one of its `worlds`",
+}

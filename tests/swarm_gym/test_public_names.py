@@ -1,0 +1,420 @@
+"""The public names of the project, listed literally: whoever removes or renames one finds out here.
+
+Scripts, stored results and papers of users refer to these names. A name may be added without a change here;
+a name that goes breaks somebody's work, so remove it from these lists only on purpose.
+"""
+
+import ast
+import json
+import re
+import sqlite3
+import struct
+from contextlib import closing
+from pathlib import Path
+
+import gymnasium
+import pytest
+
+import swarm_gym.scenarios
+from agents import CONTROLLERS, make_controller
+from agents.training.presets import preset_names
+from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
+from experiments.runs.database import Results
+from swarm_gym.action import ACTIONS
+from swarm_gym.errors import SwarmGymError
+from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.reward import REWARDS
+from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
+from swarm_gym.simulation import HISTORY, RESET_OPTIONS
+
+ROOT = Path(__file__).parents[2]
+POLICIES = ROOT / "swarm_gym/controllers/data/policies"
+
+# By environment, the parameters of its optimizer, which are options of `gymnasium.make`.
+ENVIRONMENTS = {
+    "swarm_gym/Firefly-v0": ("absorption", "attractiveness", "noise"),
+    "swarm_gym/GenerationalFirefly-v0": ("absorption", "attractiveness", "least_attractiveness", "noise"),
+    "swarm_gym/ParticleSwarm-v0": ("cognitive", "first_inertia", "last_inertia", "social", "velocity_limit"),
+    "swarm_gym/EliteGenetic-v0": ("crossover", "mutation"),
+    "swarm_gym/Multivariate-v0": ("radius",),
+    "swarm_gym/FishSwarm-v0": ("crowding", "step", "tries", "visual"),
+    "swarm_gym/ImprovedFishSwarm-v0": (
+        "crowding", "first_beta", "last_beta", "origin_pull", "smallest_step", "smallest_visual",
+        "step", "tries", "visual",
+    ),
+    "swarm_gym/HybridFishSwarm-v0": (
+        "crowding", "smallest_step", "smallest_visual", "step", "tries", "visual",
+    ),
+    "swarm_gym/Glowworm-v0": (
+        "absorption", "decay", "decision_range", "dimming", "first_luciferin", "gain", "glow",
+        "levels", "range_rule", "selection", "step", "wandering",
+    ),
+    "swarm_gym/AntColony-v0": ("deposit", "elite_weight", "evaporation", "sight_weight", "trail_weight"),
+}  # fmt: skip
+OPTIMIZERS = (
+    "firefly", "generational-firefly", "particle-swarm", "elite-genetic", "multivariate", "fish-swarm",
+    "improved-fish-swarm", "hybrid-fish-swarm", "glowworm", "ant-colony",
+)  # fmt: skip
+# Options that every environment takes.
+OPTIONS = (
+    "scenario", "encoding", "num_waypoints", "num_control_points", "length_weight", "penalty",
+    "cell_size", "iterations", "initial_population_size", "min_population_size", "max_population_size",
+    "mean_weight", "action", "observation", "reward", "price", "reference_evaluations", "max_evaluations",
+)  # fmt: skip
+RESET_OPTION_NAMES = (
+    "scenario", "initial_population", "initial_population_size",
+)  # fmt: skip
+INFO = (
+    "best_collision", "best_fitness", "best_path", "driven", "evaluations", "feasible_share",
+    "optimality_gap", "population_size", "repair_degree", "robot", "scenario",
+)  # fmt: skip
+HISTORY_COLUMNS = (
+    "population_collision", "population_size", "repair_degree", "best_fitness", "evaluations",
+    "best_collision",
+)  # fmt: skip
+OBSERVATION_LAYOUTS = (
+    "paper", "scaled", "extended", "rich", "priced",
+)  # fmt: skip
+ACTION_LAYOUTS = (
+    "natural", "normalised", "paced", "extended", "extended-normalised", "extended-paced",
+)  # fmt: skip
+REWARD_NAMES = (
+    "progress", "final", "final-gap", "optimality",
+)  # fmt: skip
+SINGLE_SCENARIOS = (
+    "case1", "case2", "case3",
+)  # fmt: skip
+# By family, one name of each form; `swarm_gym.scenarios.expand_name` reads no file.
+SCENARIO_FAMILIES = {
+    "random-fields": (
+        "random-fields:train:0-3", "random-fields:validation:0-3", "random-fields:test:0-3",
+        "random-fields:denser:0-3", "random-fields:larger:0-3", "random-fields:narrow:0-3",
+        "random-fields:large-obstacles:0-3", "random-fields:rotated:0-3",
+    ),
+    "rooms": ("rooms:0-3",),
+    "caves": ("caves:0",),
+    "moving-ai": ("moving-ai:arena#0-9", "moving-ai:arena?start=1,2&goal=3,4"),
+    "den400d": ("den400d:P1-P6",),
+    "ros": ("ros:playground?start=0,0&goal=1.5,-2&inflate=0.1",),
+    "function": (
+        "function:rastrigin-2", "function:sum-squares-2", "function:easom-2", "function:booth-2",
+        "function:bohachevsky-2", "function:rastrigin-10-shifted:0-4",
+    ),
+    "block": ("block:500",),
+    "open": ("open:500",),
+    "routes": ("routes:turtlebot3", "routes:playground-A-C"),
+    "dynamic": (
+        "dynamic:case1-block@70", "dynamic:case1-passer@70", "dynamic:case1-gate@70",
+        "dynamic:case2-block@70", "dynamic:case2-gate@70", "dynamic:case3-block@70",
+        "dynamic:case3-gate@70", "dynamic:rooms:0-block@50-drive@40,every=5,distance=8",
+        "dynamic:open:500-block@70", "dynamic:case3-drive@40,every=5,distance=80",
+    ),
+}  # fmt: skip
+SCENARIO_EXPORTS = (
+    "AnyScenario", "Appear", "Circle", "Disappear", "Drive", "DynamicScenario", "Event", "FAMILIES",
+    "FunctionScenario", "GridMap", "GridScenario", "MapScenario", "Move", "Obstacle", "Point", "Polygon",
+    "SCENARIOS", "Scenario", "StaticScenario", "World", "drive_of", "expand_name", "make_scenario",
+    "make_scenarios", "rasterised", "require_analytic", "sample_names", "world_at", "worlds_of",
+)  # fmt: skip
+# By controller family, its parameters.
+CONTROLLER_FAMILIES = {
+    "fixed": (),
+    "spsfa": ("growth", "decay", "low_deviation", "initial_population_size", "smallest", "repair_factor"),
+    "spsfa-tip": ("growth", "decay", "low_deviation", "initial_population_size", "smallest", "repair_factor"),
+    "linear-reduction": ("start", "smallest", "repair_degree"),
+    "diversity-ladder": ("start", "smallest", "repair_degree", "rung", "band"),
+    "status-monitor": ("start", "smallest", "repair_degree", "patience", "improvement", "step"),
+    "random": (),
+    "open-loop": (),
+    "learned": (),
+    "tuned": (),
+    "distilled": (),
+}  # fmt: skip
+# Packaged controllers besides the policies.
+PACKAGED_CONTROLLERS = (
+    "open-loop:random-fields", "open-loop:random-fields-extended", "open-loop:three-cases",
+    "open-loop:three-cases-constant", "open-loop:three-cases-extended",
+    "open-loop:three-cases-extended-13-knots@0.02", "open-loop:three-cases-extended@0.1",
+    "open-loop:three-cases-extended@2", "open-loop:three-cases@0.05", "open-loop:three-cases@0.5",
+    "tuned:random-fields", "tuned:three-cases", "distilled:three-cases",
+)  # fmt: skip
+# By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
+PACKAGED_POLICIES = {
+    "ablation-four-numbers": 3,
+    "ablation-from-start": 3,
+    "ablation-log-reward": 3,
+    "ablation-one-price": 3,
+    "ablation-ppo-imitation": 3,
+    "ablation-ppo-paced": 3,
+    "ablation-ppo-paired": 3,
+    "ablation-ppo-residual": 3,
+    "ablation-ppo-scratch": 3,
+    "ablation-recurrent": 3,
+    "ablation-short": 3,
+    "case1": 3,
+    "case2": 3,
+    "case3": 3,
+    "random-fields-extended": 5,
+    "random-fields": 5,
+    "three-cases-cheap": 3,
+    "three-cases-extended-cheap": 5,
+    "three-cases-extended-deep": 2,
+    "three-cases-extended-fine": 3,
+    "three-cases-extended": 7,
+    "three-cases-ppo": 1,
+    "three-cases": 10,
+}
+# Entries of the manifests of packaged policies.
+MANIFEST_ENTRIES = (
+    "action", "base", "config", "corrected_from", "features", "format", "hidden_layers",
+    "initial_population_size", "lstm_size", "max_evaluations", "max_population_size",
+    "min_population_size", "network", "num_decisions", "observation", "optimizer", "price", "provenance",
+    "steps", "validation", "validation_seeds", "weights_sha256",
+)  # fmt: skip
+PRESETS = (
+    "ablation-four-numbers", "ablation-from-start", "ablation-log-reward", "ablation-one-price",
+    "ablation-ppo-imitation", "ablation-ppo-paced", "ablation-ppo-paired", "ablation-ppo-residual",
+    "ablation-ppo-scratch", "ablation-recurrent", "ablation-short", "case1", "case2", "case3",
+    "random-fields", "random-fields-extended", "three-cases", "three-cases-cheap", "three-cases-extended",
+    "three-cases-extended-cheap", "three-cases-extended-deep", "three-cases-extended-fine",
+    "three-cases-ppo",
+)  # fmt: skip
+SUITE_NAMES = (
+    "paper", "headline", "generalisation", "out-of-distribution", "ablation", "parameters", "moa-paper",
+    "iafsa-functions", "iafsa-shifted", "iafsa-routes", "brand-yu-static", "brand-yu-dynamic",
+    "brand-yu-grids", "dynamic",
+)  # fmt: skip
+COLLECTION_NAMES = (
+    "iafsa-paper", "brand-yu",
+)  # fmt: skip
+TABLE_NAMES = (
+    "summary", "cases", "comparison", "reproduction", "gaps", "differences", "duels", "front",
+    "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
+    "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids",
+)  # fmt: skip
+FIGURE_NAMES = (
+    "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
+    "recovery", "profiles", "front", "decisions", "parameters",
+)  # fmt: skip
+DATABASE = {
+    "configuration": ("key", "value"),
+    "runs": (
+        "controller", "scenario", "seed", "final_fitness", "final_collision", "evaluations",
+        "seconds", "best_path", "trace", "provenance", "columns", "way",
+    ),
+    "snapshots": ("controller", "scenario", "seed", "iteration", "paths", "collisions"),
+}  # fmt: skip
+# Commands as `python -m` knows them, each with its options and the names of its positional arguments.
+COMMANDS = {
+    "agents.train": (
+        "--action", "--address", "--algorithm", "--backend", "--base", "--batch-size", "--candidates",
+        "--clip-range", "--corrected-from", "--discount", "--encoding", "--entropy-weight",
+        "--epochs", "--gae-lambda", "--hidden-layers", "--initial-population-size", "--iterations",
+        "--jobs", "--learning-rate", "--log-std", "--lstm-size", "--max-evaluations",
+        "--max-population-size", "--min-population-size", "--name", "--num-swarms", "--observation",
+        "--optimizer", "--preset", "--presets", "--price", "--reference", "--resume", "--reward",
+        "--rollouts-per-chunk", "--runs", "--scenarios", "--seed", "--seeds", "--sigma",
+        "--target-kl", "--threads", "--total-steps", "--validation-scenarios", "--validation-seeds",
+        "--warm-start",
+    ),
+    "agents.tune": (
+        "--action", "--address", "--backend", "--candidates", "--episodes",
+        "--initial-population-size", "--jobs", "--knots", "--max-population-size",
+        "--min-population-size", "--name", "--optimizer", "--output", "--preset", "--price",
+        "--resume", "--reward", "--runs", "--scenarios", "--seed", "--seeds", "--sigma", "--threads",
+        "--total-steps", "--what",
+    ),
+    "agents.distil": (
+        "--episodes", "--numbers", "--output", "--report-seeds", "--rounds", "--seed",
+        "--validation-seeds", "policy",
+    ),
+    "agents.import_sb3": (
+        "--action", "--initial-population-size", "--max-evaluations", "--max-population-size",
+        "--min-population-size", "--observation", "--optimizer", "--trust-pickle", "output", "zip",
+    ),
+    "agents.export_onnx": ("output", "policy"),
+    "experiments.evaluate": (
+        "--address", "--backend", "--controllers", "--database", "--figures", "--jobs", "--output",
+        "--seeds", "--simulate", "--suite",
+    ),
+    "experiments.benchmark": ("--groups", "--output", "--repeats"),
+    "experiments.branching": ("--controller", "--output", "--scenarios", "--seeds", "--threads"),
+    "experiments.frame": (),
+    "experiments.gallery": (),
+    "experiments.publish": (),
+    "experiments.readings": ("--case", "--controllers", "--output", "--seeds"),
+    "experiments.sensitivity": ("--output", "--policy", "--scenarios", "--seeds", "--threads"),
+    "experiments.video": (
+        "--controller", "--fps", "--height", "--iterations", "--output", "--scenario", "--seed",
+        "--width",
+    ),
+    "experiments.with_ray_tune": (
+        "--address", "--jobs", "--preset", "--rungs", "--runs", "--seed", "--total-steps", "--trials",
+    ),
+    "experiments.report": ("--figures", "--output", "--replays", "--suite", "database"),
+    "experiments.scaling": (
+        "--nodes", "--output", "--sample", "--seconds", "--training-steps", "--units",
+        "--units-per-worker",
+    ),
+    "swarm_gym.warm_up": (),
+    "swarm_gym.scenarios.download": ("--force", "names"),
+    "swarm_gym.reference.waypoint_optimum": (
+        "--length-weight", "--num-waypoints", "--ship", "--threads", "names",
+    ),
+    "experiments.speed.peers": ("--output", "--repeats"),
+}  # fmt: skip
+
+
+def assert_all(expected, actual):
+    missing = [name for name in expected if name not in actual]
+    assert not missing, f"public names that are gone: {', '.join(map(str, missing))}"
+
+
+def words_of_refusal(call, *arguments, **options):
+    """Return the words of the message that refuses an unknown option, which lists those that there are."""
+    with pytest.raises((SwarmGymError, ValueError)) as refused:
+        call(*arguments, **options)
+    return set(re.findall(r"[\w-]+", str(refused.value)))
+
+
+def test_every_environment_optimizer_and_option_is_there():
+    for (environment, parameters), optimizer in zip(ENVIRONMENTS.items(), OPTIMIZERS, strict=True):
+        assert gymnasium.spec(environment).kwargs == {"optimizer": optimizer}
+        valid = words_of_refusal(gymnasium.make, environment, no_such_option=1)
+        assert_all((*OPTIONS, *parameters), valid)
+
+
+def test_every_reset_option_and_info_is_there():
+    assert_all(RESET_OPTION_NAMES, RESET_OPTIONS)
+    env = gymnasium.make(
+        "swarm_gym/Firefly-v0", iterations=1, scenario="dynamic:case3-drive@40,every=5,distance=80"
+    )
+    env.reset(seed=0)
+    *_, info = env.step(env.action_space.sample())
+    assert_all(INFO, info)
+
+
+@pytest.mark.parametrize(
+    ("expected", "actual"),
+    [
+        (HISTORY_COLUMNS, HISTORY),
+        (OBSERVATION_LAYOUTS, OBSERVATIONS),
+        (ACTION_LAYOUTS, ACTIONS),
+        (REWARD_NAMES, REWARDS),
+        (SINGLE_SCENARIOS, SCENARIOS),
+        (SCENARIO_FAMILIES, FAMILIES),
+        (SCENARIO_EXPORTS, vars(swarm_gym.scenarios)),
+        (CONTROLLER_FAMILIES, CONTROLLERS),
+        (PRESETS, preset_names()),
+        (SUITE_NAMES, SUITES),
+        (COLLECTION_NAMES, COLLECTIONS),
+        (TABLE_NAMES, TABLES),
+        (FIGURE_NAMES, figures()),
+    ],
+    ids=[
+        "history", "observations", "actions", "rewards", "scenarios", "families", "exports", "controllers",
+        "presets", "suites", "collections", "tables", "figures",
+    ],
+)  # fmt: skip
+def test_every_registered_name_is_there(expected, actual):
+    assert_all(expected, actual)
+
+
+def test_every_form_of_scenario_names_is_read():
+    for names in SCENARIO_FAMILIES.values():
+        for name in names:
+            assert swarm_gym.scenarios.expand_name(name)
+    assert len(make_scenarios("rooms:0-1")) == 2
+
+
+def test_every_parameter_of_controllers_is_there():
+    for family, parameters in CONTROLLER_FAMILIES.items():
+        if parameters:
+            assert_all(parameters, words_of_refusal(make_controller, f"{family}:no_such_parameter=1"))
+
+
+def test_every_packaged_controller_is_there():
+    for name in PACKAGED_CONTROLLERS:
+        make_controller(name)
+    for recipe, number in PACKAGED_POLICIES.items():
+        assert_all((f"{seed}.safetensors" for seed in range(number)), _files(POLICIES / recipe))
+
+
+def test_a_packaged_policy_has_every_entry_of_manifests():
+    found = set()
+    for recipe in PACKAGED_POLICIES:
+        content = (POLICIES / recipe / "0.safetensors").read_bytes()
+        (length,) = struct.unpack("<Q", content[:8])
+        header = json.loads(content[8 : 8 + length])
+        found |= set(json.loads(header["__metadata__"]["manifest"]))
+    assert_all(MANIFEST_ENTRIES, found)
+
+
+def test_every_table_and_column_of_the_database_is_there(tmp_path):
+    path = tmp_path / "results.db"
+    Results(path).close()
+    with closing(sqlite3.connect(path)) as connection:
+        for table, columns in DATABASE.items():
+            there = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+            assert_all(columns, there)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_of_commands_is_there(command):
+    assert_all(COMMANDS[command], options_of(_file_of(command)))
+
+
+def options_of(file):
+    """Return the options of a command from its source, since importing all of them takes seconds.
+
+    They are the fields of the dataclass that the command gives to `tyro.cli`, or the arguments that it adds
+    to a parser.
+    """
+    tree = ast.parse(file.read_text())
+    called = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    assert _definition(tree, "main"), f"{file} has no main()"
+    found = []
+    for call in called:
+        if ast.unparse(call.func) == "tyro.cli":
+            found += _fields(tree, ast.unparse(call.args[0]))
+        elif ast.unparse(call.func).endswith(".add_argument"):
+            found.append(call.args[0].value)
+    return found
+
+
+def _fields(tree, name):
+    """Yield the options of a dataclass that a module defines or imports, those of its parts included."""
+    definition = _definition(tree, name)
+    if definition is None:
+        (module,) = [
+            node.module
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and name in [alias.name for alias in node.names]
+        ]
+        file = _file_of(module)
+        yield from _fields(ast.parse(file.read_text()), name)
+        return
+    for field in definition.body:
+        if isinstance(field, ast.AnnAssign):
+            kind = ast.unparse(field.annotation)
+            if inner := re.fullmatch(r"tyro\.conf\.OmitArgPrefixes\[(\w+)\]", kind):
+                yield from _fields(tree, inner[1])
+            else:
+                option = field.target.id.replace("_", "-")
+                yield option if "Positional" in kind else f"--{option}"
+
+
+def _definition(tree, name):
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    return next((node for node in tree.body if isinstance(node, kinds) and node.name == name), None)
+
+
+def _file_of(module):
+    """Return the file that `python -m` runs, or that an import reads."""
+    place = ROOT / module.replace(".", "/")
+    files = (place.with_suffix(".py"), place / "__main__.py", place / "__init__.py")
+    return next(file for file in files if file.is_file())
+
+
+def _files(folder):
+    return [file.name for file in folder.iterdir()]
