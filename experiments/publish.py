@@ -85,8 +85,8 @@ class Filled:
     """A document with its blocks filled, ready to be written.
 
     Attributes:
-        document: the document.
-        text: its text.
+        document: document that was filled.
+        text: text of the document.
         figures: content of the files that it shows, by their names in its folder of figures.
     """
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import replaced
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 
@@ -144,13 +145,13 @@ class Action:
         name: str,
         settings: Settings,
         scales: dict[str, Scale],
-        knobs: dict[int, float],
+        defaults: dict[str, float],
         dtype: type[np.floating],
     ):
         self.name = name
         self.labels = tuple(scales)
         self.scales = tuple(scales.values())
-        self._knobs, self._defaults = list(knobs), list(knobs.values())
+        self._parameters, self._defaults = list(defaults), list(defaults.values())
         self._dtype = dtype
         self._smallest, self._largest = settings.min_population_size, settings.max_population_size
 
@@ -198,12 +199,12 @@ class Action:
             scale.decode(column, simulation) for scale, column in zip(self.scales, values.T, strict=True)
         ]
         within = np.minimum(np.maximum(decided[0], self._smallest), self._largest)
-        knobs = simulation.knobs
-        if self._knobs:
-            knobs = knobs.copy()
-            knobs[:, self._knobs] = np.stack(decided[2:], axis=1)
+        parameters = simulation.parameters
+        if self._parameters:
+            new = dict(zip(self._parameters, decided[2:], strict=True))
+            parameters = replaced(simulation.optimizer.parameter_class, parameters, new)
         return Decisions(
-            np.floor(within + 0.5).astype(np.int64), np.minimum(np.maximum(decided[1], 0.0), 1.0), knobs
+            np.floor(within + 0.5).astype(np.int64), np.minimum(np.maximum(decided[1], 0.0), 1.0), parameters
         )
 
     def _read(self, actions: object, chosen: NDArray[np.bool_]) -> Floats:
@@ -279,16 +280,15 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
         "population size": sizes[layout.size],
         "repair degree": AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0),
     }
-    decided = optimizer.decided_knobs() if layout.extended else {}
+    decided = optimizer.decided_parameters() if layout.extended else {}
     if layout.extended and not decided:
         raise SettingError(
             f"action {settings.action!r}: optimizer {optimizer.name!r} has no parameters to decide; choose a "
             "layout that is not extended"
         )
-    names = list(optimizer.knobs)
-    for place, knob in decided.items():
-        if knob.decided is not None:
-            scales[names[place]] = AsItIs(*knob.decided) if natural else Logarithmic(*knob.decided)
+    for name, parameter in decided.items():
+        if parameter.decided is not None:
+            scales[name] = AsItIs(*parameter.decided) if natural else Logarithmic(*parameter.decided)
     dtype = np.float64 if natural else np.float32
-    values = optimizer.knob_values(dict(settings.knobs))
-    return Action(settings.action, settings, scales, {place: values[place] for place in decided}, dtype)
+    values = optimizer.parameter_values(settings.knobs)
+    return Action(settings.action, settings, scales, {name: getattr(values, name) for name in decided}, dtype)

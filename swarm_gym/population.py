@@ -1,7 +1,7 @@
-"""Populations as arrays: evaluation and bookkeeping, E(P), growing and shrinking.
+"""Populations as arrays: evaluation, the best so far, E(P), growth and shrinking.
 
-Source: SPSFA paper, section III, eq. 7 (population collision evaluation) and eq. 12 (growth); shrinking is
-described there in words.
+Source: SPSFA paper, section III, eq. 7 (population collision evaluation) and eq. 12 (growth); the paper
+describes shrinking in words.
 """
 
 import math
@@ -21,6 +21,10 @@ from swarm_gym.scenarios import Point
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# Columns of `Swarms.summary`.
+NUM_SUMMARIES = 5
+POPULATION_COLLISION, MEAN_COLLISION, COLLISION_DEVIATION, FEASIBLE_SHARE, DIVERSITY = range(NUM_SUMMARIES)
+
 
 class Swarms(NamedTuple):
     """State of B swarms of up to M members of dimension D; changed in place by the kernels.
@@ -28,7 +32,7 @@ class Swarms(NamedTuple):
     Positions have C = `layout.columns(D)` columns, of which those from D on are zero.
     """
 
-    problem: Integers  # (B,) index into the stacked problem tables
+    problem: Integers  # (B,) number of the problem in the stacked problem tables
     stream: NDArray[np.uint64]  # (B, 4, 8) random streams
     size: Integers  # (B,) living members: the first `size` rows
     positions: Floats  # (B, M, C)
@@ -39,15 +43,17 @@ class Swarms(NamedTuple):
     best_collision: Floats  # (B,)
     evaluations: Integers  # (B,) calls of the cost function in this episode
     budget: Integers  # (B,) evaluations allowed in this episode
-    summary: Floats  # (B, 5) E(P), mean collision, std collision, feasible share, diversity
+    summary: Floats  # (B, 5) E(P), mean and standard deviation of the collision, feasible share, diversity
     iteration: Integers  # (B,) iterations done in this episode
     iterations: Integers  # (B,) iterations of an episode
-    memory: Floats  # (B, M, K) what an optimizer remembers of each member
-    registers: Integers  # (B, R) what it remembers of a swarm
-    field: Floats  # (B, F) what it remembers of the places of a map
-    walk: Floats  # (B, L, 2) points of a walk from the start, where members are not whole paths; map units
-    best_walk: Integers  # (B,) how many of them are, straight on to the target, the best path so far
-    walked: Integers  # (B,) how many of them a robot has walked already
+    memory: Floats  # (B, M, K) numbers that an optimizer stores for each member
+    registers: Integers  # (B, R) integers that it stores for a swarm
+    field: Floats  # (B, F) numbers that it stores for the cells of a map
+    walk: Floats  # (B, L, 2) points of a walk from the start, if members are not whole paths; map units
+    best_walk: (
+        Integers  # (B,) number of these points in the best path so far, which ends with a straight line
+    )
+    walked: Integers  # (B,) number of these points that a robot has passed
 
     @classmethod
     def allocate(
@@ -60,7 +66,7 @@ class Swarms(NamedTuple):
         field_size: int = 0,
         walk_points: int = 0,
     ) -> "Swarms":
-        """Empty swarms."""
+        """Return empty swarms."""
         members = (num_swarms, capacity)
         return cls(
             problem=np.zeros(num_swarms, dtype=np.int64),
@@ -74,7 +80,7 @@ class Swarms(NamedTuple):
             best_collision=np.full(num_swarms, np.inf),
             evaluations=np.zeros(num_swarms, dtype=np.int64),
             budget=np.zeros(num_swarms, dtype=np.int64),
-            summary=np.zeros((num_swarms, 5)),
+            summary=np.zeros((num_swarms, NUM_SUMMARIES)),
             iteration=np.zeros(num_swarms, dtype=np.int64),
             iterations=np.ones(num_swarms, dtype=np.int64),
             memory=np.zeros((*members, memory_columns)),
@@ -86,43 +92,43 @@ class Swarms(NamedTuple):
         )
 
     def best_walk_points(self, row: int) -> Floats:
-        """(k, 2) the points of the best walk so far of a swarm, a view."""
+        """Return the points of the best walk so far of a swarm, a view (k, 2)."""
         return self.walk[row, : self.best_walk[row]]
 
-    def best_way(self, row: int, target: Point | Floats) -> Floats:
-        """(k + 1, 2) the same, and straight on to the target."""
+    def best_path(self, row: int, target: Point | Floats) -> Floats:
+        """Return the points of the best walk so far and then the target, (k + 1, 2)."""
         return np.vstack([self.best_walk_points(row), target])
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays of one swarm's step, so that nothing is allocated per move."""
+    """Scratch arrays for a step of one swarm, so that moves allocate nothing."""
 
-    path: Floats  # (C + 1,) a zero for the start, then a member's position
+    path: Floats  # (C + 1,) a zero for the start, then the position of a member
     noise: Floats  # (C,)
 
 
 @kernel
 def make_workspace(num_columns: int) -> Workspace:
-    """Scratch arrays for positions of C columns."""
+    """Return scratch arrays for positions of C columns."""
     return Workspace(np.zeros(num_columns + 1), np.empty(num_columns))
 
 
 @kernel(borrows=True)
 def is_spent(swarms: Swarms, b: int) -> bool:
-    """Whether swarm `b` may evaluate nothing more."""
+    """Return whether the evaluation budget of swarm `b` is spent."""
     return swarms.evaluations[b] >= swarms.budget[b]
 
 
 @kernel(borrows=True)
 def copy_position(position: Floats, other: Floats) -> None:
-    """Let another array, (C,), hold the same position."""
+    """Copy a position, (C,), into another array."""
     for k in range(0, position.shape[0], NUM_LANES):
         store(other, k, load(position, k))
 
 
 @kernel(inline="early")
 def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
-    """Fitness and collision of `work.path`, counted, and remembered where it is the best so far."""
+    """Return fitness and collision of `work.path`; count the evaluation and update the best so far."""
     fitness, collision = evaluate(table, work.path)
     swarms.evaluations[b] += 1
     if fitness < swarms.best_fitness[b]:
@@ -135,7 +141,7 @@ def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tupl
 
 @kernel(inline="early")
 def evaluate_member(swarms: Swarms, b: int, member: int, table: Table, work: Workspace) -> None:
-    """Evaluate `work.path` as `evaluate_path` does, and make it that member."""
+    """Evaluate `work.path` as `evaluate_path` does, and make it the position of a member."""
     swarms.fitness[b, member], swarms.collision[b, member] = evaluate_path(swarms, b, table, work)
     for k in range(swarms.positions.shape[2]):
         swarms.positions[b, member, k] = work.path[k + 1]
@@ -175,7 +181,7 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
 def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
     """Evaluate the members of swarm `b` anew, in order; the best so far is the best of them afterwards.
 
-    Those that the budget does not suffice for are deleted.
+    Members for which the budget does not suffice are deleted.
     """
     swarms.best_fitness[b] = math.inf
     swarms.best_collision[b] = math.inf
@@ -185,7 +191,7 @@ def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -
 
 @kernel
 def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floats) -> float:
-    """Fitness of a remembered position, (C,), which may be the best so far; infinite if nothing is left."""
+    """Evaluate a stored position, (C,), and return its fitness; infinite if the budget is spent."""
     if is_spent(swarms, b):
         return math.inf
     for k in range(position.shape[0]):
@@ -196,7 +202,7 @@ def recall(swarms: Swarms, b: int, table: Table, work: Workspace, position: Floa
 
 @kernel
 def clear(swarms: Swarms, b: int) -> None:
-    """Swarm `b` without members, evaluations or a best path."""
+    """Let swarm `b` have no members, evaluations or best path."""
     swarms.size[b] = 0
     swarms.evaluations[b] = 0
     swarms.best_fitness[b] = math.inf
@@ -221,9 +227,9 @@ def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -
 
 @kernel
 def span(positions: Floats, count: int, table: Table) -> tuple[Floats, Floats]:
-    """Lower and upper corner, (C,) each, of the box that the first `count` positions, (M, C), span.
+    """Return the lower and upper corner, (C,) each, of the box of the first `count` positions, (M, C).
 
-    Where they have no extent in a component, the bounds of the workspace stand in.
+    In a component in which they have no extent, the box has the bounds of the workspace.
     """
     width = positions.shape[1]
     lower, upper = np.full(width, math.inf), np.full(width, -math.inf)
@@ -269,7 +275,7 @@ def shrink(swarms: Swarms, b: int, new_size: int) -> None:
 
 @kernel
 def outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
-    """Whether a member would be kept and another one deleted, if one had to go; not if they are equal."""
+    """Return whether shrinking keeps a member rather than another one; not if they are equal."""
     feasible = collision <= FEASIBILITY_TOLERANCE
     other_feasible = other_collision <= FEASIBILITY_TOLERANCE
     if feasible != other_feasible:
@@ -281,7 +287,7 @@ def outlives(fitness: float, collision: float, other_fitness: float, other_colli
 
 @kernel
 def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
-    """Population collision evaluation E(P) = k mean + (1 - k) std (eq. 7) into `swarms.summary`.
+    """Write E(P) = k mean + (1 - k) std (eq. 7) and the other statistics into `swarms.summary`.
 
     The standard deviation has the denominator size - 1, and is 0 for one member. The diversity is the root
     mean square of the members' distances from their mean, in map units.
@@ -298,11 +304,11 @@ def summarise(swarms: Swarms, b: int, mean_weight: float) -> None:
         squares += (swarms.collision[b, i] - mean) ** 2
     deviation = math.sqrt(squares / (size - 1)) if size > 1 else 0.0
     summary = swarms.summary[b]
-    summary[0] = mean_weight * mean + (1.0 - mean_weight) * deviation
-    summary[1] = mean
-    summary[2] = deviation
-    summary[3] = feasible / size
-    summary[4] = _diversity(swarms.positions[b], size)
+    summary[POPULATION_COLLISION] = mean_weight * mean + (1.0 - mean_weight) * deviation
+    summary[MEAN_COLLISION] = mean
+    summary[COLLISION_DEVIATION] = deviation
+    summary[FEASIBLE_SHARE] = feasible / size
+    summary[DIVERSITY] = _diversity(swarms.positions[b], size)
 
 
 @kernel

@@ -135,7 +135,7 @@ class Robots:
 
     def _paths(self, row: int, problem: MapProblem) -> Iterator[Floats]:
         if isinstance(problem, WalkProblem):
-            yield self._swarms.best_way(row, problem.scenario.target)
+            yield self._swarms.best_path(row, problem.scenario.target)
             return
         best = self._swarms.best_position[row, : problem.dimension]
         yield problem.points(best)

@@ -56,7 +56,8 @@ class Settings:
             high), both positive: then each episode draws the price by its seed, uniformly in the logarithm.
         reference_evaluations: number of evaluations that `price` refers to, at least 1.
         max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
-        knobs: parameters of the optimizer by name, where they differ from its defaults.
+        knobs: parameters of the optimizer by name, where they differ from its defaults; this field has the
+            name that stored configurations have for it.
 
     Raises:
         UnknownNameError: for an encoding that does not exist.
@@ -105,17 +106,17 @@ class Settings:
         """
         own = {f.name for f in fields(cls)} - {"knobs"}
         for name in options:
-            if name not in own and name not in optimizer.knobs:
-                raise UnknownNameError("option", name, own | set(optimizer.knobs))
+            if name not in own and name not in optimizer.parameters:
+                raise UnknownNameError("option", name, own | set(optimizer.parameters))
         values = {name: value for name, value in options.items() if name in own}
         if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
             raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)
         scenario = values.get("scenario", cls.scenario)
         if isinstance(scenario, Iterable) and not isinstance(scenario, str):
             values["scenario"] = tuple(scenario)
-        knobs = {name: value for name, value in options.items() if name in optimizer.knobs}
-        optimizer.knob_values(knobs)
-        settings = cls(**values, knobs=knobs)
+        parameters = {name: value for name, value in options.items() if name in optimizer.parameters}
+        optimizer.parameter_values(parameters)
+        settings = cls(**values, knobs=parameters)
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings._refuse_unused(options)
         return settings

@@ -41,7 +41,7 @@ class Decisions(NamedTuple):
 
     sizes: Integers  # (B,) population sizes
     repair_degrees: Floats  # (B,) phi in [0, 1]
-    knobs: Floats  # (B, number of knobs) parameters of the optimizer, in its order
+    parameters: Floats  # (B, number of parameters) of the optimizer, in the order of its class of parameters
 
 
 class Simulation:
@@ -60,7 +60,7 @@ class Simulation:
         running: (B,) whether an episode is under way.
         columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters.
         history: (B, iterations + 1, number of columns) the record.
-        knobs: (B, number of knobs) parameters of the optimizer where no action decides them.
+        parameters: (B, number of parameters) of the optimizer, where no action decides them.
         initial_gap: (B,) best fitness of the first population above the lower bound; where the map has
             changed since, times what that did to the gap.
         price: (B,) cost of `reference_evaluations` evaluations in this episode.
@@ -98,10 +98,10 @@ class Simulation:
         self.swarms.iterations[:] = settings.iterations
         self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
         self._anything_happens = self.worlds.ever_change or self.robots is not None
-        self.knobs = np.tile(optimizer.knob_values(dict(settings.knobs)), (num_swarms, 1))
+        self.parameters = optimizer.stacked_parameters(settings.knobs, num_swarms)
         self.iteration = self.swarms.iteration
         self.running = np.zeros(num_swarms, dtype=np.bool_)
-        self.columns = (*HISTORY, *optimizer.knobs)
+        self.columns = (*HISTORY, *optimizer.parameters)
         self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
         self.initial_gap = np.ones(num_swarms)
         self.price = np.zeros(num_swarms)
@@ -148,11 +148,11 @@ class Simulation:
         if self.robots is not None:
             self.robots.begin(rows)
         self.optimizer.initialise(
-            swarms, self.worlds.tables, chosen, sizes, self.settings.mean_weight, given, self.knobs
+            swarms, self.worlds.tables, chosen, sizes, self.settings.mean_weight, given, self.parameters
         )
         self.running[rows] = True
         self.history[rows] = np.nan
-        self._record(rows, np.zeros(self.num_swarms), self.knobs)
+        self._record(rows, np.zeros(self.num_swarms), self.parameters)
         self.initial_gap[rows] = self.gap()[rows]
 
     def step(self, chosen: Flags, decisions: Decisions) -> Floats:
@@ -168,7 +168,7 @@ class Simulation:
         if self._anything_happens:
             self._let_happen(chosen & ~ended)
             ended = self._ended()
-        self._record(rows, decisions.repair_degrees, decisions.knobs)
+        self._record(rows, decisions.repair_degrees, decisions.parameters)
         self.running[rows] = ~ended[rows]
         return reached
 
@@ -248,7 +248,7 @@ class Simulation:
     def best_path(self, row: int) -> Floats:
         """Return (k, 2) the best path so far of a swarm; a walk ends when it has reached the target."""
         if self.swarms.walk.shape[1] > 0:
-            return self.swarms.best_way(row, self._targets[self.swarms.problem[row]])
+            return self.swarms.best_path(row, self._targets[self.swarms.problem[row]])
         return self.problem_of(row).points(self.best_position(row))
 
     def _best_walks(self) -> Floats:
@@ -284,7 +284,7 @@ class Simulation:
         """Return the problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
-    def _record(self, rows: Integers, repair_degrees: Floats, knobs: Floats) -> None:
+    def _record(self, rows: Integers, repair_degrees: Floats, parameters: Floats) -> None:
         swarms = self.swarms
         record = np.empty((self.num_swarms, len(self.columns)))
         record[:, 0] = swarms.summary[:, 0]
@@ -293,7 +293,7 @@ class Simulation:
         record[:, 3] = swarms.best_fitness
         record[:, 4] = swarms.evaluations
         record[:, 5] = swarms.best_collision
-        record[:, len(HISTORY) :] = knobs
+        record[:, len(HISTORY) :] = parameters
         self.history[rows, self.iteration[rows]] = record[rows]
 
     def read_options(self, options: Mapping[str, Any] | None) -> tuple[int, Floats | None, int | None]:

@@ -107,10 +107,9 @@ def _logarithmic_ranges(
         raise SettingError(f"there is one population size only, {limits.smallest}: nothing to tune")
     ranges = {"population size": (float(limits.smallest), float(limits.largest), 60.0)}
     if action == "extended":
-        names = list(optimizer.knobs)
-        for place, knob in optimizer.decided_knobs().items():
-            if knob.decided is not None:
-                ranges[names[place]] = (*knob.decided, knob.default)
+        for name, parameter in optimizer.decided_parameters().items():
+            if parameter.decided is not None:
+                ranges[name] = (*parameter.decided, parameter.default)
         if len(ranges) == 1:
             raise SettingError(f"action 'extended': optimizer {optimizer.name!r} decides nothing more")
     return ranges

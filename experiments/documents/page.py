@@ -37,7 +37,7 @@ def write_page(
 
     Args:
         suite: suite that was run.
-        tables: its tables.
+        tables: tables of the suite.
         figures: files in the folder; those that are SVG are shown.
         folder: folder of the page, made if missing.
         made_with: provenances of the runs, written as one line; documents take it from a file of its own.

@@ -19,8 +19,8 @@ class Stored:
     """The stored runs of a suite.
 
     Attributes:
-        suite: the suite.
-        results: its database.
+        suite: suite that was run.
+        results: database of the suite.
     """
 
     def __init__(self, suite: Suite, results: Results):

@@ -7,8 +7,8 @@ from typing import Any
 
 from experiments.runs.groups import group_controllers
 
-PAPER_TABLES = ("summary", "cases", "comparison", "reproduction")
-PAPER_FIGURES = ("snapshots", "collision", "cases")
+SPSFA_TABLES = ("summary", "cases", "comparison", "reproduction")
+SPSFA_FIGURES = ("snapshots", "collision", "cases")
 
 # Hyperparameters were chosen with results of seeds below 100; all seeds below 100,000 are for tests.
 FRESH_SEEDS = 10_000
@@ -68,8 +68,8 @@ class Suite:
     pairs: tuple[tuple[str, str], ...] = ()
     families: tuple[Family, ...] = ()
     reference: tuple[float, float] = (1_000_000.0, 0.2)
-    tables: tuple[str, ...] = PAPER_TABLES
-    figures: tuple[str, ...] = PAPER_FIGURES
+    tables: tuple[str, ...] = SPSFA_TABLES
+    figures: tuple[str, ...] = SPSFA_FIGURES
     replayed: tuple[str, ...] = ()
 
     @cached_property

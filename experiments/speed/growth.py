@@ -121,7 +121,9 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
         simulation = env.simulation
         constant = (
             np.ones(rows, dtype=np.bool_),
-            Decisions(np.full(rows, options["initial_population_size"]), np.zeros(rows), simulation.knobs),
+            Decisions(
+                np.full(rows, options["initial_population_size"]), np.zeros(rows), simulation.parameters
+            ),
         )
         simulation.advance(*constant)
         before = simulation.swarms.evaluations.sum()

@@ -12,7 +12,7 @@ from experiments.speed.numpy_firefly import NumpyFirefly, analytic_problem
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.env import SwarmEnv
-from swarm_gym.optimizers.firefly import move_towards, squared_distance
+from swarm_gym.optimizers.firefly import FireflyParameters, move_towards, squared_distance
 from swarm_gym.population import Workspace, make_workspace
 from swarm_gym.problem.analytic.cost import evaluate
 from swarm_gym.problem.analytic.table import WaypointTable
@@ -119,8 +119,9 @@ def _distance(table: WaypointTable, work: Workspace, calls: int) -> float:
 @entry
 def _move(table: WaypointTable, work: Workspace, calls: int) -> float:
     other = np.ones_like(work.noise)
+    parameters = FireflyParameters(noise=2.0, attractiveness=0.1, absorption=5e-6)
     for _ in range(calls):
-        move_towards(table, work, other, 2.0, 0.1, 5e-6)
+        move_towards(parameters, table, work, other)
     return work.path[1]
 
 

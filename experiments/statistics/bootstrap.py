@@ -1,14 +1,15 @@
-"""Resampling of runs whose training seeds, scenarios and seeds are levels of their own.
+"""Bootstrap of runs at three levels: training seeds, scenarios and seeds.
 
 Runs are arrays (training seeds, scenarios, seeds). All training seeds meet the same (scenario, seed) pairs,
-so the two are crossed: a resample draws training seeds, and independently of them pairs that hold for all of
-these (the pigeonhole bootstrap, A. B. Owen, Ann. Appl. Stat. 1 (2007)). Drawing pairs anew for each training
-seed would average their common effect away, and make intervals too narrow. Of pairs, scenarios are drawn
-within their set, and seeds within their scenario; sets are strata, which every resample has in full (the
-stratified bootstrap of R. Agarwal et al., "Deep reinforcement learning at the edge of the statistical
-precipice", NeurIPS 2021). A scenario that is a set of its own is thus a stratum.
+so the two are crossed. A resample draws training seeds, and independently of them pairs, which all of its
+training seeds have in common (the pigeonhole bootstrap, A. B. Owen, Ann. Appl. Stat. 1 (2007)). Drawing pairs
+anew for each training seed would average their common effect away, and make intervals too narrow.
 
-A resample is not made but counted: how often is each run in it? Statistics are then weighted sums.
+To draw pairs, scenarios are drawn within their set, and seeds within their scenario. Sets are strata, which
+every resample has in full (the stratified bootstrap of R. Agarwal et al., "Deep reinforcement learning at the
+edge of the statistical precipice", NeurIPS 2021). A scenario that is a set of its own is thus a stratum.
+
+A resample is stored as the number of times that it has each run. Statistics are then weighted sums.
 """
 
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ MOST_COUNTS = 4_000_000  # held at once, 32 MB
 
 
 class Draws(NamedTuple):
-    """How often each part of a sample is in each resample.
+    """Resamples, as the number of times that each part of a sample is in each of them.
 
     Attributes:
         training: (resamples, training seeds) counts, whose sum is the number of training seeds.
@@ -41,13 +42,13 @@ class Draws(NamedTuple):
 
 @lru_cache(maxsize=64)
 def draw(num_training_seeds: int, set_sizes: tuple[int, ...], num_seeds: int, stream: int = 0) -> Draws:
-    """Draw resamples; the same arguments give the same ones.
+    """Draw resamples; equal arguments give equal resamples.
 
     Args:
-        num_training_seeds: 1 for what is not trained.
-        set_sizes: how many scenarios are of each set.
-        num_seeds: of each scenario.
-        stream: draws of two streams have the same pairs, and training seeds independent of each other.
+        num_training_seeds: number of training seeds, 1 for a controller that is not trained.
+        set_sizes: number of scenarios in each set.
+        num_seeds: number of seeds of each scenario.
+        stream: number of a stream. Two streams draw equal pairs, and training seeds independently.
     """
     chosen = np.random.default_rng([0, stream]).multinomial(
         num_training_seeds, _equal(num_training_seeds), size=RESAMPLES
@@ -62,13 +63,13 @@ def draw(num_training_seeds: int, set_sizes: tuple[int, ...], num_seeds: int, st
 
 
 def means(values: Floats, draws: Draws) -> Floats:
-    """(resamples,) the mean of values (training seeds, scenarios, seeds) in each resample."""
+    """Return the mean (resamples,) of values (training seeds, scenarios, seeds) in each resample."""
     by_pair = draws.training @ values.reshape(len(values), -1)
     return np.einsum("bp,bp->b", by_pair, draws.pairs) / values.size
 
 
 def trimmed_means(values: Floats, draws: Draws) -> Floats:
-    """(resamples,) the inter-quartile mean, as `scipy.stats.trim_mean` has it, in each resample."""
+    """Return the inter-quartile mean (resamples,) as `scipy.stats.trim_mean` has it, in each resample."""
     cut = int(TRIMMED * values.size)
     ordered = np.sort(values, axis=None)
     found = []
@@ -79,20 +80,20 @@ def trimmed_means(values: Floats, draws: Draws) -> Floats:
 
 
 def shares_within(values: Floats, thresholds: Floats, draws: Draws) -> Floats:
-    """(resamples, thresholds) the share of values that are at most the threshold, in each resample."""
+    """Return the share (resamples, thresholds) of values up to the threshold, in each resample."""
     places = np.searchsorted(np.sort(values, axis=None), thresholds, side="right")
     return np.concatenate([upto[:, places] for upto in _cumulated(values, draws)]) / values.size
 
 
 def interval(resampled: Floats) -> Interval:
-    """95 % percentile interval of a statistic (resamples,)."""
+    """Return the 95 % percentile interval of a statistic (resamples,)."""
     tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.quantile(resampled, [tail, 1.0 - tail])
     return float(low), float(high)
 
 
 def _cumulated(values: Floats, draws: Draws) -> Iterator[Floats]:
-    """Counts of the values below each rank, (some resamples, values.size + 1), a part of all at a time."""
+    """Yield counts (some resamples, values.size + 1) of the values below each rank, until all are counted."""
     order = np.argsort(values, axis=None, kind="stable")
     step = max(1, MOST_COUNTS // values.size)
     for begin in range(0, len(draws.pairs), step):

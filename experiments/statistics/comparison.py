@@ -1,4 +1,4 @@
-"""Two samples of runs on the same scenarios and seeds, smaller values being better."""
+"""Comparisons of two samples of runs on the same scenarios and seeds; smaller values are better."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Comparison:
-    """Paired runs of one controller against a baseline.
+    """A comparison of the runs of one controller with those of a baseline, paired by seed.
 
     Attributes:
         difference: mean of value - baseline.
         interval: 95 % bootstrap interval of that mean.
         superiority: Vargha-Delaney A12, probability that a run is better (smaller) than one of the
-            baseline's, ties counted half.
-        p_value: Wilcoxon signed-rank test, two-sided, not yet corrected.
+            baseline; ties count half.
+        p_value: p of the Wilcoxon signed-rank test, two-sided, not yet corrected.
     """
 
     difference: float
@@ -32,15 +32,16 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Difference:
-    """Runs of a group against those of a baseline group, both over all their training seeds.
+    """A comparison of the runs of a group with those of a baseline group, over all their training seeds.
 
     Attributes:
         difference: mean of value - baseline.
-        interval: its 95 % interval, over training seeds of both, scenarios and seeds.
+        interval: 95 % interval of the difference, over training seeds of both, scenarios and seeds.
         relative_change: mean of the values over the mean of the baseline's, minus 1.
         superiority: Vargha-Delaney A12 over all runs, paired or not.
         improvement: probability of being better than the baseline on the same scenario and seed.
-        p_value: Wilcoxon signed-rank test of the means over training seeds, two-sided, not yet corrected.
+        p_value: p of the Wilcoxon signed-rank test of the means over training seeds, two-sided, not yet
+            corrected.
     """
 
     difference: float
@@ -52,7 +53,7 @@ class Difference:
 
 
 def compare(values: Floats, baseline: Floats) -> Comparison:
-    """Compare two samples (seeds,) of the same seeds."""
+    """Return the comparison of two samples (seeds,) of the same seeds."""
     differences = values - baseline
     return Comparison(
         float(differences.mean()),
@@ -63,11 +64,11 @@ def compare(values: Floats, baseline: Floats) -> Comparison:
 
 
 def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: Draws) -> Difference:
-    """Compare two samples (training seeds, scenarios, seeds) of the same scenarios and seeds.
+    """Return the comparison of two samples (training seeds, scenarios, seeds), paired by scenario and seed.
 
     Args:
-        values: of the group.
-        baseline: of the baseline; it may have another number of training seeds.
+        values: values of the group.
+        baseline: values of the baseline, which may have another number of training seeds.
         draws: resamples of the group.
         baseline_draws: resamples of the baseline, of another stream.
     """
@@ -84,20 +85,20 @@ def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: D
 
 
 def ratio_interval(values: Floats, baseline: Floats) -> Interval:
-    """95 % interval, by `bootstrap`, of the ratio of the means of two samples (seeds,) of the same seeds."""
+    """Return the 95 % interval of the ratio of the means of two samples (seeds,) of the same seeds."""
     draws = draw(1, (1,), len(values))
     return interval(means(values[None, None], draws) / means(baseline[None, None], draws))
 
 
 def paired(differences: Floats) -> tuple[float, Interval]:
-    """Mean of differences (scenarios, seeds) and its 95 % interval; every scenario is a stratum."""
+    """Return the mean of differences (scenarios, seeds) and its 95 % interval; each scenario is a stratum."""
     num_scenarios, num_seeds = differences.shape
     resampled = means(differences[None], draw(1, (1,) * num_scenarios, num_seeds))
     return float(differences.mean()), interval(resampled)
 
 
 def superiority(values: Floats, baseline: Floats) -> float:
-    """A12: the probability that one of the values is smaller than one of the baseline, ties counted half.
+    """Return A12, the probability that a value is smaller than one of the baseline; ties count half.
 
     Source: A. Vargha, H. D. Delaney, "A critique and improvement of the CL common language effect size
     statistics of McGraw and Wong", J. Educ. Behav. Stat. 25 (2000), from the sum of ranks.
@@ -108,27 +109,27 @@ def superiority(values: Floats, baseline: Floats) -> float:
 
 
 def probability_of_improvement(values: Floats, baseline: Floats) -> float:
-    """How often a run is better than one of the baseline on the same scenario and seed, ties counted half.
+    """Return the share of runs that are better than one of the baseline on the same scenario and seed.
 
-    After Agarwal et al. (2021), who compare all runs on a task with each other; here they are paired.
+    Ties count half. Agarwal et al. (2021) compare all runs on a task with each other; here they are paired.
 
     Args:
-        values: (training seeds, scenarios, seeds).
-        baseline: the same, with any number of training seeds.
+        values: (training seeds, scenarios, seeds) of the group.
+        baseline: (training seeds, scenarios, seeds) of the baseline, with any number of training seeds.
     """
     mine, theirs = values[:, None], baseline[None]
     return float((mine < theirs).mean() + 0.5 * (mine == theirs).mean())
 
 
 def rank_sum(values: Floats, others: Floats) -> float:
-    """P of the Mann-Whitney U test, two-sided, of two samples that are not paired; not yet corrected."""
+    """Return p of the Mann-Whitney U test, two-sided, of two samples that are not paired; not corrected."""
     if np.ptp(np.concatenate([values, others])) == 0.0:
         return 1.0
     return float(stats.mannwhitneyu(values, others).pvalue)
 
 
 def holm(p_values: list[float]) -> list[float]:
-    """Holm's step-down correction: adjusted p-values in the order given.
+    """Return p-values after Holm's step-down correction, in the order given.
 
     Source: S. Holm, "A simple sequentially rejective multiple test procedure", Scand. J. Stat. 6 (1979).
     """

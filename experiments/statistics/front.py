@@ -1,4 +1,4 @@
-"""Fronts of two costs, both to be small."""
+"""Fronts of two costs, both of which shall be small."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,23 +8,26 @@ Flags = NDArray[np.bool_]
 
 
 def non_dominated(points: Floats) -> Flags:
-    """(n,) which of the points (n, 2) no other one matches in both coordinates and beats in one."""
+    """Return whether each of the points (n, 2) is on the front, (n,).
+
+    A point is on the front if no other point is as small in both coordinates and smaller in one.
+    """
     ahead = (points[:, None] <= points).all(axis=2) & (points[:, None] < points).any(axis=2)
     return np.logical_not(ahead.any(axis=0))
 
 
 def hypervolume(points: Floats, reference: tuple[float, float]) -> Floats:
-    """Area that points dominate and that in turn dominates the reference point.
+    """Return the area that points dominate, up to the reference point.
 
     Source: E. Zitzler, L. Thiele, "Multiobjective evolutionary algorithms: a comparative case study and the
     strength Pareto approach", IEEE Trans. Evol. Comput. 3 (1999).
 
     Args:
         points: (..., n, 2), one front per leading index; n may be 0.
-        reference: the worst of both coordinates; a point beyond it counts for nothing.
+        reference: worst value of both coordinates; a point beyond it contributes nothing.
 
     Returns:
-        Shape (...).
+        The area of each front, shape (...).
     """
     inside = np.minimum(points, reference)
     order = np.argsort(inside[..., 0], axis=-1)

@@ -1,4 +1,4 @@
-"""Performance profiles: how large a share of runs is within a bound."""
+"""Performance profiles: the share of runs within a bound, by the bound."""
 
 from dataclasses import dataclass
 
@@ -16,9 +16,9 @@ class Profile:
 
     Attributes:
         thresholds: bounds, increasing.
-        shares: of the runs that are at most the bound.
+        shares: share of the runs whose value is at most the bound.
         low: lower end of the pointwise 95 % band.
-        high: upper end.
+        high: upper end of the band.
     """
 
     thresholds: Floats
@@ -28,11 +28,11 @@ class Profile:
 
 
 def performance_profile(values: Floats, thresholds: Floats, draws: Draws) -> Profile:
-    """The share of runs (training seeds, scenarios, seeds) within each threshold, with its band.
+    """Return the share of runs (training seeds, scenarios, seeds) within each threshold, with its band.
 
-    E. D. Dolan and J. J. More ("Benchmarking optimization software with performance profiles", Math. Program.
-    91 (2002)) have the cost relative to the best solver for the value; with a value that has a scale of its
-    own it is the run-score distribution of Agarwal et al. (2021).
+    The value of E. D. Dolan and J. J. More ("Benchmarking optimization software with performance profiles",
+    Math. Program. 91 (2002)) is the cost relative to the best solver. With a value that has a scale of its
+    own, the profile is the run-score distribution of Agarwal et al. (2021).
     """
     tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.quantile(shares_within(values, thresholds, draws), [tail, 1.0 - tail], axis=0)

@@ -1,4 +1,4 @@
-"""One sample of runs, described."""
+"""Summaries of one sample of runs."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ MEAN_RESAMPLES = 10_000
 
 @dataclass(frozen=True)
 class Summary:
-    """One sample: the paper's four numbers, and a 95 % bootstrap interval of the mean."""
+    """A summary of one sample: the four numbers of the SPSFA paper, and a 95 % interval of the mean."""
 
     maximum: float
     minimum: float
@@ -35,12 +35,12 @@ class Summary:
 
 @dataclass(frozen=True)
 class GroupSummary:
-    """Runs of all training seeds of a group together, with 95 % intervals by `bootstrap`.
+    """A summary of the runs of all training seeds of a group, with 95 % bootstrap intervals.
 
     Attributes:
-        inter_quartile_mean: mean of the middle half (Agarwal et al. 2021): neither moved by a few bad runs,
-            as the mean is, nor blind to all but one value, as the median is.
-        deviation: over all runs, with the denominator n - 1.
+        inter_quartile_mean: mean of the middle half (Agarwal et al. 2021). A few bad runs do not change it,
+            unlike the mean, and it takes account of more than one value, unlike the median.
+        deviation: standard deviation over all runs, with the denominator n - 1.
     """
 
     mean: float
@@ -54,7 +54,7 @@ class GroupSummary:
 
 
 def summarise(values: Floats) -> Summary:
-    """Describe a sample of at least two values; the deviation has the denominator n - 1."""
+    """Return the summary of at least two values; the deviation has the denominator n - 1."""
     return Summary(
         float(values.max()),
         float(values.min()),
@@ -66,7 +66,7 @@ def summarise(values: Floats) -> Summary:
 
 
 def mean_interval(values: Floats) -> tuple[float, float]:
-    """95 % bootstrap interval (bias-corrected and accelerated) of the mean; seeded."""
+    """Return the 95 % bootstrap interval (bias-corrected and accelerated) of the mean; it is seeded."""
     if np.ptp(values) <= 1e-12 * np.abs(values).max():
         return float(values[0]), float(values[0])
     found = stats.bootstrap(
@@ -81,7 +81,7 @@ def mean_interval(values: Floats) -> tuple[float, float]:
 
 
 def summarise_group(values: Floats, draws: Draws) -> GroupSummary:
-    """Describe runs (training seeds, scenarios, seeds); there must be two at least."""
+    """Return the summary of at least two runs (training seeds, scenarios, seeds)."""
     return GroupSummary(
         float(values.mean()),
         interval(means(values, draws)),

@@ -186,7 +186,7 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
     """Return the bounds (low, high) of all decisions for an optimizer, in natural units, in order."""
     chosen = get_optimizer(optimizer)
     settings = Settings(
-        action="extended" if chosen.decided_knobs() else "natural",
+        action="extended" if chosen.decided_parameters() else "natural",
         min_population_size=limits.smallest,
         max_population_size=limits.largest,
         initial_population_size=limits.smallest,

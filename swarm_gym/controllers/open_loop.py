@@ -107,9 +107,8 @@ def packaged_open_loops() -> list[str]:
 
 def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
     """Raise an error for decisions that an extended action lacks, in another order or outside its ranges."""
-    cls = get_optimizer(optimizer)
-    names = list(cls.knobs)
-    decided = {names[place]: knob.decided for place, knob in cls.decided_knobs().items()}
+    declared = get_optimizer(optimizer).decided_parameters()
+    decided = {name: parameter.decided for name, parameter in declared.items()}
     if list(knobs) != list(decided):
         raise ValueError(
             f"open loop: further decisions of {optimizer!r} are {', '.join(decided)}, in this order; got "

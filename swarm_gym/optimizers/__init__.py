@@ -1,7 +1,7 @@
-"""How a problem is solved: one file per optimizer.
+"""Optimizers: algorithms that solve a problem with a swarm, each in a file or folder of its own.
 
-To add one: write a class after `firefly.Firefly` and enter it in `OPTIMIZERS`; it is then the environment
-`swarm_gym/<Class>-v0`, and under the contract tests.
+To add one, write a class like `firefly.Firefly` and register it in `OPTIMIZERS`. It is then available as the
+environment `swarm_gym/<Class>-v0`, and the contract tests cover it.
 """
 
 from importlib import import_module
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["OPTIMIZERS", "get_optimizer"]
 
-# Name to module and class, imported when first asked for: importing Numba takes a while.
+# Module and class by name; a module is imported at its first use, since importing Numba takes a while.
 OPTIMIZERS: dict[str, tuple[str, str]] = {
     "firefly": ("swarm_gym.optimizers.firefly", "Firefly"),
     "generational-firefly": ("swarm_gym.optimizers.generational_firefly", "GenerationalFirefly"),
@@ -30,7 +30,7 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
 
 
 def get_optimizer(name: str) -> "type[Optimizer]":
-    """The optimizer class of that name.
+    """Return the optimizer class with this name.
 
     Raises:
         UnknownNameError: if there is none.

@@ -1,6 +1,6 @@
-"""The best walk so far, of optimizers whose members are points that walks have come to.
+"""The best walk so far, of optimizers whose members are the ends of walks.
 
-`Swarms.walk` begins with `Swarms.best_walk` points, from which the path goes straight on to the target.
+`Swarms.walk` begins with its points, `Swarms.best_walk` in number; then the path is straight to the target.
 """
 
 import math
@@ -12,7 +12,7 @@ from swarm_gym.problem.walk.table import WalkTable, share_blocked_between
 
 @kernel
 def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
-    """Length of the first points of the walk, in map units."""
+    """Return the length of the first points of the walk, in map units."""
     walk, length = swarms.walk[b], 0.0
     for k in range(1, number):
         length += math.hypot(walk[k, 0] - walk[k - 1, 0], walk[k, 1] - walk[k - 1, 1])
@@ -21,7 +21,7 @@ def length_of_walk(swarms: Swarms, b: int, number: int) -> float:
 
 @kernel
 def re_evaluate_walk(swarms: Swarms, b: int, table: WalkTable) -> None:
-    """Evaluate the best path so far on a map that changed, all of it."""
+    """Evaluate the whole best path so far on a map that has changed."""
     swarms.evaluations[b] += 1
     number, length, collision = swarms.best_walk[b], 0.0, 0.0
     for k in range(number):

@@ -6,7 +6,7 @@ Electronica Sinica 44(9), 2016). Coding and operators are not printed: real numb
 wheel, one-point crossover and uniform mutation of single genes are readings, see docs/readings.md.
 """
 
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,40 +14,47 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent
 from swarm_gym.problem.tables import Table, repair
 
 Floats = NDArray[np.float64]
 
-# What the worst member weighs on the wheel: this share of the spread of the fitness, and next to nothing.
+# Weight of the worst member on the wheel: a share of the spread of the fitness, and nearly 0.
 LEAST_SHARE, LEAST_WEIGHT = 0.01, 1e-12
 
 
-class EliteGeneticRules(NamedTuple):
-    """Stands for the kernels of this optimizer; see `driver`."""
+class EliteGeneticParameters(NamedTuple):
+    """Parameters of the elite genetic algorithm."""
+
+    crossover: Annotated[
+        float, Parameter(0.2, 0.0, 1.0, "pc", "share of children in a generation", (0.01, 1.0))
+    ]
+    mutation: Annotated[
+        float, Parameter(0.01, 0.0, 1.0, "pm", "probability that a gene is drawn anew", (0.001, 1.0))
+    ]
 
 
 @kernel
 def iterate(
-    rules: EliteGeneticRules,  # noqa: ARG001
+    parameters: EliteGeneticParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One generation of swarm `b`: the best member, copies drawn by the wheel, then children of drawn pairs.
+    """Advance swarm `b` by one generation.
 
-    All are evaluated, as the paper's budget says. When the budget is spent, the places left keep their old
-    members.
+    It consists of the best member, then copies drawn by the wheel, then children of pairs drawn by the wheel.
+    All are evaluated, as the budget of the MOA paper implies. When the budget is spent, the remaining members
+    stay as they are.
     """
-    crossover, mutation = knobs[0], knobs[1]
     size, width, path = swarms.size[b], swarms.positions.shape[2], work.path
     parents, fitness = swarms.positions[b, :size].copy(), swarms.fitness[b, :size].copy()
     wheel, best = _wheel(fitness), int(np.argmin(fitness))
-    num_children = int(np.floor(crossover * (size - 1) + 0.5))
+    num_children = int(np.floor(parameters.crossover * (size - 1) + 0.5))
     for i in range(size):
         if is_spent(swarms, b):
             break
@@ -58,12 +65,12 @@ def iterate(
             first = second = _spin(wheel, work.noise[0])
             if i >= size - num_children:
                 second = _spin(wheel, work.noise[1])
-                # Between two genes, so that both parents give some.
+                # The cut is between two genes, so that each parent gives at least one.
                 cut = 1 + int(work.noise[2] * (table.dimension - 1))
         for k in range(width):
             path[k + 1] = parents[first, k] if k < cut else parents[second, k]
         if i > 0:
-            _mutate(swarms, b, table, work, mutation)
+            _mutate(swarms, b, table, work, parameters.mutation)
             if repair_degree > 0.0:
                 repair(table, path, repair_degree)
         evaluate_member(swarms, b, i, table, work)
@@ -71,7 +78,7 @@ def iterate(
 
 @kernel
 def _wheel(fitness: Floats) -> Floats:
-    """Cumulative weights of the members, from 0 to 1: the smaller the fitness, the larger a weight."""
+    """Return cumulative weights of the members, from 0 to 1: the smaller the fitness, the larger a weight."""
     worst = fitness.max()
     floor = LEAST_WEIGHT + LEAST_SHARE * (worst - fitness.min())
     sums, total = np.empty(fitness.shape[0]), 0.0
@@ -83,7 +90,7 @@ def _wheel(fitness: Floats) -> Floats:
 
 @kernel
 def _spin(wheel: Floats, share: float) -> int:
-    """The member at this share of the wheel, in [0, 1)."""
+    """Return the member at this share of the wheel, in [0, 1)."""
     for i in range(wheel.shape[0] - 1):
         if share < wheel[i]:
             return i
@@ -92,7 +99,7 @@ def _spin(wheel: Floats, share: float) -> int:
 
 @kernel
 def _mutate(swarms: Swarms, b: int, table: Table, work: Workspace, rate: float) -> None:
-    """Draw some genes of `work.path` anew inside the bounds."""
+    """Draw some genes of `work.path` anew, uniform inside the bounds."""
     fill_uniform(swarms.stream[b], work.noise)
     mutated = work.noise[: table.dimension] < rate
     if mutated.any():
@@ -106,9 +113,5 @@ class EliteGenetic(Optimizer):
     """EGA of the MOA paper, with the parameters printed there."""
 
     name = "elite-genetic"
-    knobs: ClassVar[dict[str, Knob]] = {
-        "crossover": Knob(0.2, 0.0, 1.0, "pc", "share of children in a generation", (0.01, 1.0)),
-        "mutation": Knob(0.01, 0.0, 1.0, "pm", "probability that a gene is drawn anew", (0.001, 1.0)),
-    }
-    rules = EliteGeneticRules
+    parameter_class = EliteGeneticParameters
     kernels = loop.Kernels(iterate)

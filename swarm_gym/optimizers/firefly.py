@@ -1,13 +1,13 @@
 """Firefly algorithm with sequential pair moves.
 
 Sources: X.-S. Yang, "Firefly algorithms for multimodal optimization", SAGA 2009; in the form of the SPSFA
-paper, Algorithm 1 and eq. 13-15. Every firefly looks at every other in turn and moves at once towards each
-that is brighter *now*; it is repaired and evaluated after each move. One iteration of m fireflies makes up to
-m (m - 1) moves, about half of that in practice.
+paper, Algorithm 1 and eq. 13-15. Every firefly looks at every other firefly in turn and moves at once towards
+each one that is brighter *now*; it is repaired and evaluated after each move. One iteration of m fireflies
+makes up to m (m - 1) moves, about half of that in practice.
 """
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,23 +16,35 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
 from swarm_gym.optimizers import loop
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
-from swarm_gym.population import (
-    Swarms,
-    Workspace,
-    evaluate_path,
-    is_spent,
-)
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
+from swarm_gym.population import Swarms, Workspace, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table, repair
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+
+
+class FireflyParameters(NamedTuple):
+    """Parameters of the firefly algorithm."""
+
+    noise: Annotated[
+        float,
+        Parameter(
+            2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)
+        ),
+    ]
+    attractiveness: Annotated[
+        float,
+        Parameter(0.1, 0.0, 1.0, "beta0", "share of the distance to a neighbour at distance 0", (0.01, 1.0)),
+    ]
+    absorption: Annotated[
+        float, Parameter(5e-6, 0.0, 1e3, "gamma", "decay of the attraction, per squared map unit")
+    ]
 
 
 @kernel(inline="late")
 def squared_distance(path: Floats, position: Floats) -> float:
-    """Squared distance of a path with its start, shape (C + 1,), from a position, shape (C,)."""
+    """Return the squared distance between a path with its start, (C + 1,), and a position, (C,)."""
     squares = broadcast(0.0)
     for k in range(0, position.shape[0], NUM_LANES):
         difference = load(position, k) - load(path, k + 1)
@@ -41,40 +53,28 @@ def squared_distance(path: Floats, position: Floats) -> float:
 
 
 @kernel(inline="late")
-def move_towards(
-    table: Table,
-    work: Workspace,
-    brighter: Floats,
-    alpha: float,
-    beta0: float,
-    gamma: float,
-) -> None:
-    """Move `work.path` towards a brighter position, shape (C,), with the noise in `work.noise`."""
+def move_towards(parameters: FireflyParameters, table: Table, work: Workspace, brighter: Floats) -> None:
+    """Move `work.path` towards a brighter position, (C,), with the noise in `work.noise`."""
     path = work.path
-    attraction = beta0 * math.exp(-gamma * squared_distance(path, brighter))  # eq. 13, 14
+    decay = math.exp(-parameters.absorption * squared_distance(path, brighter))
+    attraction = parameters.attractiveness * decay  # eq. 13, 14
     for k in range(0, brighter.shape[0], NUM_LANES):
         here = load(path, k + 1)
-        noise = alpha * (load(work.noise, k) - 0.5)
+        noise = parameters.noise * (load(work.noise, k) - 0.5)
         moved = here + attraction * (load(brighter, k) - here) + noise  # eq. 15
         store(path, k + 1, minimum(maximum(moved, load(table.lower, k)), load(table.upper, k)))
 
 
-class FireflyRules(NamedTuple):
-    """Chooses the kernels of this optimizer; see `driver`."""
-
-
 @kernel
 def iterate(
-    rules: FireflyRules,  # noqa: ARG001
+    parameters: FireflyParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b` (Algorithm 1); ends early where the evaluation budget is spent."""
-    alpha, beta0, gamma = knobs[0], knobs[1], knobs[2]
+    """Advance swarm `b` by one iteration (Algorithm 1); end early if the evaluation budget is spent."""
     positions, fitness, collision = swarms.positions[b], swarms.fitness[b], swarms.collision[b]
     stream, size, columns = swarms.stream[b], swarms.size[b], positions.shape[1]
     for i in range(size):
@@ -85,7 +85,7 @@ def iterate(
                 if is_spent(swarms, b):
                     break
                 fill_uniform(stream, work.noise)
-                move_towards(table, work, positions[j], alpha, beta0, gamma)
+                move_towards(parameters, table, work, positions[j])
                 if repair_degree > 0.0:
                     repair(table, work.path, repair_degree)
                 fitness[i], collision[i] = evaluate_path(swarms, b, table, work)
@@ -97,19 +97,10 @@ class Firefly(Optimizer):
     """The firefly algorithm of the SPSFA paper, with the parameters printed there."""
 
     name = "firefly"
-    rules = FireflyRules
+    parameter_class = FireflyParameters
     kernels = loop.Kernels(iterate)
-    knobs: ClassVar[dict[str, Knob]] = {
-        "noise": Knob(
-            2.0, 0.0, 1e4, "alpha", "width of the uniform noise of a move, in map units", (0.02, 100.0)
-        ),
-        "attractiveness": Knob(
-            0.1, 0.0, 1.0, "beta0", "share of the way to a neighbour at distance 0", (0.01, 1.0)
-        ),
-        "absorption": Knob(5e-6, 0.0, 1e3, "gamma", "decay of the attraction, per squared map unit"),
-    }
 
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """The m with m (m - 1) / 2 = evaluations: about half of the pairs move."""
+    @classmethod
+    def affordable_size(cls, evaluations: Floats) -> Floats:
+        """Return the m with m (m - 1) / 2 = evaluations: about half of the pairs move."""
         return (1.0 + np.sqrt(1.0 + 8.0 * evaluations)) / 2.0

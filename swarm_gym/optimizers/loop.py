@@ -1,16 +1,18 @@
-"""The compiled calls of an optimizer: many swarms begun, or resized and advanced by one iteration.
+"""The compiled loops over swarms: they begin swarms, advance them by one iteration or evaluate them anew.
 
-What is the same for all optimizers is written here once, and compiled for each of them: its `Rules`, a
-NamedTuple without content, stands for its `Kernels`, which `Optimizer` enters below.
+These loops are the same for all optimizers. They are compiled for each optimizer by itself: the class of its
+parameters, a NamedTuple, chooses its `Kernels`, which `Optimizer` registers here.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel, kernel_by_class
+from swarm_gym.compiler.named_tuples import named_row
+from swarm_gym.optimizers.parameter import Parameters
 from swarm_gym.population import (
     Swarms,
     Workspace,
@@ -32,13 +34,7 @@ Flags = NDArray[np.bool_]
 
 @kernel
 def draw_population(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
-    knobs: Floats,  # noqa: ARG001
+    _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Begin swarm `b`, which is empty, with members uniform in the initial bounds."""
     add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
@@ -46,12 +42,7 @@ def draw_population(
 
 @kernel
 def resize_population(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Grow or shrink swarm `b`."""
     resize(swarms, b, table, work, size)
@@ -59,12 +50,7 @@ def resize_population(
 
 @kernel
 def adopt_population(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Begin swarm `b`, which is empty, with the first `size` positions as they stand."""
     adopt_members(swarms, b, table, work, size)
@@ -72,29 +58,28 @@ def adopt_population(
 
 @kernel
 def re_evaluate_population(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
+    _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate anew, after the problem of swarm `b` has changed, its members and then the best so far."""
+    """Evaluate the members of swarm `b` and then the best so far anew, after its problem has changed."""
     best = swarms.best_position[b].copy()
     re_evaluate_members(swarms, b, table, work)
     recall(swarms, b, table, work, best)
 
 
 class Kernels(NamedTuple):
-    """What an optimizer does to one swarm.
+    """The kernels of an optimizer, which work on one swarm.
+
+    Their first arguments are (parameters, swarms, b, table, work): the parameters of swarm `b`, all swarms,
+    the number of the swarm, its problem table and scratch arrays.
 
     Attributes:
-        iterate: (rules, swarms, b, table, work, repair_degree, knobs) the moves, repairs and evaluations of
-            an iteration; it ends early where the evaluation budget is spent.
-        begin: draws a first population, see `draw_population`.
-        adopt: takes given positions as the first population, see `adopt_population`.
-        change_size: grows or shrinks a population, see `resize_population`.
-        re_evaluate: evaluates all that is remembered, members first, see `re_evaluate_population`; the budget
-            suffices for one of them at least.
+        iterate: (..., repair_degree) moves, repairs and evaluates members for one iteration; it ends early
+            if the evaluation budget is spent.
+        begin: (..., size) draws a first population, see `draw_population`.
+        adopt: (..., size) takes given positions as the first population, see `adopt_population`.
+        change_size: (..., size) grows or shrinks a population, see `resize_population`.
+        re_evaluate: (...) evaluates anew all that a swarm remembers, members first, see
+            `re_evaluate_population`; the budget suffices for at least one evaluation.
     """
 
     iterate: Callable[..., None]
@@ -104,75 +89,90 @@ class Kernels(NamedTuple):
     re_evaluate: Callable[..., None] = re_evaluate_population
 
 
-_BY_RULES: dict[str, dict[type, Callable[..., None]]] = {name: {} for name in Kernels._fields}
+_BY_CLASS: dict[str, dict[type, Callable[..., None]]] = {name: {} for name in Kernels._fields}
 
 iterate, begin, adopt, change_size, re_evaluate = (
-    kernel_by_class(_BY_RULES[name]) for name in Kernels._fields
+    kernel_by_class(_BY_CLASS[name]) for name in Kernels._fields
 )
 
 
-def enter(rules: type, kernels: Kernels) -> None:
-    """Let `rules` stand for these kernels.
+def register(parameter_class: type, kernels: Kernels) -> None:
+    """Let a class of parameters choose these kernels.
 
-    Its name must be its own, since Numba tells NamedTuples apart by their names.
+    The name of the class must be unique, since Numba tells NamedTuples apart by their names.
     """
-    taken = {other.__name__ for other in _BY_RULES["iterate"]}
-    assert rules.__name__ not in taken, f"optimizers need rules of their own, got {rules} again"
-    for name, own in kernels._asdict().items():
-        _BY_RULES[name][rules] = own
+    taken = {other.__name__ for other in _BY_CLASS["iterate"]}
+    assert parameter_class.__name__ not in taken, (
+        f"each optimizer needs a class of parameters of its own, got {parameter_class} again"
+    )
+    for name, kernel_of_optimizer in kernels._asdict().items():
+        _BY_CLASS[name][parameter_class] = kernel_of_optimizer
 
 
 @entry
 def begin_chosen(
-    rules: Any,
+    defaults: Parameters,
     swarms: Swarms,
     tables: Table,
     chosen: Flags,
     sizes: Integers,
-    knobs: Floats,
+    parameters: Floats,
     given: bool,
     mean_weight: float,
 ) -> None:
-    """Begin the chosen swarms: draw first populations, or take their positions where these are given."""
+    """Begin the chosen swarms: draw first populations, or take their positions if these are given.
+
+    The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
+    """
     for b in range(sizes.shape[0]):
         if chosen[b]:
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
+            own = named_row(defaults, parameters, b)
             clear(swarms, b)
             if given:
-                adopt(rules, swarms, b, table, work, sizes[b])
+                adopt(own, swarms, b, table, work, sizes[b])
             else:
-                begin(rules, swarms, b, table, work, sizes[b], knobs[b])
+                begin(own, swarms, b, table, work, sizes[b])
             summarise(swarms, b, mean_weight)
 
 
 @entry
 def step_chosen(
-    rules: Any,
+    defaults: Parameters,
     swarms: Swarms,
     tables: Table,
     chosen: Flags,
     sizes: Integers,
     repair_degrees: Floats,
-    knobs: Floats,
+    parameters: Floats,
     mean_weight: float,
 ) -> None:
-    """Resize the chosen swarms, advance them by one iteration and summarise them, one after the other."""
+    """Resize the chosen swarms, advance them by one iteration and summarise them, one after the other.
+
+    The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
+    """
     for b in range(sizes.shape[0]):
         if chosen[b]:
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
-            change_size(rules, swarms, b, table, work, sizes[b])
-            iterate(rules, swarms, b, table, work, repair_degrees[b], knobs[b])
+            own = named_row(defaults, parameters, b)
+            change_size(own, swarms, b, table, work, sizes[b])
+            iterate(own, swarms, b, table, work, repair_degrees[b])
             summarise(swarms, b, mean_weight)
 
 
 @entry
-def re_evaluate_chosen(rules: Any, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float) -> None:
-    """Evaluate the chosen swarms anew, on problems that have changed, and summarise them."""
+def re_evaluate_chosen(
+    defaults: Parameters, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float
+) -> None:
+    """Evaluate the chosen swarms anew, on problems that have changed, and summarise them.
+
+    The class of `defaults` chooses the kernels, which need no parameters for this.
+    """
     for b in range(chosen.shape[0]):
         if chosen[b]:
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
-            re_evaluate(rules, swarms, b, table, work)
+            re_evaluate(defaults, swarms, b, table, work)
             summarise(swarms, b, mean_weight)

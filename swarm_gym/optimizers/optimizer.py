@@ -1,92 +1,52 @@
-"""What an optimizer offers to the simulation that drives it."""
+"""The interface between an optimizer and the simulation."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.checks import look_up, require_number
 from swarm_gym.optimizers import loop
+from swarm_gym.optimizers.parameter import Parameter, Parameters, declared_parameters
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import Table
 from swarm_gym.threads import spread
 
 
-@dataclass(frozen=True)
-class Knob:
-    """A numeric parameter of an optimizer, or one that takes one of several names: see `choice`.
-
-    Attributes:
-        default: its value where nothing else is said.
-        low: the least value it may take.
-        high: the largest.
-        symbol: the paper's letter.
-        meaning: what it is, with its unit.
-        decided: the range, both positive, that an extended action decides within at every iteration; None
-            leaves the parameter as it is through an episode.
-        choices: the names that it takes; kernels, and the record of an episode, have the index instead.
-    """
-
-    default: float
-    low: float
-    high: float
-    symbol: str
-    meaning: str
-    decided: tuple[float, float] | None = None
-    choices: tuple[str, ...] = ()
-
-    def number(self, name: str, value: object) -> float:
-        """The value as kernels know it.
-
-        Args:
-            name: of the parameter, for messages.
-            value: a number, or one of the choices.
-
-        Raises:
-            SettingError: if it is not a number in the range.
-            UnknownNameError: if it is none of the choices.
-        """
-        if self.choices:
-            return float(look_up(name, value, {choice: k for k, choice in enumerate(self.choices)}))
-        require_number(name, value, self.low, self.high)
-        return float(value)  # type: ignore[arg-type]
-
-
-def choice(meaning: str, *choices: str) -> Knob:
-    """A parameter that takes one of these names, the first where nothing else is said."""
-    return Knob(0.0, 0.0, len(choices) - 1.0, "", meaning, choices=choices)
-
-
 class Optimizer:
-    """Names, parameters and kernels of an optimizer, and the calls that advance swarms by them.
+    """Names, parameters and kernels of an optimizer, and the calls that advance swarms with them.
 
     All arrays have a leading swarm axis of length B. All calls change `swarms` in place, and leave
     E(P), mean and standard deviation of the collision and the feasible share in `swarms.summary`.
 
     Attributes:
-        name: what it is registered as.
-        knobs: its parameters, by name.
-        smallest_population: the least size that it can work with.
-        encodings: names of `Settings.encoding` that it can work with; the first is its default.
-        adopts: whether it can begin with a given population.
-        is_on_its_way: whether its first member is a robot that goes while it looks for the way.
-        rules: what stands for its kernels in `driver`.
-        kernels: what it does to a swarm.
+        name: name under which the optimizer is registered.
+        parameter_class: NamedTuple whose fields declare the parameters; its name must be unique.
+        parameters: declarations of the parameters, by name; made from `parameter_class`.
+        defaults: object of `parameter_class` with the defaults; its class chooses the kernels.
+        smallest_population: smallest population size.
+        encodings: possible names of `Settings.encoding`; the first is the default.
+        adopts: whether a given population can be the first one.
+        is_on_its_way: whether the first member is a robot that moves while its path is being planned.
+        evaluations_per_member: evaluations that a member takes in an iteration, about.
+        kernels: kernels that work on one swarm.
     """
 
     name: ClassVar[str]
-    knobs: ClassVar[dict[str, Knob]]
+    parameter_class: ClassVar[type]
+    parameters: ClassVar[dict[str, Parameter]]
+    defaults: ClassVar[Parameters]
     smallest_population: ClassVar[int] = 1
     encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier")
     adopts: ClassVar[bool] = True
     is_on_its_way: ClassVar[bool] = False
-    rules: ClassVar[type]
+    evaluations_per_member: ClassVar[float] = 1.0
     kernels: ClassVar[loop.Kernels]
 
     def __init_subclass__(cls) -> None:
-        loop.enter(cls.rules, cls.kernels)
+        cls.parameters = declared_parameters(cls.parameter_class)
+        cls.defaults = cls.parameter_values({})
+        loop.register(cls.parameter_class, cls.kernels)
 
     @classmethod
     def initialise(
@@ -97,16 +57,16 @@ class Optimizer:
         sizes: NDArray[np.int64],
         mean_weight: float,
         given: bool = False,
-        knobs: NDArray[np.float64] | None = None,
+        parameters: NDArray[np.float64] | None = None,
     ) -> None:
         """Begin the chosen swarms with first populations of these sizes, (B,).
 
-        They are drawn, or taken from the first rows of the positions where these are `given`. Parameters
-        are the defaults where there are no `knobs`, (B, number of knobs).
+        Populations are drawn, or are the first rows of the positions if these are `given`. Without
+        `parameters`, see `step`, all have their defaults.
         """
-        if knobs is None:
-            knobs = np.tile(cls.knob_values({}), (len(sizes), 1))
-        loop.begin_chosen(cls.rules(), swarms, tables, chosen, sizes, knobs, given, mean_weight)
+        if parameters is None:
+            parameters = cls.stacked_parameters({}, len(sizes))
+        loop.begin_chosen(cls.defaults, swarms, tables, chosen, sizes, parameters, given, mean_weight)
 
     @classmethod
     def step(
@@ -116,25 +76,27 @@ class Optimizer:
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         repair_degrees: NDArray[np.float64],
-        knobs: NDArray[np.float64],
+        parameters: NDArray[np.float64],
         mean_weight: float,
         num_threads: int = 1,
     ) -> None:
         """Resize the chosen swarms and advance them by one iteration.
 
         Args:
-            swarms: the state.
-            tables: stacked problems.
+            swarms: state of the swarms.
+            tables: stacked problem tables.
             chosen: (B,) which swarms take part.
             sizes: (B,) population sizes of this iteration.
             repair_degrees: (B,) phi in [0, 1]; 0 is no repair.
-            knobs: (B, number of knobs) parameters in the order of `knobs`.
+            parameters: (B, number of parameters), in the order of the fields of `parameter_class`.
             mean_weight: k of eq. 7.
-            num_threads: that the swarms are spread over; nothing else depends on it.
+            num_threads: number of threads that share the swarms; results do not depend on it.
         """
 
         def run(part: NDArray[np.bool_]) -> None:
-            loop.step_chosen(cls.rules(), swarms, tables, part, sizes, repair_degrees, knobs, mean_weight)
+            loop.step_chosen(
+                cls.defaults, swarms, tables, part, sizes, repair_degrees, parameters, mean_weight
+            )
 
         spread(run, chosen, num_threads)
 
@@ -149,61 +111,67 @@ class Optimizer:
     ) -> None:
         """Evaluate anew what the chosen swarms remember, since their problems have changed.
 
-        Members come first, in order; those that the budget does not suffice for are deleted, of which there
-        must be one evaluation left. The best so far stays only if it still is the best.
+        Members come first, in order; members for which the budget does not suffice are deleted. The budget
+        must have at least one evaluation left. The best so far stays only if it is still the best.
         """
 
         def run(part: NDArray[np.bool_]) -> None:
-            loop.re_evaluate_chosen(cls.rules(), swarms, tables, part, mean_weight)
+            loop.re_evaluate_chosen(cls.defaults, swarms, tables, part, mean_weight)
 
         spread(run, chosen, num_threads)
 
     @staticmethod
     def decision_vectors(swarms: Swarms, row: int, dimension: int) -> list[NDArray[np.float64]]:
-        """All decision vectors that a swarm remembers, as views (m, dimension); the first are its members."""
+        """Return all decision vectors that a swarm remembers, views (m, dimension), its members first."""
         size = swarms.size[row]
         return [swarms.positions[row, :size, :dimension], swarms.best_position[row : row + 1, :dimension]]
 
     @staticmethod
     def memory_columns(dimension: int) -> int:  # noqa: ARG004
-        """K, how many numbers are remembered of each member, of decision vectors of that length."""
+        """Return K, how many numbers a swarm stores for each member, for this length of decision vectors."""
         return 0
 
     @staticmethod
     def num_registers(capacity: int) -> int:  # noqa: ARG004
-        """R, how many integers are remembered of a swarm of up to so many members."""
+        """Return R, how many integers a swarm of up to `capacity` members stores."""
         return 0
 
     @staticmethod
     def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
-        """L, of how many points the longest walk is that is remembered, in episodes on these problems."""
+        """Return L, the most points of a remembered walk, in episodes on these problems."""
         return 0
 
     @staticmethod
     def field_size(tables: Table) -> int:  # noqa: ARG004
-        """F, how many numbers are remembered of the places of the largest of these maps."""
+        """Return F, how many numbers a swarm stores for the cells of the largest of these maps."""
         return 0
 
-    @staticmethod
-    def affordable_size(evaluations: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Real-valued population sizes, (B,), whose iterations take about that many evaluations, (B,)."""
-        return evaluations
+    @classmethod
+    def affordable_size(cls, evaluations: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return real-valued population sizes, (B,), whose iterations take about these evaluations, (B,)."""
+        return evaluations / cls.evaluations_per_member
 
     @classmethod
-    def decided_knobs(cls) -> dict[int, Knob]:
-        """The parameters that extended actions decide, by their place in `knobs`."""
-        return {place: knob for place, knob in enumerate(cls.knobs.values()) if knob.decided is not None}
+    def decided_parameters(cls) -> dict[str, Parameter]:
+        """Return the parameters that extended actions set, by name."""
+        return {name: each for name, each in cls.parameters.items() if each.decided is not None}
 
     @classmethod
-    def knob_values(cls, chosen: Mapping[str, float | str]) -> NDArray[np.float64]:
-        """Parameters in order, the chosen ones in place of their defaults, names as their indices.
+    def parameter_values(cls, chosen: Mapping[str, float | str]) -> Parameters:
+        """Return the parameters of one swarm: chosen values, else defaults; names become their indices.
 
         Raises:
             SettingError: if a value is not a number in its range.
-            UnknownNameError: if it is none of the parameter's choices.
+            UnknownNameError: if a value is none of the parameter's choices.
         """
-        values = [
-            knob.number(name, chosen[name]) if name in chosen else knob.default
-            for name, knob in cls.knobs.items()
-        ]
-        return np.array(values)
+        return cls.parameter_class(
+            **{
+                name: each.number(name, chosen[name]) if name in chosen else each.default
+                for name, each in cls.parameters.items()
+            }
+        )
+
+    @classmethod
+    def stacked_parameters(cls, chosen: Mapping[str, float | str], num_swarms: int) -> NDArray[np.float64]:
+        """Return `parameter_values` for B swarms, (B, number of parameters), see `step`."""
+        return np.tile(cls.parameter_values(chosen), (num_swarms, 1))

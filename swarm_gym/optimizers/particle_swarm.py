@@ -2,10 +2,10 @@
 
 Source: Y. Shi, R. Eberhart, "A modified particle swarm optimizer", IEEE ICEC 1998; with the parameters that
 the MOA paper prints (Li et al., Acta Electronica Sinica 44(9), 2016). The limit of the velocity, its first
-values and what happens at the bounds are not printed: readings, see docs/readings.md.
+values and the behaviour at the bounds are not printed: they are readings, see docs/readings.md.
 """
 
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent, re_evaluate_members, recall
 from swarm_gym.problem.layout import columns
 from swarm_gym.problem.tables import Table, repair
@@ -21,88 +22,111 @@ from swarm_gym.problem.tables import Table, repair
 Floats = NDArray[np.float64]
 
 
-class ParticleSwarmRules(NamedTuple):
-    """Stands for the kernels of this optimizer; see `driver`.
+class ParticleSwarmParameters(NamedTuple):
+    """Parameters of the particle swarm."""
 
-    The memory of a member is its velocity, (C,), its best position, (C,), and the fitness of that.
-    """
+    first_inertia: Annotated[
+        float, Parameter(1.4, 0.0, 2.0, "w", "weight of the velocity in the first iteration")
+    ]
+    last_inertia: Annotated[
+        float,
+        Parameter(0.5, 0.0, 2.0, "w", "weight of the velocity in the last iteration; linear in between"),
+    ]
+    cognitive: Annotated[
+        float, Parameter(1.49445, 0.0, 4.0, "c1", "pull of a particle's own best position", (0.01, 4.0))
+    ]
+    social: Annotated[
+        float, Parameter(1.49445, 0.0, 4.0, "c2", "pull of the swarm's best position", (0.01, 4.0))
+    ]
+    velocity_limit: Annotated[
+        float, Parameter(0.2, 0.0, 1.0, "vmax", "largest change of a component, in ranges", (0.001, 1.0))
+    ]
+
+
+class Particle(NamedTuple):
+    """The first columns of what `Swarms.memory` holds of a particle."""
+
+    velocity: int  # C columns
+    best_position: int  # C columns: best position of this particle so far
+    best_fitness: int  # fitness of that position
+
+
+@kernel(inline="late")
+def particle_columns(width: int) -> Particle:
+    """Return the columns for positions of C = `width` columns."""
+    return Particle(0, width, 2 * width)
 
 
 @kernel
 def settle(swarms: Swarms, b: int, first: int) -> None:
-    """Let the members from `first` on begin where they are, at rest."""
+    """Let the members from `first` on begin at rest; their best positions are the present ones."""
     width = swarms.positions.shape[2]
+    at = particle_columns(width)
     for i in range(first, swarms.size[b]):
         for k in range(width):
-            swarms.memory[b, i, k] = 0.0
-            swarms.memory[b, i, width + k] = swarms.positions[b, i, k]
-        swarms.memory[b, i, 2 * width] = swarms.fitness[b, i]
+            swarms.memory[b, i, at.velocity + k] = 0.0
+        remember(swarms, b, i)
+
+
+@kernel(inline="late")
+def remember(swarms: Swarms, b: int, i: int) -> None:
+    """Let the present position of member i be its best one."""
+    width = swarms.positions.shape[2]
+    at = particle_columns(width)
+    for k in range(width):
+        swarms.memory[b, i, at.best_position + k] = swarms.positions[b, i, k]
+    swarms.memory[b, i, at.best_fitness] = swarms.fitness[b, i]
 
 
 @kernel
 def begin(
-    rules: ParticleSwarmRules,
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
-    knobs: Floats,
+    parameters: ParticleSwarmParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Draw positions in the initial bounds, then velocities up to their limit."""
-    loop.draw_population(rules, swarms, b, table, work, size, knobs)
+    loop.draw_population(parameters, swarms, b, table, work, size)
     settle(swarms, b, 0)
+    width = swarms.positions.shape[2]
+    at = particle_columns(width)
     for i in range(swarms.size[b]):
         fill_uniform(swarms.stream[b], work.noise)
-        for k in range(swarms.positions.shape[2]):
-            extent = table.upper[k] - table.lower[k]
-            swarms.memory[b, i, k] = knobs[4] * extent * (2.0 * work.noise[k] - 1.0)
+        for k in range(width):
+            fastest = parameters.velocity_limit * (table.upper[k] - table.lower[k])
+            swarms.memory[b, i, at.velocity + k] = fastest * (2.0 * work.noise[k] - 1.0)
 
 
 @kernel
 def adopt(
-    rules: ParticleSwarmRules,
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    parameters: ParticleSwarmParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Begin with given positions, at rest."""
-    loop.adopt_population(rules, swarms, b, table, work, size)
+    loop.adopt_population(parameters, swarms, b, table, work, size)
     settle(swarms, b, 0)
 
 
 @kernel
 def change_size(
-    rules: ParticleSwarmRules,
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    parameters: ParticleSwarmParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
     """Grow or shrink swarm `b`; new members begin at rest."""
     kept = min(size, swarms.size[b])
-    loop.resize_population(rules, swarms, b, table, work, size)
+    loop.resize_population(parameters, swarms, b, table, work, size)
     settle(swarms, b, kept)
 
 
 @kernel
 def iterate(
-    rules: ParticleSwarmRules,  # noqa: ARG001
+    parameters: ParticleSwarmParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b`: all move by what was known when it began."""
-    cognitive, social, limit = knobs[2], knobs[3], knobs[4]
+    """Advance swarm `b` by one iteration; the best position of the swarm is that of the iteration before."""
     progress = swarms.iteration[b] / max(swarms.iterations[b] - 1, 1)
-    inertia = knobs[0] + (knobs[1] - knobs[0]) * progress
+    inertia = parameters.first_inertia + (parameters.last_inertia - parameters.first_inertia) * progress
     width, path = swarms.positions.shape[2], work.path
+    at = particle_columns(width)
     swarm_best, own_share = swarms.best_position[b].copy(), np.empty(width)
     for i in range(swarms.size[b]):
         if is_spent(swarms, b):
@@ -111,44 +135,38 @@ def iterate(
         fill_uniform(swarms.stream[b], own_share)
         fill_uniform(swarms.stream[b], work.noise)
         for k in range(width):
-            fastest = limit * (table.upper[k] - table.lower[k])
+            fastest = parameters.velocity_limit * (table.upper[k] - table.lower[k])
             velocity = (
-                inertia * memory[k]
-                + cognitive * own_share[k] * (memory[width + k] - position[k])
-                + social * work.noise[k] * (swarm_best[k] - position[k])
+                inertia * memory[at.velocity + k]
+                + parameters.cognitive * own_share[k] * (memory[at.best_position + k] - position[k])
+                + parameters.social * work.noise[k] * (swarm_best[k] - position[k])
             )
             velocity = min(max(velocity, -fastest), fastest)
             wanted = position[k] + velocity
             reached = min(max(wanted, table.lower[k]), table.upper[k])
-            memory[k] = velocity if reached == wanted else 0.0
+            memory[at.velocity + k] = velocity if reached == wanted else 0.0
             path[k + 1] = reached
         if repair_degree > 0.0:
             repair(table, path, repair_degree)
         evaluate_member(swarms, b, i, table, work)
-        if swarms.fitness[b, i] < memory[2 * width]:
-            for k in range(width):
-                memory[width + k] = path[k + 1]
-            memory[2 * width] = swarms.fitness[b, i]
+        if swarms.fitness[b, i] < memory[at.best_fitness]:
+            remember(swarms, b, i)
 
 
 @kernel
 def re_evaluate(
-    rules: ParticleSwarmRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
+    _parameters: ParticleSwarmParameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate anew where the particles are, then where each was best; the better one is its best now."""
+    """Evaluate the positions anew, then the best position of each particle; the better of the two is kept."""
     width, best = swarms.positions.shape[2], swarms.best_position[b].copy()
+    at = particle_columns(width)
     re_evaluate_members(swarms, b, table, work)
     for i in range(swarms.size[b]):
         memory = swarms.memory[b, i]
-        memory[2 * width] = recall(swarms, b, table, work, memory[width : 2 * width])
-        if swarms.fitness[b, i] < memory[2 * width]:
-            for k in range(width):
-                memory[width + k] = swarms.positions[b, i, k]
-            memory[2 * width] = swarms.fitness[b, i]
+        own_best = memory[at.best_position : at.best_position + width]
+        memory[at.best_fitness] = recall(swarms, b, table, work, own_best)
+        if swarms.fitness[b, i] < memory[at.best_fitness]:
+            remember(swarms, b, i)
     recall(swarms, b, table, work, best)
 
 
@@ -156,26 +174,17 @@ class ParticleSwarm(Optimizer):
     """PSO-w of the MOA paper, with the parameters printed there."""
 
     name = "particle-swarm"
-    knobs: ClassVar[dict[str, Knob]] = {
-        "first_inertia": Knob(1.4, 0.0, 2.0, "w", "weight of the velocity in the first iteration"),
-        "last_inertia": Knob(0.5, 0.0, 2.0, "w", "the same in the last one; linear between them"),
-        "cognitive": Knob(1.49445, 0.0, 4.0, "c1", "pull of a particle's own best position", (0.01, 4.0)),
-        "social": Knob(1.49445, 0.0, 4.0, "c2", "pull of the swarm's best position", (0.01, 4.0)),
-        "velocity_limit": Knob(
-            0.2, 0.0, 1.0, "vmax", "largest change of a component, in ranges", (0.001, 1.0)
-        ),
-    }
-    rules = ParticleSwarmRules
+    parameter_class = ParticleSwarmParameters
     kernels = loop.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def decision_vectors(swarms: Swarms, row: int, dimension: int) -> list[Floats]:
-        """Where the particles are, the best so far, and where each was best."""
-        width, size = columns(dimension), swarms.size[row]
-        own_bests = swarms.memory[row, :size, width : width + dimension]
+        """Return the positions, the best so far, and the best position of each particle."""
+        first = particle_columns(columns(dimension)).best_position
+        own_bests = swarms.memory[row, : swarms.size[row], first : first + dimension]
         return [*Optimizer.decision_vectors(swarms, row, dimension), own_bests]
 
     @staticmethod
     def memory_columns(dimension: int) -> int:
-        """Velocity, best position, and its fitness."""
-        return 2 * columns(dimension) + 1
+        """Return the number of columns of a velocity, a best position and its fitness; see `Particle`."""
+        return particle_columns(columns(dimension)).best_fitness + 1

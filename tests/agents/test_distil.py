@@ -12,6 +12,7 @@ from agents.distillation.rule_fit import Fit, fit_within, select_forward, share_
 from agents.distillation.run import DistilConfig, assess, distil
 from agents.runs.seeds import ANALYSIS, VALIDATION
 from agents.training.config import TrainConfig, stored_config
+from helpers.trainings import make_policy
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
     DISTILLED,
@@ -122,8 +123,6 @@ def test_an_episode_that_runs_away_is_broken_off():
 
 
 def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):
-    from test_controllers import make_policy
-
     features = [feature.name for feature in OBSERVATIONS["extended"].features]
     features += [f"proposed {SIZE}", f"proposed {PHI}"]
     weights = np.random.default_rng(1)

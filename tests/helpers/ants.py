@@ -1,4 +1,4 @@
-"""Small maps for ants, and what can be read of their swarms."""
+"""Small maps for ants, and readers of their swarms."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ MAPS = {
 
 
 def problem_of(picture, resolution=1.0):
-    """A map of rows of characters, # blocked, with start S and target T."""
+    """Return the problem of a map of characters: # is blocked, S the start, T the target."""
     rows = [list(row) for row in picture.split()]
     cells = {c: (line.index(c), row) for row, line in enumerate(rows) for c in line if c in "ST"}
     grid = GridMap("picture", np.array([[c == "#" for c in line] for line in rows]), resolution)
@@ -26,7 +26,7 @@ def problem_of(picture, resolution=1.0):
 
 
 def path_of(swarms, problem, b=0):
-    """The best path so far, (k, 2)."""
+    """Return the best path so far, (k, 2)."""
     return np.array([*swarms.walk[b, : swarms.best_walk[b]], problem.scenario.target])
 
 
@@ -45,7 +45,7 @@ def length_of(path):
 
 
 def trails_of(swarms, problem):
-    """Tau of all moves, (H, W, 8), of a swarm of this problem alone."""
+    """Return tau of all moves, (H, W, 8), of the only swarm, which has this problem."""
     grid = problem.scenario.map
     array = swarms.field[0].copy()
     tau = np.empty((grid.height * grid.width, 8))

@@ -164,7 +164,7 @@ def begin(
     iterations=10,
     populations=None,
     seed=0,
-    knobs=None,
+    parameters=None,
 ):
     """Swarms of an optimizer, one per problem, seeded by number from `seed` on; and their stacked tables.
 
@@ -189,15 +189,15 @@ def begin(
         if populations is not None:
             swarms.positions[b, :size] = padded(populations[b])
     everyone, sizes = np.full(num, True), np.full(num, size)
-    values = np.tile(cls.knob_values(knobs or {}), (num, 1))
+    values = cls.stacked_parameters(parameters or {}, num)
     cls.initialise(swarms, tables, everyone, sizes, MEAN_WEIGHT, populations is not None, values)
     return swarms, tables
 
 
-def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, num_threads=1, chosen=None):
+def advance(optimizer, swarms, tables, size, repair_degree, parameters=None, num_threads=1, chosen=None):
     """One step of all swarms, or of those chosen, with the default parameters where none are given."""
     cls, num = get_optimizer(optimizer), len(swarms.size)
-    values = cls.knob_values(knobs or {})
+    values = cls.parameter_values(parameters or {})
     cls.step(
         swarms,
         tables,
@@ -213,14 +213,16 @@ def advance(optimizer, swarms, tables, size, repair_degree, knobs=None, num_thre
 
 
 def oracle_twin(
-    optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0, knobs=None
+    optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0, parameters=None
 ):
     """The first swarm of `begin` in plain Python; of those that begin by parameters, with these."""
     stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
     oracle = naive_swarm.oracle_of(problem)
     twin = naive_optimizers.NAIVE[optimizer](oracle, stream, iterations, budget)
-    if knobs:
-        twin.knobs = type(twin.knobs)(*get_optimizer(optimizer).knob_values(knobs))
+    if parameters:
+        twin.parameters = type(twin.parameters)(
+            **get_optimizer(optimizer).parameter_values(parameters)._asdict()
+        )
     if population is None:
         twin.begin(size)
     else:
@@ -247,7 +249,7 @@ def assert_same_as_oracle(swarms, twin, rtol=1e-10):
     np.testing.assert_allclose(swarms.best_collision[0], twin.best[1], **close)
     if swarms.walk.shape[1] > 0:
         way = [*swarms.walk[0, : swarms.best_walk[0]], twin.problem.target]
-        expected = along([*twin.best_way, twin.problem.target])
+        expected = along([*twin.best_walk, twin.problem.target])
         np.testing.assert_allclose(along(way), expected, **close)
     else:
         np.testing.assert_allclose(swarms.best_position[0, :n], twin.best[2], **close)

@@ -105,3 +105,14 @@ def make_rule(path, max_evaluations):
     limits = SizeLimits(2, 12)
     save_rule(path, DistilledRule(4, formulas, "firefly", max_evaluations, limits), limits, {})
     return f"distilled:{path}"
+
+
+def random_observations(layout, rng, count):
+    """Plausible observations of a layout; the first is of iteration 0."""
+    if "+" in layout:
+        parts = [random_observations(part, rng, count) for part in layout.split("+")]
+        return np.concatenate(parts, axis=1)
+    width = len(OBSERVATIONS[layout].features)
+    observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
+    observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
+    return observations.astype(OBSERVATIONS[layout].dtype)

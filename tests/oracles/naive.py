@@ -38,7 +38,7 @@ class Sfc64:
 
 
 class Stream:
-    """Eight of them in turn; a vector of n numbers takes as many from each as whole rounds beyond n take."""
+    """Eight generators in turn; a vector of n numbers takes n // 8 + 1 numbers from each."""
 
     def __init__(self, words):
         self.lanes = [Sfc64([row[lane] for row in words]) for lane in range(8)]
@@ -55,7 +55,7 @@ class Stream:
 
 
 def added(numbers):
-    """Their sum, in order and rounded each time, as kernels add; `sum` compensates from Python 3.12 on."""
+    """Return the sum, rounded after each term as in kernels; `sum` compensates from Python 3.12 on."""
     total = 0.0
     for number in numbers:
         total += number
@@ -72,7 +72,7 @@ def mirrored(segment):
 
 
 def circle_lift(cx, cy, radius, segment):
-    """How far the segment must go up to lie above the circle; None without an overlap in x.
+    """Return the shift up that puts the segment above the circle; None without an overlap in x.
 
     A line above the circle touches it at a tangent at distance `radius` from the centre, or, if
     that point is not over the segment, with the end of the segment that is nearest to it.
@@ -98,7 +98,7 @@ def circle_shifts(cx, cy, radius, segment):
 
 
 def chord(vertices, x):
-    """Lowest and highest y of a convex polygon (counter-clockwise) at x, by its half planes."""
+    """Return the lowest and highest y of a convex polygon (counter-clockwise) at x, by its half planes."""
     low, high = -math.inf, math.inf
     for k in range(len(vertices)):
         (xa, ya), (xb, yb) = vertices[k - 1], vertices[k]
@@ -113,7 +113,7 @@ def chord(vertices, x):
 
 
 def polygon_shifts(vertices, segment):
-    """Up and down shift: the largest over all x at which a piecewise linear function breaks."""
+    """Return the shifts up and down: the largest over all x at which a piecewise linear function breaks."""
     xs = [x for x, _ in vertices]
     begin, end = max(segment[0][0], min(xs)), min(segment[1][0], max(xs))
     if begin >= end - TOUCHING:
@@ -127,7 +127,7 @@ def polygon_shifts(vertices, segment):
 
 
 def shifts(obstacle, segment):
-    """Shifts (up, down) that clear an obstacle; None without contact."""
+    """Return the shifts (up, down) that clear an obstacle; None without contact."""
     if isinstance(obstacle, Circle):
         found = circle_shifts(obstacle.x, obstacle.y, obstacle.radius, segment)
     else:
@@ -138,7 +138,7 @@ def shifts(obstacle, segment):
 
 
 def degree_of_collision(obstacle, segment):
-    """Distance between the segment and its cleared parallel."""
+    """Return the distance between the segment and its cleared parallel."""
     found = shifts(obstacle, segment)
     if found is None:
         return 0.0
@@ -174,14 +174,14 @@ def straight_line(scenario):
 
 
 def waypoints(scenario, offsets):
-    """(x', y') of start, waypoints and target."""
+    """Return (x', y') of start, waypoints and target."""
     spacing = straight_line(scenario) / (len(offsets) + 1)
     ys = [0.0, *(float(y) for y in offsets), 0.0]
     return [(j * spacing, y) for j, y in enumerate(ys)]
 
 
 def map_points(scenario, offsets):
-    """Map coordinates of start, waypoints and target."""
+    """Return the map coordinates of start, waypoints and target."""
     (sx, sy), (tx, ty) = scenario.start, scenario.target
     length = straight_line(scenario)
     along, left = (
@@ -196,7 +196,7 @@ def map_points(scenario, offsets):
 
 @cache
 def bounds(scenario: Scenario, num_waypoints: int):
-    """Lowest and highest offset inside the workspace at each waypoint, by bisection."""
+    """Return the lowest and highest offset inside the workspace at each waypoint, by bisection."""
     x_min, y_min, x_max, y_max = scenario.workspace
     lower, upper = [], []
     for j in range(1, num_waypoints + 1):
@@ -230,7 +230,7 @@ def length(scenario, offsets):
 
 
 def evaluate(scenario, offsets, length_weight):
-    """Fitness and degree of collision."""
+    """Return fitness and degree of collision."""
     collides = collision(scenario, offsets)
     return length_weight * length(scenario, offsets) + (1 - length_weight) * collides, collides
 
@@ -240,7 +240,7 @@ def clip(value, low, high):
 
 
 def repaired(scenario, offsets, repair_degree):
-    """One pass over segments and obstacles in order, each with the waypoints as they are then."""
+    """Repair a path: one pass over segments and obstacles in order, each with the present waypoints."""
     n = len(offsets)
     lower, upper = bounds(scenario, n)
     offsets = [float(y) for y in offsets]
@@ -263,19 +263,19 @@ def repaired(scenario, offsets, repair_degree):
 
 
 def summary(swarm, mean_weight):
-    """E(P), mean and standard deviation of the collision, feasible share, diversity."""
+    """Return E(P), mean and standard deviation of the collision, feasible share, diversity."""
     collisions = [member.collision for member in swarm.members]
     return *population_collision(collisions, mean_weight), diversity([m.position for m in swarm.members])
 
 
 def diversity(positions):
-    """Root mean square of the distances from the mean position."""
+    """Return the root mean square of the distances from the mean position."""
     mean = [statistics.mean(column) for column in zip(*positions, strict=True)]
     return math.sqrt(statistics.mean(math.dist(position, mean) ** 2 for position in positions))
 
 
 def population_collision(collisions, mean_weight):
-    """E(P), mean, standard deviation and feasible share (eq. 7)."""
+    """Return E(P), mean, standard deviation and feasible share (eq. 7)."""
     mean = statistics.mean(collisions)
     deviation = statistics.stdev(collisions) if len(collisions) > 1 else 0.0
     feasible = sum(value <= FEASIBLE for value in collisions) / len(collisions)
@@ -283,7 +283,7 @@ def population_collision(collisions, mean_weight):
 
 
 def growth_box(positions, lower, upper):
-    """Extremes of the population in each component; the bounds where it has no extent."""
+    """Return the extremes of the population in each component; the bounds if it has no extent there."""
     box = []
     for k in range(len(lower)):
         values = [position[k] for position in positions]
@@ -295,7 +295,7 @@ def growth_box(positions, lower, upper):
 
 
 def deletion_order(fitness, collisions):
-    """Members in the order in which shrinking deletes them."""
+    """Return the members in the order in which shrinking deletes them."""
     members = range(len(fitness))
     infeasible = [i for i in members if collisions[i] > FEASIBLE]
     feasible = [i for i in members if collisions[i] <= FEASIBLE]
@@ -304,12 +304,11 @@ def deletion_order(fitness, collisions):
     return infeasible + feasible
 
 
-def firefly_move(position, brighter, uniforms, lower, upper, knobs):
-    """Eq. 13 to 15, and into the bounds."""
-    alpha, beta0, gamma = knobs
+def firefly_move(position, brighter, uniforms, lower, upper, noise, attractiveness, absorption):
+    """Return the position after a move by eq. 13 to 15, inside the bounds."""
     squared = math.fsum((b - a) ** 2 for a, b in zip(position, brighter, strict=True))
-    attraction = beta0 * math.exp(-gamma * squared)
+    attraction = attractiveness * math.exp(-absorption * squared)
     return [
-        clip(a + attraction * (b - a) + alpha * (u - 0.5), low, high)
+        clip(a + attraction * (b - a) + noise * (u - 0.5), low, high)
         for a, b, u, low, high in zip(position, brighter, uniforms, lower, upper, strict=True)
     ]

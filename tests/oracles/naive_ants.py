@@ -7,7 +7,7 @@ from oracles.naive_walkers import MARGIN, Walkers, spin
 from oracles.naive_walks import length_of
 
 
-class AntKnobs(NamedTuple):
+class AntParameters(NamedTuple):
     trail_weight: float = 1.0
     sight_weight: float = 0.25
     evaporation: float = 0.2
@@ -22,7 +22,7 @@ NEAREST = 0.5
 
 
 class Ant:
-    """Where it went, as cells and as points, and what that is worth."""
+    """A walk, as cells and as points, and its fitness."""
 
     def __init__(self, cells, arrived, problem):
         self.cells, self.arrived = cells, arrived
@@ -37,15 +37,15 @@ class Ant:
         return self.points[:-1] if self.arrived else self.points
 
     def moves(self):
-        """(column, row, number of the move) of each."""
+        """Yield (column, row, number of the move) of each move."""
         for (column, row), (to_column, to_row) in zip(self.cells, self.cells[1:], strict=False):
             yield column, row, MOVES.index((to_column - column, to_row - row))
 
 
 class AntColony(Walkers):
-    """Ants that walk from cell to cell, all of an iteration by the trails of the one before."""
+    """Ants that walk from cell to cell, by the trails of the iteration before."""
 
-    knobs = AntKnobs()
+    parameters = AntParameters()
 
     def begin(self, size):
         rows, columns = range(self.problem.height), range(self.problem.width)
@@ -56,24 +56,24 @@ class AntColony(Walkers):
     def resize(self, size):
         self.num_ants = size
 
-    def iterate(self, repair_degree, *knobs):
+    def iterate(self, repair_degree, **parameters):
         if not self.is_spent():
             self.walk_all()
             self.lay_trails()
 
     def re_evaluate(self, problem):
-        """On a map that changed: ants walk, but lay no trails."""
+        """Let ants walk on a map that has changed, without new trails."""
         self.problem = problem
         before, self.num_ants = self.best_ant, len(self.members)
         self.best, self.best_ant = (math.inf, math.inf, None), None
-        way = self.best_way
+        way = self.best_walk
         self.walk_all()
-        found, found_ant, found_way = self.best, self.best_ant, self.best_way
+        found, found_ant, found_walk = self.best, self.best_ant, self.best_walk
         if not self.is_spent():
-            self.best, self.best_ant, self.best_way = (0.0, 0.0, before.position), before, way
+            self.best, self.best_ant, self.best_walk = (0.0, 0.0, before.position), before, way
             self.renew_best()
             if found[0] < self.best[0] * (1 - MARGIN):
-                self.best, self.best_ant, self.best_way = found, found_ant, found_way
+                self.best, self.best_ant, self.best_walk = found, found_ant, found_walk
 
     def walk_all(self):
         self.members = []
@@ -108,7 +108,7 @@ class AntColony(Walkers):
         return Ant(self.without_loops(way), way[-1] == target, problem)
 
     def without_loops(self, way):
-        """From every cell on to the last one that a move leads to."""
+        """Return the walk in which each cell is followed by the last one that a move reaches."""
         kept, rest = [way[0]], way[1:]
         while rest:
             column, row = kept[-1]
@@ -129,18 +129,18 @@ class AntColony(Walkers):
         by_column, by_row = MOVES[k]
         distance = math.dist((column + by_column, row + by_row), target)
         trail = self.trails[row][column][k]
-        exponent = self.knobs.sight_weight * math.dist(self.problem.cell_of(self.problem.start), target)
-        return trail**self.knobs.trail_weight * (1 / (NEAREST + distance)) ** exponent
+        exponent = self.parameters.sight_weight * math.dist(self.problem.cell_of(self.problem.start), target)
+        return trail**self.parameters.trail_weight * (1 / (NEAREST + distance)) ** exponent
 
     def lay_trails(self):
         for row in self.trails:
             for cell in row:
-                cell[:] = [(1 - self.knobs.evaporation) * trail for trail in cell]
+                cell[:] = [(1 - self.parameters.evaporation) * trail for trail in cell]
         for ant in self.members:
             if ant.arrived:
                 self.lay(ant, 1.0)
         if self.best_ant.arrived and self.best[1] == 0:  # on another map it may cross what was not there
-            self.lay(self.best_ant, self.knobs.elite_weight)
+            self.lay(self.best_ant, self.parameters.elite_weight)
         for row in self.trails:
             for cell in row:
                 cell[:] = [min(max(trail, LEAST_TRAIL), LARGEST_TRAIL) for trail in cell]
@@ -148,4 +148,4 @@ class AntColony(Walkers):
     def lay(self, ant, weight):
         straight = math.dist(self.problem.start, self.problem.target)
         for column, row, k in ant.moves():
-            self.trails[row][column][k] += weight * self.knobs.deposit * straight / ant.length
+            self.trails[row][column][k] += weight * self.parameters.deposit * straight / ant.length

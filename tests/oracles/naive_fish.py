@@ -11,13 +11,13 @@ from oracles.naive_swarm import Swarm
 
 
 class FishSwarm(Swarm):
-    """Each fish tries to swarm and to follow, and preys where one of them is no good."""
+    """Fish that swarm and follow, and prey instead of either if it is no improvement."""
 
     def ranges(self):
         return [high - low for low, high in zip(self.problem.lower, self.problem.upper, strict=True)]
 
     def way(self, here, there):
-        """From one position to another."""
+        """Return the displacement from one position to another, in ranges."""
         return [
             (b - a) / extent if extent > 0 else 0.0
             for a, b, extent in zip(here, there, self.ranges(), strict=True)
@@ -38,7 +38,7 @@ class FishSwarm(Swarm):
         return None if self.is_spent() else self.seen(position)
 
     def arrived(self, position):
-        """The member that a fish which moves there would be."""
+        """Return the member that a fish becomes if it moves to this position."""
         return self.member(self.treated(self.clipped(position), self.repair_degree))
 
     def centre(self, members):
@@ -48,7 +48,7 @@ class FishSwarm(Swarm):
         return self.clipped([total / len(members) for total in sums])
 
     def displaced(self, position, displacement):
-        """A displacement in ranges."""
+        """Return a position after a displacement in ranges."""
         parts = zip(position, displacement, self.ranges(), strict=True)
         return [x + by * extent for x, by, extent in parts]
 
@@ -56,7 +56,7 @@ class FishSwarm(Swarm):
         return self.displaced(position, [reach * (2 * u - 1) for u in self.uniform()])
 
     def approached(self, position, target, most, start=None):
-        """At most so far from `start` as the way from a position to a target points."""
+        """Return a point up to this length from `start`, in the direction from a position to a target."""
         way = self.way(position, target)
         length = most * self.uniform()[0] * self.problem.unit_length
         whole = norm(way)
@@ -111,7 +111,7 @@ class FishSwarm(Swarm):
 
 
 class ImprovedFishSwarm(FishSwarm):
-    """Begins with the better of opposites; follows the best so far; all moves are of a share beta."""
+    """Fish that begin as the better of opposites, follow the best so far, and move by a share beta."""
 
     def begin(self, size):
         super().begin(size)
@@ -125,7 +125,7 @@ class ImprovedFishSwarm(FishSwarm):
                 self.members[i] = opposite
 
     def pulled(self, position):
-        """The position that moves start from: nearer to the origin where eq. 15, 17 and 18 are as printed."""
+        """Return the start of a move: nearer to the origin if eq. 15, 17 and 18 are as printed."""
         return [(1 - self.origin_pull * self.beta) * x for x in position]
 
     def prey(self, fish):
@@ -138,7 +138,7 @@ class ImprovedFishSwarm(FishSwarm):
         return self.leap(fish)
 
     def step_to(self, fish, target):
-        """And prey where that is not better."""
+        """Return the member after a step towards a target, or after preying if that is not better."""
         if self.is_spent():
             return None
         start = self.pulled(fish.position)
@@ -180,7 +180,7 @@ class ImprovedFishSwarm(FishSwarm):
 
 
 class HybridFishSwarm(FishSwarm):
-    """Visual and step fall by segments of the run; prey goes to the best of its tries, up to three times."""
+    """Fish whose sight and step fall by segments of the run; prey has up to three rounds of tries."""
 
     def prey(self, fish):
         here = fish
@@ -219,5 +219,5 @@ def norm(way):
 
 
 def better_of(fish, *candidates):
-    """The first of the best candidates; the fish where there are none."""
+    """Return the first of the best candidates; the fish if there are none."""
     return min((new for new in candidates if new is not None), key=lambda new: new.fitness, default=fish)

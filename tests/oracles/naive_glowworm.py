@@ -18,7 +18,7 @@ RANGE_RULES = ("fixed", "adaptive")
 WANDERINGS = ("straight", "anywhere")
 
 
-class GlowwormKnobs(NamedTuple):
+class GlowwormParameters(NamedTuple):
     decay: float = 0.4
     gain: float = 0.6
     absorption: float = 5.0
@@ -34,9 +34,9 @@ class GlowwormKnobs(NamedTuple):
 
 
 class Glowworm(Walkers):
-    """Points that move to brighter ones that they see; the first one is the robot, its trajectory the way."""
+    """Points that move to brighter points in sight; the path is the trajectory of the first, the robot."""
 
-    knobs = GlowwormKnobs()
+    parameters = GlowwormParameters()
 
     # The first population, and other ones.
 
@@ -65,15 +65,15 @@ class Glowworm(Walkers):
         self.offer_robot()
 
     def place(self, point=None, luciferin=None):
-        """One more member, at a point that is drawn where none is given; none without an evaluation."""
+        """Add a member if an evaluation is left, at a given point or at one that is drawn."""
         if not self.is_spent():
             member = self.seen(self.problem.drawn(self.block()) if point is None else point)
-            member.luciferin = self.knobs.first_luciferin if luciferin is None else luciferin
+            member.luciferin = self.parameters.first_luciferin if luciferin is None else luciferin
             member.range, member.heading = math.inf, None
             self.members.append(member)
 
     def full_range(self):
-        return self.knobs.decision_range * self.problem.side
+        return self.parameters.decision_range * self.problem.side
 
     def resize(self, size):
         mean = added(member.luciferin for member in self.members) / len(self.members)
@@ -84,7 +84,7 @@ class Glowworm(Walkers):
         self.members = [robot, *(member for i, member in enumerate(others) if i not in doomed)]
 
     def re_evaluate(self, problem):
-        """On a map that changed: all but the robot are placed anew."""
+        """Place all members but the robot anew, on a map that has changed."""
         self.problem, number, here = problem, len(self.members), self.members[0].position
         there = problem.freed(here)
         if there != here:
@@ -98,7 +98,7 @@ class Glowworm(Walkers):
 
     # An iteration.
 
-    def iterate(self, repair_degree, *knobs):
+    def iterate(self, repair_degree, **parameters):
         here = [list(member.position) for member in self.members]
         target = self.problem.target
         sight = [[self.problem.sees(a, b) for b in [*here, target]] for a in here]
@@ -111,10 +111,10 @@ class Glowworm(Walkers):
         self.arrive()
 
     def shine(self, here, sight):
-        decay, gain = self.knobs.decay, self.knobs.gain
-        gamma = self.knobs.absorption / self.problem.side
+        decay, gain = self.parameters.decay, self.parameters.gain
+        gamma = self.parameters.absorption / self.problem.side
         ways = [math.dist(point, self.problem.target) for point in here]
-        glow = GLOWS[int(self.knobs.glow)]
+        glow = GLOWS[int(self.parameters.glow)]
         if glow == "distance":
             shares = [1 - way / self.problem.diagonal for way in ways]
         else:
@@ -126,9 +126,9 @@ class Glowworm(Walkers):
             member.luciferin = (1 - decay) * member.luciferin + gain * share  # eq. 5
 
     def next_place(self, i, here, glowing, seen):
-        """Where member i goes, by where all members are now; its own place where it stays."""
-        eta = self.knobs.step * self.problem.side
-        beacon = self.knobs.gain / self.knobs.decay if self.knobs.decay > 0 else math.inf
+        """Return the next place of member i, by the present places of all; its own place if it stays."""
+        eta = self.parameters.step * self.problem.side
+        beacon = self.parameters.gain / self.parameters.decay if self.parameters.decay > 0 else math.inf
         places, levels = [*here, self.problem.target], [*glowing, beacon]
         member, own = self.members[i], here[i]
         reach = min(member.range, self.full_range())
@@ -137,7 +137,7 @@ class Glowworm(Walkers):
             for k, place in enumerate(places)
             if k != i and levels[k] > glowing[i] and math.dist(own, place) < reach and seen[k]
         ]
-        if RANGE_RULES[int(self.knobs.range_rule)] == "adaptive":
+        if RANGE_RULES[int(self.parameters.range_rule)] == "adaptive":
             wider = reach + 0.08 / 0.03 * eta * (5 - len(near))
             member.range = min(max(wider, 0.0), self.full_range())
         if not near:
@@ -150,8 +150,8 @@ class Glowworm(Walkers):
         return [a + eta * (b - a) / distance for a, b in zip(own, goal, strict=True)]  # eq. 4
 
     def wandered(self, member, own, eta):
-        """A step further that way, or, where it was in the way of something, any way."""
-        if member.heading is None or WANDERINGS[int(self.knobs.wandering)] == "anywhere":
+        """Return the place a step further; draw the direction if there is none; stay if it is blocked."""
+        if member.heading is None or WANDERINGS[int(self.parameters.wandering)] == "anywhere":
             member.heading = 2 * math.pi * self.block()[0]
         there = [own[0] + eta * math.cos(member.heading), own[1] + eta * math.sin(member.heading)]
         if self.problem.sees(own, there):
@@ -160,12 +160,12 @@ class Glowworm(Walkers):
         return own
 
     def chosen(self, near, levels, own_level, distances):
-        is_proportional = SELECTIONS[int(self.knobs.selection)] == "proportional"
+        is_proportional = SELECTIONS[int(self.parameters.selection)] == "proportional"
         share = self.block()[0] if is_proportional else None
         if math.isinf(levels[near[-1]]):
             return near[-1]  # the target, where it outshines everything
         amounts = [levels[k] for k in near]
-        if is_proportional and LEVELS[int(self.knobs.levels)] == "differences":
+        if is_proportional and LEVELS[int(self.parameters.levels)] == "differences":
             amounts = [level - own_level for level in amounts]
         perceived = [self.dimmed(*pair) for pair in zip(amounts, distances, strict=True)]
         if not is_proportional:
@@ -173,8 +173,8 @@ class Glowworm(Walkers):
         return near[spin(perceived, share)]  # eq. 1
 
     def dimmed(self, level, distance):
-        gamma = self.knobs.absorption / self.problem.side
-        if DIMMINGS[int(self.knobs.dimming)] == "exponential":
+        gamma = self.parameters.absorption / self.problem.side
+        if DIMMINGS[int(self.parameters.dimming)] == "exponential":
             return level * math.exp(-gamma * distance)  # eq. 2
         return level / (1 + gamma * distance)  # eq. 3
 
@@ -191,9 +191,9 @@ class Glowworm(Walkers):
         self.offer(walked + robot.fitness, robot.collision, robot.position, self.trajectory)
 
     def arrive(self):
-        """The robot steps onto the target once it is near enough and sees it; then the episode is over."""
+        """Put the robot at the target and end the episode, if it is within a step and sees it."""
         robot, target = self.members[0], self.problem.target
-        eta = self.knobs.step * self.problem.side
+        eta = self.parameters.step * self.problem.side
         near = math.dist(robot.position, target) <= eta * (1 + ROUNDING)
         if near and self.problem.sees(robot.position, target):
             if robot.position != target:
@@ -204,7 +204,7 @@ class Glowworm(Walkers):
 
 
 def relayed(costs, here, sight):
-    """Bellman-Ford: shortest ways to the target from member to member that sees it."""
+    """Return the lengths of shortest paths to the target from member to member in sight (Bellman-Ford)."""
     costs = list(costs)
     while True:
         before = list(costs)

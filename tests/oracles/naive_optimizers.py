@@ -1,4 +1,4 @@
-"""Plain-Python oracles for the optimizers that are one evaluation per member and iteration.
+"""Plain-Python oracles for the optimizers with one evaluation per member and iteration.
 
 At the end, those of all optimizers by name.
 """
@@ -13,20 +13,20 @@ from oracles.naive_swarm import Swarm, scaled
 
 
 class Firefly(Swarm):
-    def iterate(self, repair_degree, alpha, beta0, gamma):
+    def iterate(self, repair_degree, noise, attractiveness, absorption):
         bounds = self.problem.lower, self.problem.upper
+        pull = attractiveness, absorption
         for i in range(len(self.members)):
             for j in range(len(self.members)):
                 here, other = self.members[i], self.members[j]
                 if other.fitness < here.fitness and not self.is_spent():
-                    moved = naive.firefly_move(
-                        here.position, other.position, self.uniform(), *bounds, (alpha, beta0, gamma)
-                    )
+                    ends = here.position, other.position
+                    moved = naive.firefly_move(*ends, self.uniform(), *bounds, noise, *pull)
                     self.members[i] = self.member(self.treated(moved, repair_degree))
 
 
 class GenerationalFirefly(Swarm):
-    def iterate(self, repair_degree, alpha, beta0, gamma, least):
+    def iterate(self, repair_degree, noise, attractiveness, absorption, least_attractiveness):
         before = list(self.members)
         extents = [b - a for a, b in zip(self.problem.lower, self.problem.upper, strict=True)]
         for i, member in enumerate(before):
@@ -37,11 +37,12 @@ class GenerationalFirefly(Swarm):
             for other in brighter:
                 ways = [b - a for a, b in zip(x, other.position, strict=True)]
                 squared = math.fsum(way**2 for way in ways)
-                pull = least + (beta0 - least) * math.exp(-gamma * squared)
-                noise = [
-                    alpha * extent * (u - 0.5) for extent, u in zip(extents, self.uniform(), strict=True)
+                span = attractiveness - least_attractiveness
+                pull = least_attractiveness + span * math.exp(-absorption * squared)
+                shifts = [
+                    noise * extent * (u - 0.5) for extent, u in zip(extents, self.uniform(), strict=True)
                 ]
-                x = [a + pull * way + by for a, way, by in zip(x, ways, noise, strict=True)]
+                x = [a + pull * way + by for a, way, by in zip(x, ways, shifts, strict=True)]
             x = self.clipped(x)
             self.members[i] = self.member(self.treated(x, repair_degree) if brighter else x)
 
@@ -80,7 +81,7 @@ class ParticleSwarm(Swarm):
             if member.fitness < own_fitness:
                 member.own_best = list(member.position)
 
-    def iterate(self, repair_degree, first_inertia, last_inertia, c1, c2, limit):
+    def iterate(self, repair_degree, first_inertia, last_inertia, cognitive, social, velocity_limit):
         progress = self.iteration / max(self.iterations - 1, 1)
         inertia = first_inertia * (1 - progress) + last_inertia * progress
         swarm_best = self.best[2]
@@ -92,8 +93,9 @@ class ParticleSwarm(Swarm):
             for k, x in enumerate(old.position):
                 low, high = self.problem.lower[k], self.problem.upper[k]
                 v = inertia * old.velocity[k]
-                v += c1 * r1[k] * (old.own_best[k] - x) + c2 * r2[k] * (swarm_best[k] - x)
-                v = naive.clip(v, -limit * (high - low), limit * (high - low))
+                v += cognitive * r1[k] * (old.own_best[k] - x) + social * r2[k] * (swarm_best[k] - x)
+                fastest = velocity_limit * (high - low)
+                v = naive.clip(v, -fastest, fastest)
                 velocity.append(v if low <= x + v <= high else 0.0)
                 position.append(naive.clip(x + v, low, high))
             new = self.member(self.treated(position, repair_degree))
@@ -151,7 +153,7 @@ def by_fitness(member):
 
 
 def regions_of(size):
-    """The most regions whose heads and lists of n, n - 1, ..., 1 members are no more than that."""
+    """Return the most regions whose heads and lists of n, n - 1, ..., 1 members are at most this size."""
     n = 1
     while (n + 1) * (n + 4) // 2 <= size:
         n += 1

@@ -1,8 +1,8 @@
-"""What plain-Python oracles of optimizers share: members, the best so far, evaluations and their budget.
+"""The common part of plain-Python oracles of optimizers: members, the best so far, evaluations and budget.
 
-Straight from the papers and docs/readings.md; random numbers are drawn in the order of the kernels. A problem
-is an object with `dimension`, `unit_length` (what a Euclidean length in ranges is divided by), bounds, `cost`
-and `repaired`: `naive_grid.Problem`, or `Analytic` here.
+Oracles follow the papers and docs/readings.md; they draw random numbers in the order of the kernels. A
+problem is an object with `dimension`, `unit_length` (the divisor of Euclidean lengths in ranges), bounds,
+`cost` and `repaired`: `naive_grid.Problem`, or `Analytic` here.
 """
 
 import math
@@ -51,7 +51,7 @@ def scaled(lower, upper, uniforms):
 
 
 class Swarm:
-    """What is the same for all: members, the best so far, evaluations and their budget."""
+    """A swarm of any optimizer: members, the best so far, evaluations and their budget."""
 
     def __init__(self, problem, stream, iterations, budget=10**9):
         self.problem, self.stream, self.iterations, self.budget = problem, stream, iterations, budget
@@ -66,13 +66,13 @@ class Swarm:
         return self.stream.uniform(self.problem.dimension)
 
     def seen(self, position):
-        """Evaluate a position that no member is at."""
+        """Evaluate a position that cannot become the best so far."""
         assert not self.is_spent()
         self.evaluations += 1
         return Member(position, *self.problem.cost(position))
 
     def member(self, position):
-        """Evaluate a position, which may be the best so far."""
+        """Evaluate a position, which may become the best so far."""
         member = self.seen(position)
         if member.fitness < self.best[0]:
             self.best = (member.fitness, member.collision, list(position))
@@ -88,7 +88,7 @@ class Swarm:
         return self.problem.repaired(position, repair_degree) if repair_degree > 0 else position
 
     def draw(self, count, lower, upper):
-        """Up to that many new members, uniform in a box."""
+        """Draw up to `count` new members, uniform in a box."""
         drawn = []
         while len(drawn) < count and not self.is_spent():
             drawn.append(self.member(scaled(lower, upper, self.uniform())))
@@ -113,7 +113,7 @@ class Swarm:
         return naive.deletion_order([m.fitness for m in members], [m.collision for m in members])
 
     def re_evaluate(self, problem):
-        """The problem is another one: all that is remembered is evaluated as long as the budget lasts."""
+        """Evaluate all stored positions on another problem, while the budget lasts."""
         self.problem, best = problem, self.best[2]
         self.best = (math.inf, math.inf, None)
         self.re_evaluate_members()
@@ -132,10 +132,10 @@ class Swarm:
         return member.fitness, member.collision
 
     def stored(self):
-        """All members in the order in which they are stored."""
+        """Return all members in the order in which they are stored."""
         return self.members
 
-    def step(self, size, repair_degree, knobs):
+    def step(self, size, repair_degree, parameters):
         self.resize(size)
-        self.iterate(repair_degree, *knobs)
+        self.iterate(repair_degree, **parameters._asdict())
         self.iteration += 1

@@ -1,4 +1,4 @@
-"""The plain-Python oracle of walks on a grid map: what of a straight way is blocked, and what sees what.
+"""The plain-Python oracle of walks on a grid map: blocked shares of straight lines, and sight.
 
 Everything is done in cells, (column, row) with centres at whole numbers, on lists. Blocked cells are open
 squares, everything outside the map is blocked: a way may touch walls and run along them, but not along the
@@ -47,7 +47,7 @@ class Problem:
         return 0 <= column < self.width and 0 <= row < self.height and not self.blocked[row][column]
 
     def is_gap(self, i, j):
-        """Whether two blocked cells touch at the crossing of two grid lines, the two others being free."""
+        """Return whether two blocked cells touch at a crossing whose other two cells are free."""
         falling = self.is_free(i - 1, j - 1), self.is_free(i, j)
         rising = self.is_free(i, j - 1), self.is_free(i - 1, j)
         return falling != rising and falling[0] == falling[1] and rising[0] == rising[1]
@@ -55,7 +55,7 @@ class Problem:
     # Points in map units.
 
     def cell_of(self, point):
-        """That a point lies in; of the far border, which belongs to no cell, the one beside it."""
+        """Return the cell of a point; for a point on the far border, the cell beside it."""
         column, row = naive_grid.cell_of(self.map, *point)
         return naive.clip(column, 0, self.width - 1), naive.clip(row, 0, self.height - 1)
 
@@ -63,14 +63,14 @@ class Problem:
         return list(naive_grid.centre_of(self.map, *cell))
 
     def freed(self, point):
-        """The point, or the centre of the free cell that the package takes for the nearest one."""
+        """Return the point, or the centre of the free cell that the package takes for the nearest one."""
         column, row = self.cell_of(point)
         if self.is_free(column, row):
             return list(point)
         return self.centre_of(self._nearest[row, column].tolist())
 
     def drawn(self, block):
-        """A point uniform in the free cells."""
+        """Draw a point uniform in the free cells."""
         column, row = self.free_cells[math.floor(block[0] * len(self.free_cells))]
         return self.centre_of((column + block[1] - 0.5, row + block[2] - 0.5))
 
@@ -78,11 +78,11 @@ class Problem:
         return self.is_clear(self.in_cells(here), self.in_cells(there))
 
     def cost(self, point):
-        """Fitness and degree of collision of going straight to the target."""
-        return self.cost_of_way([point, self.target])
+        """Return fitness and degree of collision of the straight line to the target."""
+        return self.cost_of_path([point, self.target])
 
-    def cost_of_way(self, points):
-        """The same of any polyline."""
+    def cost_of_path(self, points):
+        """Return fitness and degree of collision of a polyline."""
         cells = sum(
             self.blocked_length(self.in_cells(a), self.in_cells(b)) for a, b in itertools.pairwise(points)
         )
@@ -123,7 +123,7 @@ class Problem:
 
 
 def lies_inside(point, here, there):
-    """Whether a point lies on a segment, and not at its ends."""
+    """Return whether a point lies on a segment, and not at its ends."""
     x, y = there[0] - here[0], there[1] - here[1]
     a, b = point[0] - here[0], point[1] - here[1]
     share = (a * x + b * y) / (x * x + y * y)

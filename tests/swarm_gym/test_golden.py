@@ -25,7 +25,7 @@ TOLERANCE = 1e-9
 
 
 def plan():
-    """Optimizers and scenarios. Walkers have no test functions; for these, kernels are compiled first."""
+    """Return optimizers and scenarios; those with test functions, which need more compiling, are slow."""
     return [
         pytest.param(
             optimizer,
@@ -39,7 +39,7 @@ def plan():
 
 
 def course(optimizer, scenario):
-    """(iterations + 1, columns) of a run whose population grows, shrinks and is repaired."""
+    """Return the record, (iterations + 1, columns), of a run with growth, shrinking and repair."""
     env = SwarmEnv(optimizer, scenario=scenario, iterations=ITERATIONS, initial_population_size=20)
     env.reset(seed=7)
     for iteration in range(ITERATIONS):
@@ -52,7 +52,7 @@ def golden(optimizer):
 
 
 def update(optimizer, scenario, found, reason):
-    """Replace what is stored; not for several processes at once."""
+    """Replace the stored courses; only one process may do this at a time."""
     path = GOLDEN / f"{optimizer}.json"
     courses = golden(optimizer)["courses"] if path.exists() else {}
     content = {"because": reason, "columns": HISTORY, "courses": {**courses, scenario: found.tolist()}}

@@ -35,7 +35,7 @@ SIZES = (1, 2, 3, 12)
 
 
 def labelled_swarm(fitness, collision):
-    """One swarm of given values, in which the position of member i is the number i."""
+    """Return one swarm of given values, in which the position of member i is the number i."""
     size = len(fitness)
     swarms = Swarms.allocate(1, size, 2)
     swarms.size[0] = size

@@ -19,6 +19,7 @@ import swarm_gym.scenarios
 from agents import CONTROLLERS, make_controller
 from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
+from experiments.publish import DOCUMENTS
 from experiments.runs.database import Results
 from swarm_gym.action import ACTIONS
 from swarm_gym.errors import SwarmGymError
@@ -196,6 +197,7 @@ FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
     "recovery", "profiles", "front", "decisions", "parameters",
 )  # fmt: skip
+DOCUMENT_NAMES = ("results", "study", "moa", "iafsa", "brand-yu", "dynamic", "scaling")
 DATABASE = {
     "configuration": ("key", "value"),
     "runs": (
@@ -241,7 +243,7 @@ COMMANDS = {
     "experiments.branching": ("--controller", "--output", "--scenarios", "--seeds", "--threads"),
     "experiments.frame": (),
     "experiments.gallery": (),
-    "experiments.publish": (),
+    "experiments.publish": ("--evaluate", "--results", "documents"),
     "experiments.readings": ("--case", "--controllers", "--output", "--seeds"),
     "experiments.sensitivity": ("--output", "--policy", "--scenarios", "--seeds", "--threads"),
     "experiments.video": (
@@ -310,10 +312,11 @@ def test_every_reset_option_and_info_is_there():
         (COLLECTION_NAMES, COLLECTIONS),
         (TABLE_NAMES, TABLES),
         (FIGURE_NAMES, figures()),
+        (DOCUMENT_NAMES, DOCUMENTS),
     ],
     ids=[
         "history", "observations", "actions", "rewards", "scenarios", "families", "exports", "controllers",
-        "presets", "suites", "collections", "tables", "figures",
+        "presets", "suites", "collections", "tables", "figures", "documents",
     ],
 )  # fmt: skip
 def test_every_registered_name_is_there(expected, actual):

@@ -16,7 +16,7 @@ from swarm_gym.optimizers.fish.standard import FishSwarm
 from swarm_gym.problem import Problem
 
 # Parameters of our fish swarm; lengths are in units of the range of a component.
-VISUAL, STEP, CROWDING, TRIES = FishSwarm.knob_values({})
+VISUAL, STEP, CROWDING, TRIES = FishSwarm.parameter_values({})
 
 
 def fish_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:

@@ -55,12 +55,12 @@ class Function(NamedTuple):
 
     @property
     def is_published(self) -> bool:
-        """Whether the IAFSA paper states this dimension."""
+        """True if the IAFSA paper states this dimension."""
         return DIMENSIONS.get(self.key) == self.dimension
 
 
 @dataclass(frozen=True)
-class Comparison:
+class SwarmComparison:
     """AFSA and IAFSA on one function, in equally many iterations.
 
     Attributes:
@@ -84,7 +84,7 @@ class Comparison:
 
     @property
     def improves(self) -> bool:
-        """Whether IAFSA's mean is below AFSA's."""
+        """True if IAFSA's mean is below AFSA's."""
         return bool(self.fitness[IAFSA].mean() < self.fitness[AFSA].mean())
 
     def over_published(self, optimizer: str) -> float:
@@ -155,7 +155,7 @@ RESULT_COLUMNS = (
 )  # fmt: skip
 
 
-def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Comparison]:
+def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[SwarmComparison]:
     """Return a comparison for each function and number of iterations that both optimizers have runs of.
 
     The order is that of the suite.
@@ -178,7 +178,7 @@ def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[Com
                 if paired
                 else rank_sum(fitness[IAFSA], fitness[AFSA])
             )
-            found.append(Comparison(function, iterations, fitness, evaluations, p))
+            found.append(SwarmComparison(function, iterations, fitness, evaluations, p))
     return found
 
 
@@ -192,11 +192,11 @@ def _first(samples: Iterable[Floats]) -> Floats:
     return np.concatenate(list(samples))[:MEAN_RUNS]
 
 
-def _runs(comparisons: list[Comparison]) -> int:
+def _runs(comparisons: list[SwarmComparison]) -> int:
     return max((len(compared.fitness[AFSA]) for compared in comparisons), default=0)
 
 
-def _result_cells(compared: Comparison, p_value: float) -> tuple[Entry, ...]:
+def _result_cells(compared: SwarmComparison, p_value: float) -> tuple[Entry, ...]:
     return (
         compared.function.label,
         number(compared.iterations, "d"),
@@ -211,11 +211,11 @@ def _mean(values: Floats) -> Entry:
     return number_in(values.mean(), mean_interval(values), ".2g")
 
 
-def _published(compared: Comparison, optimizer: str) -> Entry:
+def _published(compared: SwarmComparison, optimizer: str) -> Entry:
     return number(MEAN_BEST.get((compared.function.key, optimizer, compared.iterations)), ".2g")
 
 
-def _function_claims(comparisons: list[Comparison]) -> list[Claim]:
+def _function_claims(comparisons: list[SwarmComparison]) -> list[Claim]:
     published = [compared for compared in comparisons if compared.function.is_published]
     plane = [compared for compared in published if compared.function.dimension == 2]
     groups = {
@@ -239,23 +239,23 @@ def _function_claims(comparisons: list[Comparison]) -> list[Claim]:
     ]
 
 
-def _no_larger(comparisons: list[Comparison]) -> dict[str, bool]:
+def _no_larger(comparisons: list[SwarmComparison]) -> dict[str, bool]:
     return {compared.case: compared.over_published(IAFSA) <= 1.0 for compared in comparisons}
 
 
-def _near(comparisons: list[Comparison]) -> dict[str, bool]:
+def _near(comparisons: list[SwarmComparison]) -> dict[str, bool]:
     return {
         compared.case: 1.0 / NEAR_PAPER <= compared.over_published(AFSA) <= NEAR_PAPER
         for compared in comparisons
     }
 
 
-def _best_over_published(compared: Comparison, optimizer: str) -> float:
+def _best_over_published(compared: SwarmComparison, optimizer: str) -> float:
     published = MEAN_BEST[compared.function.key, optimizer, compared.iterations]
     return float(compared.fitness[optimizer].min() / published)
 
 
-def _dimensions_table(comparisons: list[Comparison]) -> Table:
+def _dimensions_table(comparisons: list[SwarmComparison]) -> Table:
     rows = [
         (
             compared.function.label,

@@ -1,4 +1,4 @@
-"""The suites of the IAFSA paper: test functions, the same shifted, and routes."""
+"""The suites of the IAFSA paper: test functions, shifted test functions, and routes."""
 
 from experiments.runs.suite import FRESH_SEEDS, Suite
 from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS

@@ -25,12 +25,12 @@ STUDY_FIGURES = ("profiles", "front", "decisions")
 
 @dataclass(frozen=True)
 class Fitted:
-    """Controllers fitted to the same scenarios, by what decides; nothing is listed that does not ship.
+    """Packaged controllers that were fitted to the same scenarios, by kind.
 
     Attributes:
-        schedules: the paper's schedule with tuned parameters.
-        open_loops: size and phi as functions of the iteration.
-        open_loops_extended: the same of the extended action.
+        schedules: the schedule of the SPSFA paper with tuned parameters.
+        open_loops: controllers with size and phi as functions of the iteration.
+        open_loops_extended: open loops of the extended action, which has the optimizer's parameters.
         learned: policies that decide size and phi.
         learned_extended: policies that decide the optimizer's parameters too.
     """
@@ -43,17 +43,17 @@ class Fitted:
 
     @property
     def all_learned(self) -> tuple[str, ...]:
-        """Policies, whatever they decide."""
+        """All policies, with either action."""
         return self.learned + self.learned_extended
 
     @property
     def everything(self) -> tuple[str, ...]:
-        """All of them, what is learned first."""
+        """All controllers, policies first."""
         return self.all_learned + self.schedules + self.open_loops + self.open_loops_extended
 
 
 def families_of(fitted: Fitted, *others: Family) -> tuple[Family, ...]:
-    """What is printed or needs no fitting, what was fitted, and other families; those that are empty not."""
+    """Return families of controllers that are not fitted, of fitted ones, and others; none of them empty."""
     families = (
         Family("fixed sizes", FIXED_SIZES),
         Family("schedules", (*SCHEDULES, *fitted.schedules)),
@@ -67,12 +67,12 @@ def families_of(fitted: Fitted, *others: Family) -> tuple[Family, ...]:
 
 
 def controllers_of(families: tuple[Family, ...]) -> tuple[str, ...]:
-    """The controllers of all families, and chance as the floor of every comparison."""
+    """Return the controllers of all families, and chance as the floor of every comparison."""
     return (*(controller for family in families for controller in family.controllers), "random")
 
 
 FIELDS = expand_name("random-fields:test:0-199")
-# Kinds of fields that no controller is fitted to.
+# Kinds of random fields that no controller is fitted to.
 UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
 UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
 
@@ -189,7 +189,7 @@ def _study(
     pairs: tuple[tuple[str, str], ...] = (),
     baseline: str = "spsfa-tip",
 ) -> Suite:
-    """A suite of the study: families of controllers against the printed schedule, on fresh seeds."""
+    """Return a suite of the study: families of controllers against a baseline, on fresh seeds."""
     return Suite(
         name=name,
         controllers=controllers_of(families),

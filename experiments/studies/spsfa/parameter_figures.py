@@ -1,7 +1,7 @@
 """Figures of the parameter studies, from stored runs: two for each parameter.
 
-They stand in the place of the SPSFA paper's figures 20 to 25, which show its studies of omega, eta and T_low.
-It prints numbers of the running times by omega and eta only; all else is drawn from our runs alone.
+They correspond to figures 20 to 25 of the SPSFA paper, which show its studies of omega, eta and T_low. That
+paper has numbers of the running times by omega and eta only; everything else is drawn from our runs alone.
 """
 
 import dataclasses
@@ -22,7 +22,7 @@ from experiments.studies.spsfa.parameters import ParameterStudy
 
 Runs = dict[float, list[Run]]  # by value of the parameter
 MARKERS = "osD^v<>PX*"
-# What is drawn by iteration: columns of the traces, and what is taken of the runs.
+# Columns of the traces that are drawn by iteration, and the statistic of the runs.
 COURSES: dict[str, Callable[..., Floats]] = {
     "best_fitness": np.median,
     "population_size": np.mean,
@@ -34,7 +34,7 @@ LIGHTEST = 0.88
 
 
 def draw_courses(study: ParameterStudy, case: Case) -> Figure:
-    """Best fitness (median), population size, phi and evaluations spent (means) by iteration, by value."""
+    """Draw best fitness (median), population size, phi and evaluations (means) by iteration, by value."""
     case, runs = _of_study(study, case)
     figure = new_figure(10.0, 7.0)
     panels = figure.subplots(2, 2, sharex=True).ravel()
@@ -64,10 +64,10 @@ def draw_courses(study: ParameterStudy, case: Case) -> Figure:
 
 
 def draw_outcomes(study: ParameterStudy, case: Case) -> Figure:
-    """Final fitness of every run, and what a run costs relative to the printed setting, by value.
+    """Draw final fitness of every run, and the cost of a run relative to the published setting, by value.
 
-    Cost is drawn three ways: our evaluations with the 95 % interval of the ratio, our processor time, and the
-    paper's running time where it is printed.
+    The cost has three lines: our evaluations with the 95 % interval of the ratio, our processor time, and the
+    running time of the SPSFA paper where it has one.
     """
     case, runs = _of_study(study, case)
     figure = new_figure(10.0, 4.2)
@@ -150,7 +150,7 @@ def _seconds(runs: list[Run]) -> Floats:
 
 
 def _of_study(study: ParameterStudy, case: Case) -> tuple[Case, Runs]:
-    """The case with the runs of a study only, which are coloured from dark to light; the printed is black."""
+    """Return the case and the runs of a study only, coloured dark to light; the published one is black."""
     compared = study.compared(case.runs)
     shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(compared)))]
     looks = {}

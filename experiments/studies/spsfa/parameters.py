@@ -1,6 +1,6 @@
-"""The parameter studies of the SPSFA paper, as data: one parameter varies, the others are as printed.
+"""The parameter studies of the SPSFA paper, as data: one parameter varies, the others are as published.
 
-To add a study, enter it in `PARAMETER_STUDIES`; the suite `parameters`, its tables and its figures follow.
+To add one, enter it in `PARAMETER_STUDIES`; the suite `parameters`, its tables and its figures follow.
 """
 
 from collections.abc import Container
@@ -18,9 +18,9 @@ class ParameterStudy:
 
     Attributes:
         parameter: a parameter of `SelfAdaptiveSchedule`.
-        symbol: what the paper calls it.
-        values: the paper's grid, ascending; the printed setting is among them.
-        table: number of the table of running times in the paper; None where it has only figures.
+        symbol: symbol of the parameter in the SPSFA paper.
+        values: grid of the SPSFA paper, ascending; the published setting is among them.
+        table: number of the table of running times in the SPSFA paper; None if it has only figures.
     """
 
     parameter: str
@@ -30,22 +30,22 @@ class ParameterStudy:
 
     @property
     def printed(self) -> float:
-        """The value of the printed setting, which ratios relate to."""
+        """The value of the published setting, which ratios relate to."""
         return getattr(SelfAdaptiveSchedule, self.parameter)
 
     @property
     def seconds(self) -> dict[float, float]:
-        """The paper's mean running times, by value; empty where it prints none."""
+        """The published mean running times, by value; empty if there are none."""
         return PARAMETER_SECONDS.get(self.parameter, {})
 
     def controller(self, value: float) -> str:
-        """Name of the controller with this value."""
+        """Return the name of the controller with a value of the parameter."""
         return SelfAdaptiveSchedule(True, **{self.parameter: value}).name  # type: ignore[arg-type]
 
     def compared(self, controllers: Container[str]) -> dict[float, str]:
-        """Those of the controllers that this study compares, by value.
+        """Return those of the controllers that this study compares, by value.
 
-        None unless the printed setting, which ratios relate to, and another value are among them.
+        The result is empty unless the published setting, which ratios relate to, and another value are there.
         """
         found = {v: self.controller(v) for v in self.values if self.controller(v) in controllers}
         return found if self.printed in found and len(found) > 1 else {}
@@ -56,7 +56,7 @@ PARAMETER_STUDIES = (
     ParameterStudy("decay", "η", tuple(PARAMETER_SECONDS["decay"]), 13),
     ParameterStudy("low_deviation", "T_low", tuple(float(value) for value in range(10, 101, 10)), None),
 )
-# Each once: the printed setting belongs to all studies.
+# Each controller once: the published setting belongs to all studies.
 CONTROLLERS = tuple(
     dict.fromkeys(study.controller(value) for study in PARAMETER_STUDIES for value in study.values)
 )

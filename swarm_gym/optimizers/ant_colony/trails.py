@@ -1,17 +1,17 @@
-"""Pheromone on the moves of a grid, which evaporates only where somebody looks.
+"""Pheromone on the moves of a grid; evaporation is computed only for cells that are read.
 
 Source: M. Dorigo, V. Maniezzo, A. Colorni, "Ant System: optimization by a colony of cooperating agents", IEEE
-Trans. Syst. Man Cybern. B 26(1):29-41, 1996, eq. 1 to 3, where rho is what stays; here it is what evaporates.
+Trans. Syst. Man Cybern. B 26(1):29-41, 1996, eq. 1 to 3, where rho stays; here it evaporates.
 Limits after T. Stuetzle, H. H. Hoos, "MAX-MIN Ant System", Future Gener. Comput. Syst. 16:889-914, 2000.
 
-A round is tau <- (1 - rho) tau everywhere, then what is laid, then tau <- clip(tau). Ants walk along a few
-thousand moves of the millions that a map has. So a cell remembers in which round its eight moves were last
-brought up to date, and makes up for the rounds since then when it is looked at: multiplied and clipped one
-round after the other, which gives the bits that rounds over all cells would give. Cells where nothing was
-laid yet have one tau in common, and their memory is never touched.
+A round is tau <- (1 - rho) tau everywhere, then the deposits, then tau <- clip(tau). Ants walk along a few
+thousand moves of the millions on a map. So each cell stores the round in which its eight moves were last
+brought up to date. When the cell is read, the rounds since then are computed one after the other, each
+multiplied and clipped. This gives the same bits as rounds over all cells. Cells without a deposit so far
+share one tau, and their memory is never touched.
 
 Trails are an array of numbers: a head of `NUM_COMMON`, then for each cell, row by row, its last round and tau
-of its moves in the directions `STEP_COLUMNS`, `STEP_ROWS`. Zeros are trails too, which have to be begun.
+of its moves in the directions `STEP_COLUMNS`, `STEP_ROWS`. An array of zeros can be begun as well.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ from swarm_gym.compiler.jit import kernel
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
 
-# To the neighbours of a cell, as it goes round: even ones straight, odd ones diagonal.
+# The moves to the neighbours of a cell, in the order of their angle: even ones straight, odd ones diagonal.
 STEP_COLUMNS = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 STEP_ROWS = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 NUM_MOVES = 8
@@ -30,9 +30,8 @@ MOVE_BY_STEP = np.array([[5, 6, 7], [4, -1, 0], [3, 2, 1]])  # [rows + 1, column
 
 FIRST_TRAIL, LEAST_TRAIL, MOST_TRAIL = 1.0, 1e-4, 10.0
 
-# In the head: the round that it is, the one that the episode began with, the share that a round leaves, and
-# of the moves of a cell where nothing was laid in the episode tau before it was clipped in this round, and
-# all eight tau.
+# Entries of the head: the present round, the first round of the episode, the share that stays after a round;
+# then for cells without a deposit in this episode tau before it was clipped in this round, and all eight tau.
 _ROUND, _BEGUN, _KEPT, _UNCLIPPED, _UNTOUCHED = range(5)
 NUM_COMMON = _UNTOUCHED + NUM_MOVES
 _PER_CELL = 1 + NUM_MOVES
@@ -40,13 +39,19 @@ _PER_CELL = 1 + NUM_MOVES
 
 @kernel
 def trails_size(num_cells: int) -> int:
-    """How many numbers the trails on so many cells are."""
+    """Return the length of the array of trails on this number of cells."""
     return NUM_COMMON + _PER_CELL * num_cells
+
+
+@kernel(inline="late")
+def _place_of(cell: int) -> int:
+    """Return the place of the first entry of a cell in an array of trails: its last round."""
+    return NUM_COMMON + _PER_CELL * cell
 
 
 @kernel
 def begin_trails(trails: Floats) -> None:
-    """The first tau on all moves; rounds go on being counted, so that no cell seems to be up to date."""
+    """Set all moves to the first tau; the count of rounds continues, so that no cell seems up to date."""
     trails[_ROUND] += 1.0
     trails[_BEGUN] = trails[_ROUND]
     trails[_UNTOUCHED : _UNTOUCHED + NUM_MOVES] = FIRST_TRAIL
@@ -54,8 +59,8 @@ def begin_trails(trails: Floats) -> None:
 
 @kernel(inline="late")
 def current_trails(trails: Floats, cell: int) -> int:
-    """Where tau of the moves of a cell lies in `trails`, up to date."""
-    place = NUM_COMMON + _PER_CELL * cell
+    """Bring the moves of a cell up to date and return the place of their tau in `trails`."""
+    place = _place_of(cell)
     if trails[place] < trails[_BEGUN]:
         return _UNTOUCHED
     if trails[place] < trails[_ROUND]:
@@ -68,7 +73,7 @@ def evaporate(trails: Floats, evaporation: float) -> None:
     """Begin a round, in which the share rho evaporates from all moves."""
     kept = 1.0 - evaporation
     if kept != trails[_KEPT] and trails[_ROUND] > trails[_BEGUN]:
-        # The rounds that cells have not made up for were of another share.
+        # The share of the rounds that cells have not caught up with was another one.
         for cell in range((trails.shape[0] - NUM_COMMON) // _PER_CELL):
             current_trails(trails, cell)
     trails[_KEPT] = kept
@@ -78,28 +83,28 @@ def evaporate(trails: Floats, evaporation: float) -> None:
 
 
 @kernel
-def lay_on_way(trails: Floats, width: int, cells: Cells, amount: float) -> None:
-    """Lay an amount on each move along a way in this round; `settle_way` has to follow.
+def lay_on_walk(trails: Floats, width: int, cells: Cells, amount: float) -> None:
+    """Lay an amount on each move along a walk in this round; `settle_walk` has to follow.
 
     Args:
-        trails: of a map.
-        width: W, of the map.
+        trails: trails on a map.
+        width: W, number of columns of the map.
         cells: columns and rows of neighbouring cells, (k, 2).
-        amount: of pheromone.
+        amount: amount of pheromone.
     """
     for k in range(cells.shape[0] - 1):
         column, row = cells[k]
         to_column, to_row = cells[k + 1]
-        # Start and target may be in the same cell, which is two on a way without a move.
+        # Start and target may be in the same cell, which then appears twice, without a move.
         if to_column != column or to_row != row:
             _lay(trails, row * width + column, MOVE_BY_STEP[to_row - row + 1, to_column - column + 1], amount)
 
 
 @kernel
-def settle_way(trails: Floats, width: int, cells: Cells) -> None:
-    """Clip the moves of these cells, after all that is laid there in this round; others may be among them."""
+def settle_walk(trails: Floats, width: int, cells: Cells) -> None:
+    """Clip the moves of these cells after the last deposit of this round; cells without any are left out."""
     for k in range(cells.shape[0]):
-        place = NUM_COMMON + _PER_CELL * (cells[k, 1] * width + cells[k, 0])
+        place = _place_of(cells[k, 1] * width + cells[k, 0])
         if trails[place] == trails[_ROUND]:
             for move in range(place + 1, place + _PER_CELL):
                 trails[move] = _clipped(trails[move])
@@ -107,7 +112,7 @@ def settle_way(trails: Floats, width: int, cells: Cells) -> None:
 
 @kernel
 def _lay(trails: Floats, cell: int, move: int, amount: float) -> None:
-    place = NUM_COMMON + _PER_CELL * cell
+    place = _place_of(cell)
     if trails[place] < trails[_BEGUN]:
         for k in range(place + 1, place + _PER_CELL):
             trails[k] = trails[_UNCLIPPED]
@@ -126,7 +131,7 @@ def _clipped(value: float) -> float:
 
 @kernel
 def _catch_up(trails: Floats, place: int, last: float) -> None:
-    """The rounds up to the `last` one, in which nothing was laid on the moves of a cell."""
+    """Compute the rounds up to `last`, in which nothing was laid on the moves of a cell."""
     changing = True
     while trails[place] < last and changing:
         trails[place] += 1.0

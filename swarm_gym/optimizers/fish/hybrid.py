@@ -1,53 +1,60 @@
 """Hybrid adaptive artificial fish swarm algorithm, HAAFSA-R: a reconstruction.
 
 The source, Yao and Ren in TELKOMNIKA Indonesian Journal of Electrical Engineering 12(10), 2014,
-doi 10.11591/telkomnika.v12i8.5247, was at hand as an abstract only: an artificial fish swarm with an
-adaptive, enhanced prey behaviour, and with sight and step that change by segments of the run. How they do is
-our own here; nothing is claimed of the original.
+doi 10.11591/telkomnika.v12i8.5247, was available as an abstract only: an artificial fish swarm with an
+adaptive, enhanced prey behaviour, and with sight and step that change by segments of the run. The rules of
+these changes are our own; nothing is claimed about the original.
 
-For the first third of the iterations sight and step are what they are in AFSA, in the second they shrink
-linearly to a quarter, in the last exponentially. A fish preys in up to three rounds, each from the best point
-of the one before, of more and more points the later it is.
+In the first third of the iterations sight and step are those of AFSA; they shrink linearly to a quarter in
+the second third, and exponentially in the last. A fish preys in up to three rounds, each from the best point
+of the round before. Each third of the iterations adds as many tries as the first one has.
 """
 
 import math
-from typing import ClassVar, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.fish.behaviour import (
+    Crowding,
     School,
+    SmallestStep,
+    SmallestVisual,
+    Step,
+    Tries,
+    Visual,
     approach,
+    copy_path,
     draw,
     gather,
-    go_astray,
-    go_to,
     leap,
+    move_randomly,
+    move_to,
     offer,
-    take_down,
     try_out,
 )
-from swarm_gym.optimizers.fish.improved import SMALLEST_STEP, SMALLEST_VISUAL
-from swarm_gym.optimizers.fish.standard import CROWDING, PREY, STEP, TRIES, VISUAL, take_turns
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.optimizers.fish.standard import PREY, take_turns
+from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms, Workspace, copy_position, is_spent
 from swarm_gym.problem.tables import Table
 
-Floats = NDArray[np.float64]
-
-ROUNDS = 3
+ROUNDS = 3  # in which a fish preys at most
 
 
-class HybridFishSwarmRules(NamedTuple):
-    """Stands for the kernels of this optimizer; see `driver`."""
+class HybridFishSwarmParameters(NamedTuple):
+    """Parameters of the hybrid fish swarm."""
+
+    visual: Visual
+    step: Step
+    smallest_visual: SmallestVisual
+    smallest_step: SmallestStep
+    crowding: Crowding
+    tries: Tries
 
 
 @kernel(borrows=True)
 def prey(
-    rules: HybridFishSwarmRules,  # noqa: ARG001
+    _parameters: HybridFishSwarmParameters,
     school: School,
     swarms: Swarms,
     b: int,
@@ -55,7 +62,7 @@ def prey(
     table: Table,
     work: Workspace,
 ) -> None:
-    """Member i goes from one better point to the next; without one towards the best so far, or it leaps."""
+    """Let member i move from one better point to the next; without any, towards the best so far, or leap."""
     here, best = school.start, school.seen
     copy_position(swarms.positions[b, i], here)
     fitness, collision = swarms.fitness[b, i], swarms.collision[b, i]
@@ -64,17 +71,17 @@ def prey(
         for _ in range(school.tries):
             if is_spent(swarms, b):
                 break
-            go_astray(school, swarms, b, table, work, here, school.visual)
+            move_randomly(school, swarms, b, table, work, here, school.visual)
             tried, tried_collision = try_out(school, swarms, b, table, work)
             if tried < found:
                 found, found_collision = tried, tried_collision
-                take_down(work, best)
+                copy_path(work, best)
         if found >= fitness:
             break
         fitness, collision = found, found_collision
         copy_position(best, here)
     if fitness < swarms.fitness[b, i]:
-        go_to(work, here)
+        move_to(work, here)
         offer(school, work, fitness, collision)
     elif not is_spent(swarms, b):
         if draw(swarms, b, work) < 0.5:
@@ -83,12 +90,12 @@ def prey(
             leap(school, swarms, b, i, table, work)
 
 
-PREY[HybridFishSwarmRules] = prey
+PREY[HybridFishSwarmParameters] = prey
 
 
 @kernel(borrows=True)
 def share_left(progress: float) -> float:
-    """The share of sight and step that is left at a share of the iterations."""
+    """Return the share of sight and step that is left after a share of the iterations."""
     if progress < 1.0 / 3.0:
         return 1.0
     if progress < 2.0 / 3.0:
@@ -98,40 +105,27 @@ def share_left(progress: float) -> float:
 
 @kernel
 def iterate(
-    rules: HybridFishSwarmRules,
+    parameters: HybridFishSwarmParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b`."""
+    """Advance swarm `b` by one iteration."""
     progress = swarms.iteration[b] / swarms.iterations[b]
-    visual, step = share_left(progress) * knobs[0], share_left(progress) * knobs[1]
+    visual, step = share_left(progress) * parameters.visual, share_left(progress) * parameters.step
     if progress >= 2.0 / 3.0:
-        visual, step = max(visual, knobs[2]), max(step, knobs[3])
-    tries = int(knobs[5]) * (1 + int(3.0 * progress))
-    school = gather(table, visual, step, knobs[4], tries, repair_degree)
-    take_turns(rules, school, swarms, b, table, work)
+        visual, step = max(visual, parameters.smallest_visual), max(step, parameters.smallest_step)
+    tries = int(parameters.tries) * (1 + int(3.0 * progress))
+    school = gather(parameters, table, visual, step, tries, repair_degree)
+    take_turns(parameters, school, swarms, b, table, work)
 
 
 class HybridFishSwarm(Optimizer):
-    """HAAFSA-R: a reconstruction, of which nothing is claimed for the original."""
+    """HAAFSA-R, a reconstruction; nothing is claimed about the original algorithm."""
 
     name = "hybrid-fish-swarm"
-    knobs: ClassVar[dict[str, Knob]] = {
-        "visual": VISUAL,
-        "step": STEP,
-        "smallest_visual": SMALLEST_VISUAL,
-        "smallest_step": SMALLEST_STEP,
-        "crowding": CROWDING,
-        "tries": TRIES,
-    }
-    rules = HybridFishSwarmRules
+    parameter_class = HybridFishSwarmParameters
+    evaluations_per_member = 25.0  # with five tries
     kernels = loop.Kernels(iterate)
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """With five tries a fish takes about 25 evaluations."""
-        return evaluations / 25.0

@@ -1,16 +1,16 @@
-"""Improved artificial fish swarm algorithm: shrinking sight and steps, and everybody follows the best.
+"""Improved artificial fish swarm algorithm: sight and steps shrink, and every fish follows the best so far.
 
-Source: the IAFSA paper, section 3 (see `fish`). The swarm begins with the better one of each member and its
-opposite. A fish moves to what is better at once, by steps that its weight beta shortens, and leaps where it
-finds nothing.
+Source: the IAFSA paper, section 3 (see `behaviour`). The swarm begins with the better one of each member and
+its opposite. A fish moves to a better point at once, by steps that its weight beta shortens, and leaps if it
+finds none.
 
-Eq. 15, 17 and 18 as printed draw every fish towards the zero vector, where three of the paper's five test
-functions have their optimum. That is left out here; the parameter `origin_pull` = 1 puts it back. The other
-readings are in docs/readings.md.
+Eq. 15, 17 and 18 as printed draw every fish towards the zero vector, where three of the five test functions
+of the IAFSA paper have their optimum. That is left out here; the parameter `origin_pull` = 1 puts it back.
+The other readings are in docs/readings.md.
 """
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,45 +18,72 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.fish.behaviour import (
+    Crowding,
     School,
+    SmallestStep,
+    SmallestVisual,
+    Step,
+    Tries,
+    Visual,
     add_to_centre,
     count_companions,
     empty_centre,
     finish_centre,
     gather,
-    go_astray,
     is_roomy,
     leap,
     look_at_centre,
+    move_randomly,
     offer,
     settle,
     step_towards,
     try_out,
 )
-from swarm_gym.optimizers.fish.standard import CROWDING, STEP, TRIES, VISUAL
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table
 
-Floats = NDArray[np.float64]
 
+class ImprovedFishSwarmParameters(NamedTuple):
+    """Parameters of the improved fish swarm."""
 
-class ImprovedFishSwarmRules(NamedTuple):
-    """Stands for the kernels of this optimizer; see `driver`."""
+    visual: Visual
+    step: Step
+    smallest_visual: SmallestVisual
+    smallest_step: SmallestStep
+    first_beta: Annotated[
+        float, Parameter(0.9, 0.0, 1.0, "beta_start", "share of a step that is made in the first iteration")
+    ]
+    last_beta: Annotated[
+        float,
+        Parameter(
+            0.2,
+            0.0,
+            1.0,
+            "beta_end",
+            "share of a step that is made in the last iteration; linear in between",
+        ),
+    ]
+    crowding: Crowding
+    tries: Tries
+    origin_pull: Annotated[
+        float,
+        Parameter(0.0, 0.0, 1.0, "–", "share of beta by which a move shrinks the position; 1 is as printed"),
+    ]
 
 
 @kernel
 def begin(
-    rules: ImprovedFishSwarmRules,
+    parameters: ImprovedFishSwarmParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     size: int,
-    knobs: Floats,
 ) -> None:
     """Draw a population, then keep the better one of each member and its opposite (eq. 8 to 10)."""
-    loop.draw_population(rules, swarms, b, table, work, size, knobs)
+    loop.draw_population(parameters, swarms, b, table, work, size)
     width = swarms.positions.shape[2]
     for i in range(swarms.size[b]):
         if is_spent(swarms, b):
@@ -81,11 +108,11 @@ def prey(
     work: Workspace,
     kept: float,
 ) -> None:
-    """Member i goes to the first of a few points within a step that is better (eq. 15), or leaps."""
+    """Let member i move to the first better one of a few points within a step (eq. 15), or leap."""
     for _ in range(school.tries):
         if is_spent(swarms, b):
             return
-        go_astray(school, swarms, b, table, work, swarms.positions[b, i], school.step, kept)
+        move_randomly(school, swarms, b, table, work, swarms.positions[b, i], school.step, kept)
         fitness, collision = try_out(school, swarms, b, table, work)
         if fitness < swarms.fitness[b, i]:
             offer(school, work, fitness, collision)
@@ -101,10 +128,10 @@ def advance(
     i: int,
     table: Table,
     work: Workspace,
-    target: Floats,
+    target: NDArray[np.float64],
     kept: float,
 ) -> None:
-    """Member i steps towards a target if it gets better by that (eq. 17, 18), or preys."""
+    """Let member i step towards a target if that makes it better (eq. 17, 18), or prey."""
     if is_spent(swarms, b):
         return
     fitness, collision = step_towards(school, swarms, b, i, table, work, target, kept)
@@ -116,7 +143,7 @@ def advance(
 
 @kernel(borrows=True)
 def take_turns(school: School, swarms: Swarms, b: int, table: Table, work: Workspace, kept: float) -> None:
-    """Every fish of swarm `b` takes its turn, while the evaluation budget lasts."""
+    """Let every fish of swarm `b` take its turn, while the evaluation budget lasts."""
     if is_spent(swarms, b):
         return
     size = swarms.size[b]
@@ -139,51 +166,28 @@ def take_turns(school: School, swarms: Swarms, b: int, table: Table, work: Works
 
 @kernel
 def iterate(
-    rules: ImprovedFishSwarmRules,  # noqa: ARG001
+    parameters: ImprovedFishSwarmParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b`."""
+    """Advance swarm `b` by one iteration."""
     progress = swarms.iteration[b] / swarms.iterations[b]
-    visual = knobs[0] * math.exp(-25.0 * progress**3) + knobs[2]  # eq. 11
-    step = knobs[1] * math.exp(-math.pi * progress**2) + knobs[3]  # eq. 12, 13
-    beta = knobs[4] - (knobs[4] - knobs[5]) * progress  # eq. 14
-    kept = 1.0 - knobs[8] * beta
-    school = gather(table, visual, beta * step, knobs[6], knobs[7], repair_degree)
+    first, last = parameters.first_beta, parameters.last_beta
+    visual = parameters.visual * math.exp(-25.0 * progress**3) + parameters.smallest_visual  # eq. 11
+    step = parameters.step * math.exp(-math.pi * progress**2) + parameters.smallest_step  # eq. 12, 13
+    beta = first - (first - last) * progress  # eq. 14
+    kept = 1.0 - parameters.origin_pull * beta
+    school = gather(parameters, table, visual, beta * step, parameters.tries, repair_degree)
     take_turns(school, swarms, b, table, work, kept)
 
 
-SMALLEST_VISUAL = Knob(0.01, 0.0, 1.0, "Visual_min", "least distance that a fish sees, in ranges")
-SMALLEST_STEP = Knob(0.01, 0.0, 1.0, "Step_min", "least length of the longest step, in ranges")
-
-
 class ImprovedFishSwarm(Optimizer):
-    """IAFSA of its paper, with the parameters printed there, corrected."""
+    """The corrected IAFSA, with the parameters printed in the IAFSA paper."""
 
     name = "improved-fish-swarm"
-    knobs: ClassVar[dict[str, Knob]] = {
-        "visual": VISUAL,
-        "step": STEP,
-        "smallest_visual": SMALLEST_VISUAL,
-        "smallest_step": SMALLEST_STEP,
-        "first_beta": Knob(
-            0.9, 0.0, 1.0, "beta_start", "share of a step that is made in the first iteration"
-        ),
-        "last_beta": Knob(0.2, 0.0, 1.0, "beta_end", "the same in the last one; linear between them"),
-        "crowding": CROWDING,
-        "tries": TRIES,
-        "origin_pull": Knob(
-            0.0, 0.0, 1.0, "–", "share of beta by which a move shrinks the position; 1 is as printed"
-        ),
-    }
-    rules = ImprovedFishSwarmRules
+    parameter_class = ImprovedFishSwarmParameters
+    evaluations_per_member = 8.0  # with five tries
     kernels = loop.Kernels(iterate, begin)
-
-    @staticmethod
-    def affordable_size(evaluations: Floats) -> Floats:
-        """With five tries a fish takes about eight evaluations."""
-        return evaluations / 8.0

@@ -1,1 +1,1 @@
-"""The glowworm swarm: glow, neighbours, members and the robot's trajectory."""
+"""The glowworm swarm: glow, neighbours, members and trajectory of the robot."""

@@ -1,8 +1,8 @@
-"""How bright the members of a glowworm swarm shine, and whom one of them follows.
+"""The brightness of the members of a glowworm swarm, and the choice of the member that one follows.
 
 Source: C. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3
-and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines too, as bright
-as a member that stays where it is brightest.
+and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines, too: as
+brightly as a member that stays at the best place.
 """
 
 import math
@@ -21,25 +21,25 @@ from swarm_gym.problem.walk.table import WalkTable
 
 Floats = NDArray[np.float64]
 
-# Named options, by their index in `Knob.choices`.
+# Named options, by their index in `Parameter.choices`.
 RELAY, SIGHT, DISTANCE = range(3)
 RATIONAL, EXPONENTIAL = range(2)
 RAW, DIFFERENCES = range(2)
-# By how much, relative to it, a light may be off.
+# Relative rounding error of a light.
 ROUNDING = 1e-12
 
 
 class Glow(NamedTuple):
-    """How bright everybody is now, and how light fades on its way."""
+    """The present luciferin of members and target, and how light fades with distance."""
 
-    luciferin: Floats  # (N,) of the members, and of the target; then -1, which nobody follows
+    luciferin: Floats  # (N,) of the members, then of the target; then -1, which no member follows
     absorption: float  # gamma, per map unit
     dimming: int  # RATIONAL or EXPONENTIAL
 
 
 @kernel
 def qualities(table: WalkTable, sight: Sight, glow: int, absorption: float) -> Floats:
-    """(n,) J of the members' places, from 0 to 1: the nearer to the target, the higher."""
+    """Return J of the members' places, (n,), from 0 to 1: the nearer to the target, the higher."""
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
     size = known.shape[0] - 1
@@ -62,16 +62,16 @@ def qualities(table: WalkTable, sight: Sight, glow: int, absorption: float) -> F
 
 
 @kernel(inline="late")
-def perceived(glow: Glow, luciferin: float, way: float) -> float:
-    """Light of that level from some way off, in map units."""
+def perceived(glow: Glow, luciferin: float, length: float) -> float:
+    """Return the light that arrives from a distance, in map units, of a source of this luciferin."""
     if glow.dimming == EXPONENTIAL:
-        return luciferin * math.exp(-glow.absorption * way) if luciferin < math.inf else luciferin  # eq. 2
-    return luciferin / (1.0 + glow.absorption * way)  # eq. 3
+        return luciferin * math.exp(-glow.absorption * length) if luciferin < math.inf else luciferin  # eq. 2
+    return luciferin / (1.0 + glow.absorption * length)  # eq. 3
 
 
 @kernel
 def count_neighbours(sight: Sight, glow: Glow, i: int, reach: float) -> int:
-    """How many are brighter than member i, in sight and nearer than its range; with the target."""
+    """Return the number of neighbours of member i: brighter, in sight and in reach; the target may be one."""
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
     count = 0
@@ -83,26 +83,26 @@ def count_neighbours(sight: Sight, glow: Glow, i: int, reach: float) -> int:
 
 @kernel
 def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -> int:
-    """The neighbour that member i sees shine brightest, the first of equals; -1 if it has none.
+    """Return the neighbour whose light is brightest for member i, the first of equals; -1 if it has none.
 
     Args:
-        sight: who is where, and sees whom.
-        glow: how bright they are.
-        i: who looks.
-        reach: how far it looks, in map units.
-        guess: who it may be: the better, the fewer others have to be looked for.
+        sight: positions of the members, and what is known of the sight between them.
+        glow: brightness of the members.
+        i: number of the member that looks.
+        reach: range in which it looks, in map units.
+        guess: number of a likely neighbour: the better the guess, the fewer others have to be checked.
     """
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
     own, brightest, most = luciferin[i], -1, 0.0
-    way = distance(x, y, i, guess)
-    is_neighbour = luciferin[guess] > own and way < reach
+    length = distance(x, y, i, guess)
+    is_neighbour = luciferin[guess] > own and length < reach
     if is_neighbour and in_sight(blocked, rooms, columns, rows, known, shadow, i, guess):
-        brightest, most = guess, perceived(glow, luciferin[guess], way)
+        brightest, most = guess, perceived(glow, luciferin[guess], length)
     if most == math.inf:
         return guess
     for block in range(0, x.shape[0], NUM_LANES):
-        # Whose light is as bright by eq. 3, and so, perhaps, by eq. 2; squared, without roots and quotients.
+        # Members as bright by eq. 3, and so, perhaps, by eq. 2; squared, to avoid roots and quotients.
         across, along = load(x, block) - x[i], load(y, block) - y[i]
         level, least = load(luciferin, block), most * (1.0 - ROUNDING)
         more, fading = level - least, least * glow.absorption * (1.0 - ROUNDING)
@@ -110,11 +110,11 @@ def find_brightest(sight: Sight, glow: Glow, i: int, reach: float, guess: int) -
         if bits((level > own) & (more >= 0.0) & (more * more >= fading * fading * squares)) == 0:
             continue
         for k in range(block, block + NUM_LANES):
-            way = distance(x, y, i, k)
-            if luciferin[k] > own and way < reach:
-                light = perceived(glow, luciferin[k], way)
+            length = distance(x, y, i, k)
+            if luciferin[k] > own and length < reach:
+                light = perceived(glow, luciferin[k], length)
                 is_brighter = light > most or (light == most and (k < brightest or brightest < 0))
-                # What hid the last one often hides this one, too.
+                # The obstacle that hid the last one often hides this one, too.
                 if (
                     is_brighter
                     and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k])
@@ -134,16 +134,16 @@ def draw_neighbour(
     stream: NDArray[np.uint64],
     work: Workspace,
 ) -> int:
-    """A neighbour of member i, drawn in proportion to its light (eq. 1); -1, and no draw, if it has none."""
+    """Draw a neighbour of member i in proportion to its light (eq. 1); return -1, without a draw, if none."""
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow, luciferin = sight.blocked, sight.rooms, sight.shadow, glow.luciferin
     shares, last, total = np.zeros(known.shape[0]), -1, 0.0
     for k in range(known.shape[0]):
         if luciferin[k] > luciferin[i]:
-            way = distance(x, y, i, k)
-            if way < reach and in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
+            length = distance(x, y, i, k)
+            if length < reach and in_sight(blocked, rooms, columns, rows, known, shadow, i, k):
                 level = luciferin[k] - luciferin[i] if levels == DIFFERENCES else luciferin[k]
-                shares[k] = perceived(glow, level, way)
+                shares[k] = perceived(glow, level, length)
                 total += shares[k]
                 last = k
     if last < 0:

@@ -1,35 +1,32 @@
-"""Who is in a glowworm swarm: the robot, which is the first, and others anywhere in the free cells.
+"""The members of a glowworm swarm: the robot, which is the first, and others anywhere in the free cells.
 
-Sources are those of `glowworm`. Brand and Yu place their members on a square lattice. Where and how members
-appear later is a reading, see docs/readings.md.
+The sources are those of `glowworm`. Brand and Yu place their members on a square lattice. How members are
+added later is a reading, see docs/readings.md.
 """
 
 import math
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers.glowworm.trajectory import ROBOT, append_point, begin_trajectory, revise_best
+from swarm_gym.optimizers.parameter import Parameters
 from swarm_gym.population import Swarms, Workspace, is_spent, shrink
 from swarm_gym.problem.tables import evaluate, repair
 from swarm_gym.problem.walk.table import WalkTable, cell_of, to_map
 
-Floats = NDArray[np.float64]
-
-# What is remembered of a member: its luciferin, its decision range in map units, whom it followed, and the
-# angle at which it wanders.
-LUCIFERIN, RANGE, FOLLOWED, HEADING = range(4)
-# Until the first luciferin is known, with the parameters of the next iteration.
+# Columns of `Swarms.memory`: luciferin, decision range in map units, number of the member that was followed,
+# and the angle in which the member wanders.
+NUM_COLUMNS = 4
+LUCIFERIN, RANGE, FOLLOWED, HEADING = range(NUM_COLUMNS)
+# Luciferin of a new member: its first value is a parameter of the next iteration.
 UNLIT = -1.0
+# Heading of a member that does not wander.
 NOWHERE = math.inf
 
 
 @kernel
 def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Workspace) -> None:
-    """Evaluate the point of `work.path`, and make it that of member i."""
+    """Evaluate the point of `work.path` and make it the position of member i."""
     swarms.fitness[b, i], swarms.collision[b, i] = evaluate(table, work.path)
     swarms.evaluations[b] += 1
     for k in range(swarms.positions.shape[2]):
@@ -38,7 +35,7 @@ def evaluate_member(swarms: Swarms, b: int, i: int, table: WalkTable, work: Work
 
 @kernel
 def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luciferin: float) -> None:
-    """Append the point of `work.path` as a member that shines like this and looks as far as it may."""
+    """Append the point of `work.path` as a member with this luciferin; see `kindle`."""
     i = swarms.size[b]
     evaluate_member(swarms, b, i, table, work)
     kindle(swarms, b, i, luciferin)
@@ -47,14 +44,14 @@ def append_member(swarms: Swarms, b: int, table: WalkTable, work: Workspace, luc
 
 @kernel(inline="late")
 def kindle(swarms: Swarms, b: int, i: int, luciferin: float) -> None:
-    """Let member i shine like this, and look as far as it may."""
+    """Give member i this luciferin and the largest decision range; it follows and heads nowhere yet."""
     swarms.memory[b, i, LUCIFERIN], swarms.memory[b, i, RANGE] = luciferin, math.inf
     swarms.memory[b, i, FOLLOWED], swarms.memory[b, i, HEADING] = 0.0, NOWHERE
 
 
 @kernel
 def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
-    """Draw `work.path`, a point uniform in the free cells."""
+    """Draw `work.path` as a point uniform in the free cells."""
     fill_uniform(swarms.stream[b], work.noise)
     number = int(work.noise[0] * table.num_free)
     column = table.free[number, 0] + work.noise[1] - 0.5
@@ -64,15 +61,9 @@ def draw_place(swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> Non
 
 @kernel
 def begin(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
-    knobs: Floats,  # noqa: ARG001
+    _parameters: Parameters, swarms: Swarms, b: int, table: WalkTable, work: Workspace, size: int
 ) -> None:
-    """Begin with the robot at the start, and the others on a square lattice as far as it goes."""
+    """Begin with the robot at the start, then the largest square lattice, then members in free cells."""
     work.path[1], work.path[2] = table.start[0], table.start[1]
     append_member(swarms, b, table, work, UNLIT)
     begin_trajectory(swarms, b)
@@ -92,14 +83,9 @@ def begin(
 
 @kernel
 def adopt(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
+    _parameters: Parameters, swarms: Swarms, b: int, table: WalkTable, work: Workspace, size: int
 ) -> None:
-    """Begin with given places; but the robot is at the start, and nobody in a blocked cell."""
+    """Begin with given places, but with the robot at the start, and with no member in a blocked cell."""
     for i in range(size):
         place = table.start if i == ROBOT else swarms.positions[b, i]
         work.path[1], work.path[2] = place[0], place[1]
@@ -110,14 +96,12 @@ def adopt(
 
 @kernel
 def change_size(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-    size: int,
+    _parameters: Parameters, swarms: Swarms, b: int, table: WalkTable, work: Workspace, size: int
 ) -> None:
-    """Grow anywhere in free cells, since a swarm that goes one way is a line, or shrink; the robot stays."""
+    """Add members anywhere in free cells, or delete members other than the robot.
+
+    New members are not placed between the others, since a swarm that moves in one direction is a line.
+    """
     before = swarms.size[b]
     if size > before:
         luciferin = 0.0
@@ -134,14 +118,11 @@ def change_size(
 
 
 @kernel
-def re_evaluate(
-    rules: Any,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: WalkTable,
-    work: Workspace,
-) -> None:
-    """Begin anew around the robot, on a map that changed: a swarm that goes one way lights nothing else."""
+def re_evaluate(_parameters: Parameters, swarms: Swarms, b: int, table: WalkTable, work: Workspace) -> None:
+    """Keep the robot and place all others anew, on a map that has changed.
+
+    A swarm that moves in one direction would light no other path.
+    """
     size = swarms.size[b]
     for i in range(size):
         if is_spent(swarms, b):
@@ -154,6 +135,6 @@ def re_evaluate(
             draw_place(swarms, b, table, work)
         evaluate_member(swarms, b, i, table, work)
         kindle(swarms, b, i, UNLIT)
-    # Before the best so far is known on this map, the robot's path is not held against it.
+    # The robot's path is compared with the best so far only when that is evaluated on this map.
     append_point(swarms, b)
     revise_best(swarms, b, table)

@@ -1,8 +1,8 @@
-"""Who of a swarm of points sees whom, and how far it is to the target from one to the next in sight.
+"""Sight between the members of a swarm of points, and shortest paths to the target over points in sight.
 
-Light that is handed on: a point that does not see the target has the shortest way to it over points that see
-each other. Sight takes the time: whether two see each other is only looked at where it could make a way
-shorter, and remembered.
+Light is passed on: a point that does not see the target has a shortest path to it over points that see each
+other. The tests of sight take most of the time, so two points are tested only if that could make a path
+shorter, and the result is stored.
 """
 
 import math
@@ -26,25 +26,25 @@ UNKNOWN, HIDDEN, IN_SIGHT = range(3)
 
 
 class Sight(NamedTuple):
-    """The n members of a swarm as they are now, and the target as the last point; zeros up to whole blocks.
+    """The present n members of a swarm, and the target as the last point; zeros up to whole blocks.
 
-    Kernels take the arrays out before they loop over pairs: those of a NamedTuple are counted by reference
-    each time that they are named, which took longer than all else.
+    Kernels take the arrays out before they loop over pairs: each use of an array of a NamedTuple counts a
+    reference, which took longer than all the rest.
     """
 
     x: Floats  # (N,) map units; N is the next multiple of eight from n + 1 on
     y: Floats  # (N,)
-    columns: Floats  # (N,) the same in cells
+    columns: Floats  # (N,) positions in cells
     rows: Floats  # (N,)
-    known: Bytes  # (n + 1, n + 1) what is known of each pair, the higher number first
-    shadow: Floats  # (3,) what hid somebody last, see `sight.cast_shadow`
+    known: Bytes  # (n + 1, n + 1) UNKNOWN, HIDDEN or IN_SIGHT for each pair, the higher number first
+    shadow: Floats  # (3,) the obstacle that was hit last, see `sight.cast_shadow`
     blocked: Flags  # (H, W) the map
     rooms: Rooms  # (H, W)
 
 
 @kernel
 def look_around(swarms: Swarms, b: int, table: WalkTable) -> Sight:
-    """The members of swarm `b`, of whom nothing is known yet."""
+    """Return the members of swarm `b`, with no pair tested yet."""
     size = swarms.size[b]
     x, y, columns, rows = inert(size, 0.0), inert(size, 0.0), inert(size, 0.0), inert(size, 0.0)
     for i in range(size + 1):
@@ -57,13 +57,13 @@ def look_around(swarms: Swarms, b: int, table: WalkTable) -> Sight:
 
 @kernel
 def inert(size: int, value: float) -> Floats:
-    """Numbers of that many members, of the target and up to a whole block."""
+    """Return an array of one value for the members, the target and the rest of the last block."""
     return np.full((size // NUM_LANES + 1) * NUM_LANES, value)
 
 
 @kernel(inline="late")
 def distance(x: Floats, y: Floats, i: int, k: int) -> float:
-    """Between two points, in map units."""
+    """Return the distance between two points, in map units."""
     dx, dy = x[k] - x[i], y[k] - y[i]
     return math.sqrt(dx * dx + dy * dy)
 
@@ -79,7 +79,7 @@ def in_sight(
     i: int,
     k: int,
 ) -> bool:
-    """Whether two points see each other, which is looked at once."""
+    """Return whether two points see each other; each pair is tested once."""
     high, low = max(i, k), min(i, k)
     if known[high, low] == UNKNOWN:
         x, y, to_x, to_y = columns[high], rows[high], columns[low], rows[low]
@@ -92,9 +92,10 @@ def in_sight(
 
 @kernel
 def relay_lengths(sight: Sight) -> Floats:
-    """(N,) lengths of the shortest ways to the target over points in sight; infinite where there is none.
+    """Return the lengths, (N,), of the shortest paths to the target over points in sight; infinite if none.
 
-    Who sees the target has the straight way; the others have one over one of these, or over one another.
+    A point that sees the target has the straight path. The others have a path over one of these points, or
+    over each other.
     """
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
@@ -106,13 +107,13 @@ def relay_lengths(sight: Sight) -> Floats:
         else:
             hidden[left] = i
             left += 1
-    over_seers = np.full(left, math.inf)
+    over_one = np.full(left, math.inf)
     guess = 0
     for j in range(left):
-        over_seers[j], guess = _shortest(sight, lengths, hidden[j], guess)
+        over_one[j], guess = _shortest(sight, lengths, hidden[j], guess)
     for j in range(left):
-        lengths[hidden[j]] = over_seers[j]
-    # Dijkstra's algorithm among those who do not see the target.
+        lengths[hidden[j]] = over_one[j]
+    # Dijkstra's algorithm among the points that do not see the target.
     while left > 0:
         nearest = 0
         for j in range(1, left):
@@ -131,9 +132,9 @@ def relay_lengths(sight: Sight) -> Floats:
 
 @kernel
 def _shortest(sight: Sight, lengths: Floats, i: int, guess: int) -> tuple[float, int]:
-    """Length of the shortest way of member i over one other whose length is known, and which one that is.
+    """Return the length of the shortest path of member i over one point of known length, and that point.
 
-    The better the guess, the fewer others have to be looked for; where there is none, it is returned.
+    The better the guess, the fewer points have to be tested; if there is no path, the guess is returned.
     """
     x, y, columns, rows, known = sight.x, sight.y, sight.columns, sight.rows, sight.known
     blocked, rooms, shadow = sight.blocked, sight.rooms, sight.shadow
@@ -147,7 +148,7 @@ def _shortest(sight: Sight, lengths: Floats, i: int, guess: int) -> tuple[float,
             continue
         for k in range(block, block + NUM_LANES):
             over = lengths[k] + distance(x, y, i, k)
-            # What hid the last one often hides this one, too.
+            # The obstacle that hid the last one often hides this one, too.
             if (
                 over < least
                 and not is_in_shadow(shadow, columns[i], rows[i], columns[k], rows[k])

@@ -1,7 +1,7 @@
 """The trajectory of a robot, which is the first member of its swarm, and its best path so far.
 
-`Swarms.walk` holds the points of the trajectory, `Swarms.walked` how many they are. A path is the
-trajectory up to a point, and straight on to the target: the best so far is a shorter piece of the same one.
+`Swarms.walk` holds the points of the trajectory, `Swarms.walked` their number. A path is the trajectory up to
+a point, then the straight line to the target. The best path so far begins with a piece of the trajectory.
 """
 
 import math
@@ -16,7 +16,7 @@ ROBOT = 0
 
 @kernel
 def begin_trajectory(swarms: Swarms, b: int) -> None:
-    """Let the trajectory begin where the robot is."""
+    """Begin the trajectory at the position of the robot."""
     swarms.walked[b] = 0
     append_point(swarms, b)
     remember_path(swarms, b)
@@ -24,7 +24,7 @@ def begin_trajectory(swarms: Swarms, b: int) -> None:
 
 @kernel
 def append_point(swarms: Swarms, b: int) -> None:
-    """Let the trajectory go on to where the robot is, if it is not there already."""
+    """Append the position of the robot to the trajectory, unless it is the last point already."""
     number = swarms.walked[b]
     x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
     if number == 0 or swarms.walk[b, number - 1, 0] != x or swarms.walk[b, number - 1, 1] != y:
@@ -34,7 +34,7 @@ def append_point(swarms: Swarms, b: int) -> None:
 
 @kernel
 def remember_path(swarms: Swarms, b: int) -> None:
-    """Remember the trajectory, and straight on from where the robot is, where it is the best path so far."""
+    """Remember the trajectory with the straight line to the target, if it is the best path so far."""
     number = swarms.walked[b]
     fitness = length_of_walk(swarms, b, number) + swarms.fitness[b, ROBOT]
     if fitness < swarms.best_fitness[b]:
@@ -47,14 +47,14 @@ def remember_path(swarms: Swarms, b: int) -> None:
 
 @kernel
 def sees_target(swarms: Swarms, b: int, table: WalkTable) -> bool:
-    """Whether the robot does."""
+    """Return whether the robot sees the target."""
     x, y = swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1]
     return is_visible(table, x, y, table.target[0], table.target[1])
 
 
 @kernel
 def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
-    """Put the robot at the target: nothing is left to be found, and the episode ends."""
+    """Put the robot at the target and end the episode, since nothing is left to be planned."""
     swarms.positions[b, ROBOT, 0], swarms.positions[b, ROBOT, 1] = table.target[0], table.target[1]
     swarms.fitness[b, ROBOT] = swarms.collision[b, ROBOT] = 0.0
     append_point(swarms, b)
@@ -64,9 +64,9 @@ def arrive(swarms: Swarms, b: int, table: WalkTable) -> None:
 
 @kernel
 def revise_best(swarms: Swarms, b: int, table: WalkTable) -> None:
-    """Evaluate the best path so far, all of it, on a map that changed.
+    """Evaluate the whole best path so far on a map that has changed.
 
-    The robot's takes its place where that is better, or no evaluation is left.
+    The path of the robot replaces it if that is better, or if no evaluation is left.
     """
     swarms.best_fitness[b] = math.inf
     if not is_spent(swarms, b):

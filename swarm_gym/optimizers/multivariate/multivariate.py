@@ -1,14 +1,14 @@
 """Multivariate optimization algorithm: a table of regions, each searched around its best point.
 
 Source: Li et al., "A path planner based on multivariate optimization algorithm", Acta Electronica Sinica
-44(9), 2016. A global list holds the heads of n regions, best first; below head i hangs a list of the best
-n - i points (i from 0) found around it. An iteration draws n points anywhere, of which the best become heads,
-and n - i points around each head. The lengths of the lists and what becomes of a list whose head is displaced
-are readings, see docs/readings.md.
+44(9), 2016, called the MOA paper here. A global list holds the heads of n regions, best first; head i has a
+list of the best n - i points (i from 0) found around it. An iteration draws n points anywhere, of which the
+best become heads, and n - i points around each head. The lengths of the lists and the treatment of a list
+whose head is displaced are readings, see docs/readings.md.
 """
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,15 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.multivariate.regions import (
+    FIRST_LENGTH,
+    HEAD,
+    NUM_EXTRA,
+    NUM_REGIONS,
     Regions,
     cut_regions,
     drop_worst,
     make_regions,
-    num_besides,
+    num_extra,
     num_regions,
     offer_head,
     offer_local,
@@ -31,7 +35,8 @@ from swarm_gym.optimizers.multivariate.regions import (
     sort_regions,
     write_regions,
 )
-from swarm_gym.optimizers.optimizer import Knob, Optimizer
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import (
     Swarms,
     Workspace,
@@ -48,8 +53,15 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-class MultivariateRules(NamedTuple):
-    """Stands for the kernels of this optimizer; see `driver`."""
+class MultivariateParameters(NamedTuple):
+    """Parameters of the multivariate optimization algorithm."""
+
+    radius: Annotated[
+        float,
+        Parameter(
+            20.0, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.02, 200.0)
+        ),
+    ]
 
 
 @kernel(borrows=True)
@@ -64,7 +76,7 @@ def _search_anywhere(
     lower: Floats,
     upper: Floats,
 ) -> None:
-    """Draw points uniform in [lower, upper], (C,), as heads of the best `limit` regions."""
+    """Draw points uniform in [lower, upper], (C,) each; the best become heads of at most `limit` regions."""
     for _ in range(draws):
         if is_spent(swarms, b):
             return
@@ -85,12 +97,12 @@ def _search_around(
     repair_degree: float,
     radius: float,
 ) -> None:
-    """Draw as many points around each head as its list has places, then sort the regions."""
+    """Draw as many points around each head as its list can hold, then sort the regions."""
     count, path = regions.used[0], work.path
     for i in range(count):
         column = regions.order[i]
-        centre = regions.position[column, 0]  # it stays the head until the list is full
-        # A region that fell back in rank keeps the best of its list.
+        centre = regions.position[column, HEAD]  # the head, until the list is full
+        # A region that fell in rank keeps the best points of its list.
         regions.length[column] = min(regions.length[column], count - i)
         for _ in range(count - i):
             if is_spent(swarms, b):
@@ -109,33 +121,27 @@ def _search_around(
 
 @kernel
 def begin(
-    rules: MultivariateRules,  # noqa: ARG001
+    parameters: MultivariateParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     size: int,
-    knobs: Floats,
 ) -> None:
-    """Draw the heads in the initial bounds, and lists around them."""
+    """Draw the heads in the initial bounds, then the lists around them."""
     count = num_regions(size)
     regions = make_regions(count, swarms.positions.shape[2])
-    draws = count + num_besides(size)
+    draws = count + num_extra(size)
     _search_anywhere(regions, swarms, b, table, work, draws, count, table.initial_lower, table.initial_upper)
-    _search_around(regions, swarms, b, table, work, 0.0, knobs[0])
+    _search_around(regions, swarms, b, table, work, 0.0, parameters.radius)
     write_regions(regions, swarms, b)
 
 
 @kernel
 def adopt(
-    rules: MultivariateRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    _parameters: MultivariateParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Make the best positions heads; the others enter the list of the nearest head that has room, if any."""
+    """Make the best positions heads; put the others into the list of the nearest head with room, if any."""
     adopt_members(swarms, b, table, work, size)
     count = num_regions(size)
     regions = make_regions(count, swarms.positions.shape[2])
@@ -147,7 +153,7 @@ def adopt(
         nearest, least = -1, math.inf
         for i in range(regions.used[0]):
             column = regions.order[i]
-            distance = ((regions.position[column, 0] - position) ** 2).sum()
+            distance = ((regions.position[column, HEAD] - position) ** 2).sum()
             if regions.length[column] < count - i and distance < least:
                 nearest, least = i, distance
         if nearest >= 0:
@@ -164,7 +170,7 @@ def adopt(
 
 @kernel
 def _ranked(fitness: Floats) -> Integers:
-    """Members by fitness, equals in order; NumPy's sort would take longer to compile than the rest to run."""
+    """Return the members by fitness, equals in order; NumPy's sort takes long to compile."""
     ranked = np.zeros(fitness.shape[0], np.int64)
     for i in range(fitness.shape[0]):
         k = i
@@ -177,19 +183,14 @@ def _ranked(fitness: Floats) -> Integers:
 
 @kernel
 def change_size(
-    rules: MultivariateRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
-    size: int,
+    _parameters: MultivariateParameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Add regions, whose heads are drawn between the present ones, or drop the worst.
+    """Add regions, whose heads are drawn between the present ones, or drop the worst regions.
 
-    What the asked size has beyond heads and full lists is drawn anywhere in the next iteration.
+    If the size is more than heads and full lists, the next iteration draws the difference anywhere.
     """
-    count, before = num_regions(size), swarms.registers[b, 0]
-    swarms.registers[b, -1] = num_besides(size)
+    count, before = num_regions(size), swarms.registers[b, NUM_REGIONS]
+    swarms.registers[b, NUM_EXTRA] = num_extra(size)
     if count == before:
         return
     regions = read_regions(swarms, b, max(count, before))
@@ -204,36 +205,31 @@ def change_size(
 
 @kernel
 def iterate(
-    rules: MultivariateRules,  # noqa: ARG001
+    parameters: MultivariateParameters,
     swarms: Swarms,
     b: int,
     table: Table,
     work: Workspace,
     repair_degree: float,
-    knobs: Floats,
 ) -> None:
-    """One iteration of swarm `b`: points anywhere, which are not repaired, then points around the heads."""
-    count = swarms.registers[b, 0]
+    """Advance swarm `b` by one iteration: draw points anywhere, without repair, then around the heads."""
+    count = swarms.registers[b, NUM_REGIONS]
     regions = read_regions(swarms, b, count)
-    draws = count + swarms.registers[b, -1]
+    draws = count + swarms.registers[b, NUM_EXTRA]
     _search_anywhere(regions, swarms, b, table, work, draws, count, table.lower, table.upper)
-    _search_around(regions, swarms, b, table, work, repair_degree, knobs[0])
+    _search_around(regions, swarms, b, table, work, repair_degree, parameters.radius)
     write_regions(regions, swarms, b)
 
 
 @kernel
 def re_evaluate(
-    rules: MultivariateRules,  # noqa: ARG001
-    swarms: Swarms,
-    b: int,
-    table: Table,
-    work: Workspace,
+    _parameters: MultivariateParameters, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
-    """Evaluate heads and lists anew; sort the lists, make better ones of them heads, sort the regions."""
+    """Evaluate heads and lists anew, sort the lists, exchange heads for better points, sort the regions."""
     best = swarms.best_position[b].copy()
     re_evaluate_members(swarms, b, table, work)
     cut_regions(swarms, b)
-    regions = read_regions(swarms, b, swarms.registers[b, 0])
+    regions = read_regions(swarms, b, swarms.registers[b, NUM_REGIONS])
     for column in range(regions.used[0]):
         length = regions.length[column]
         sort_list(regions, column)
@@ -246,20 +242,15 @@ def re_evaluate(
 class Multivariate(Optimizer):
     """MOA with the radius printed in its paper; 65 members are 10 regions.
 
-    The radius suits maps of some hundred map units; 0.075 of the longer side is the same for others.
+    The radius suits maps of some hundred map units; on other maps, use 0.075 of the longer side.
     """
 
     name = "multivariate"
     smallest_population = 2
-    knobs: ClassVar[dict[str, Knob]] = {
-        "radius": Knob(
-            20.0, 0.0, 1e6, "r", "half the side of the cube around a head, in map units", (0.02, 200.0)
-        ),
-    }
-    rules = MultivariateRules
+    parameter_class = MultivariateParameters
     kernels = loop.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 
     @staticmethod
     def num_registers(capacity: int) -> int:
-        """The number of regions, the lengths of their lists, and points that are drawn besides."""
-        return 2 + num_regions(capacity)
+        """Return the number of registers; see `regions`."""
+        return FIRST_LENGTH + num_regions(capacity) + 1

@@ -1,8 +1,8 @@
 """The table of regions of the multivariate optimization algorithm.
 
 A region is a head, its best point, and a list of the best points around it. In `Swarms`, the first n members
-are the heads of n regions, best first; their lists follow, one after the other. The registers hold n, then
-the lengths of the lists; the last one is left to the optimizer.
+are the heads of n regions, best first; their lists follow, one after the other. The registers hold n, the
+lengths of the lists, and last the number of extra points that the next iteration draws.
 """
 
 import math
@@ -18,37 +18,43 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-class Regions(NamedTuple):
-    """The table of up to N regions, apart from the swarm; a column is a head and its list.
+# Registers: the number of regions, the length of the first list, and `num_extra`.
+NUM_REGIONS, FIRST_LENGTH, NUM_EXTRA = 0, 1, -1
+# Entries of a column: the head of a region, and the best point of its list.
+HEAD, BEST_OF_LIST = 0, 1
 
-    Entry 0 of a column is the head, entries 1 to `length` are its list, best first.
+
+class Regions(NamedTuple):
+    """The table of up to N regions, outside the swarm; a column is a head and its list.
+
+    Entry `HEAD` of a column is the head, entries 1 to `length` are its list, best first.
     """
 
     position: Floats  # (N, N + 1, C)
     fitness: Floats  # (N, N + 1)
     collision: Floats  # (N, N + 1)
-    length: Integers  # (N,) of the lists
-    used: Integers  # (1,) columns in use
-    order: Integers  # (N,) of the columns, best head first
+    length: Integers  # (N,) lengths of the lists
+    used: Integers  # (1,) number of columns in use
+    order: Integers  # (N,) numbers of the columns, best head first
     former: Floats  # (C,) scratch: a head that becomes part of its list
 
 
 @kernel
 def num_regions(size: int) -> int:
-    """n: the largest whose heads and full lists are no more than `size` members, but at least one."""
+    """Return n, the most regions whose heads and full lists are at most `size` members, but at least one."""
     return max(int((math.sqrt(9.0 + 8.0 * size) - 3.0) / 2.0), 1)
 
 
 @kernel
-def num_besides(size: int) -> int:
-    """What `size` has beyond heads and full lists: members that are drawn anywhere besides."""
+def num_extra(size: int) -> int:
+    """Return by how much `size` exceeds heads and full lists, the number of extra points to draw."""
     count = num_regions(size)
     return max(size - count * (count + 3) // 2, 0)
 
 
 @kernel
 def make_regions(num_columns: int, width: int) -> Regions:
-    """An empty table with room for that many regions, of positions with C = `width` columns."""
+    """Return an empty table with room for this number of regions, of positions with C = `width` columns."""
     shape = (num_columns, num_columns + 1)
     return Regions(
         np.zeros((num_columns, num_columns + 1, width)),
@@ -63,16 +69,16 @@ def make_regions(num_columns: int, width: int) -> Regions:
 
 @kernel
 def read_regions(swarms: Swarms, b: int, num_columns: int) -> Regions:
-    """The table of swarm `b`, with room for that many regions."""
+    """Return the table of swarm `b`, with room for this number of regions."""
     regions = make_regions(num_columns, swarms.positions.shape[2])
     registers = swarms.registers[b]
-    regions.used[0] = registers[0]
-    row = registers[0]
-    for i in range(registers[0]):
+    regions.used[0] = registers[NUM_REGIONS]
+    row = registers[NUM_REGIONS]
+    for i in range(registers[NUM_REGIONS]):
         regions.order[i] = i
-        regions.length[i] = registers[1 + i]
-        _copy_in(regions, i, 0, swarms, b, i)
-        for k in range(registers[1 + i]):
+        regions.length[i] = registers[FIRST_LENGTH + i]
+        _copy_in(regions, i, HEAD, swarms, b, i)
+        for k in range(registers[FIRST_LENGTH + i]):
             _copy_in(regions, i, 1 + k, swarms, b, row)
             row += 1
     return regions
@@ -94,15 +100,15 @@ def _put(
 
 @kernel(borrows=True)
 def write_regions(regions: Regions, swarms: Swarms, b: int) -> None:
-    """Write the table back: heads in order, then the lists, cut to the lengths of their places."""
+    """Write the table back: heads in order, then the lists, each cut to the most points of its rank."""
     count, row = regions.used[0], regions.used[0]
     registers = swarms.registers[b]
-    registers[0] = count
+    registers[NUM_REGIONS] = count
     for i in range(count):
         column = regions.order[i]
-        registers[1 + i] = min(regions.length[column], count - i)
-        _copy_out(regions, column, 0, swarms, b, i)
-        for k in range(registers[1 + i]):
+        registers[FIRST_LENGTH + i] = min(regions.length[column], count - i)
+        _copy_out(regions, column, HEAD, swarms, b, i)
+        for k in range(registers[FIRST_LENGTH + i]):
             _copy_out(regions, column, 1 + k, swarms, b, row)
             row += 1
     swarms.size[b] = row
@@ -117,13 +123,13 @@ def _copy_out(regions: Regions, column: int, entry: int, swarms: Swarms, b: int,
 
 @kernel
 def cut_regions(swarms: Swarms, b: int) -> None:
-    """Let the registers of swarm `b` speak of the members that are left, after the last ones were deleted."""
+    """Correct the registers of swarm `b` for the members that are left, after the last ones were deleted."""
     registers = swarms.registers[b]
-    registers[0] = min(registers[0], swarms.size[b])
-    left = swarms.size[b] - registers[0]
-    for i in range(registers[0]):
-        registers[1 + i] = min(registers[1 + i], left)
-        left -= registers[1 + i]
+    registers[NUM_REGIONS] = min(registers[NUM_REGIONS], swarms.size[b])
+    left = swarms.size[b] - registers[NUM_REGIONS]
+    for i in range(registers[NUM_REGIONS]):
+        registers[FIRST_LENGTH + i] = min(registers[FIRST_LENGTH + i], left)
+        left -= registers[FIRST_LENGTH + i]
 
 
 @kernel
@@ -146,10 +152,10 @@ def sort_regions(regions: Regions) -> None:
 
 @kernel(borrows=True)
 def _rank(regions: Regions, place: int) -> None:
-    """Move the column at that place of the order ahead of all with worse heads."""
+    """Move the column at this place of the order ahead of all columns with worse heads."""
     order = regions.order
     column = order[place]
-    while place > 0 and regions.fitness[column, 0] < regions.fitness[order[place - 1], 0]:
+    while place > 0 and regions.fitness[column, HEAD] < regions.fitness[order[place - 1], HEAD]:
         order[place] = order[place - 1]
         place -= 1
     order[place] = column
@@ -157,16 +163,16 @@ def _rank(regions: Regions, place: int) -> None:
 
 @kernel(borrows=True)
 def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, collision: float) -> None:
-    """Enter a point as the head of a region without a list, where it is among the best `limit`."""
+    """Enter a point as the head of a region with an empty list, if it is among the best `limit` heads."""
     count, order = regions.used[0], regions.order
     if count == limit:
-        if fitness >= regions.fitness[order[count - 1], 0]:
+        if fitness >= regions.fitness[order[count - 1], HEAD]:
             return
     else:
         order[count] = count
         regions.used[0] = count = count + 1
     column = order[count - 1]
-    _put(regions, column, 0, position, fitness, collision)
+    _put(regions, column, HEAD, position, fitness, collision)
     regions.length[column] = 0
     _rank(regions, count - 1)
 
@@ -175,7 +181,7 @@ def offer_head(regions: Regions, limit: int, position: Floats, fitness: float, c
 def offer_local(
     regions: Regions, column: int, limit: int, position: Floats, fitness: float, collision: float
 ) -> None:
-    """Enter a point into a list, where it is among the best `limit` of it; before equals that came later."""
+    """Enter a point into a list if it is among the best `limit`, behind earlier points of equal fitness."""
     length = regions.length[column]
     if length == limit:
         if limit == 0 or fitness >= regions.fitness[column, length]:
@@ -203,11 +209,11 @@ def _move_entry(regions: Regions, column: int, source: int, target: int) -> None
 
 @kernel(borrows=True)
 def promote(regions: Regions, column: int, limit: int) -> None:
-    """Where the best of a list is better than its head, let them change places."""
-    if regions.length[column] == 0 or regions.fitness[column, 1] >= regions.fitness[column, 0]:
+    """Exchange the head and the best point of its list, if that is better."""
+    if regions.length[column] == 0 or regions.fitness[column, BEST_OF_LIST] >= regions.fitness[column, HEAD]:
         return
-    copy_position(regions.position[column, 0], regions.former)
-    fitness, collision = regions.fitness[column, 0], regions.collision[column, 0]
+    copy_position(regions.position[column, HEAD], regions.former)
+    fitness, collision = regions.fitness[column, HEAD], regions.collision[column, HEAD]
     for entry in range(regions.length[column]):
         _move_entry(regions, column, entry + 1, entry)
     regions.length[column] -= 1
@@ -222,10 +228,10 @@ def drop_worst(regions: Regions) -> None:
     for i in range(1, count):
         here, there = order[i], order[worst]
         if not outlives(
-            regions.fitness[here, 0],
-            regions.collision[here, 0],
-            regions.fitness[there, 0],
-            regions.collision[there, 0],
+            regions.fitness[here, HEAD],
+            regions.collision[here, HEAD],
+            regions.fitness[there, HEAD],
+            regions.collision[there, HEAD],
         ):
             worst = i
     for i in range(worst, count - 1):

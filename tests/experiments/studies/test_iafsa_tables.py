@@ -92,8 +92,8 @@ def test_a_function_is_known_by_its_scenarios():
     assert Function.of("function:sum-squares-10") == ("sum-squares", 10)
     assert Function.of("function:easom-2-shifted") == ("easom", 2)
     assert Function.of("function:sum-squares-10").label == "Sum squares, 10-D"
-    assert Function("rastrigin", 10).is_printed
-    assert not Function("rastrigin", 2).is_printed
+    assert Function("rastrigin", 10).is_published
+    assert not Function("rastrigin", 2).is_published
     with pytest.raises(ValueError, match="case1"):
         Function.of("case1")
 
@@ -180,7 +180,7 @@ def test_a_claim_about_nothing_is_not_made():
     assert printed_rows(table) == [("b", "1 of 1", "–")]
 
 
-def test_the_best_run_is_held_against_what_is_printed_of_10_dimensions(functions):
+def test_the_best_run_is_held_against_what_is_published_of_10_dimensions(functions):
     _, values, tables = functions
     afsa, improved = cells_of(tables, "iafsa-dimensions")
     least = values["function:rastrigin-10", AFSA].min()

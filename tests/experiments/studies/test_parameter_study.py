@@ -1,8 +1,6 @@
 """The parameter studies: the paper's grid, ratios to the printed setting, figures that show the runs."""
 
-import csv
 import dataclasses
-import io
 
 import numpy as np
 import pytest
@@ -19,6 +17,7 @@ from experiments.studies.spsfa.parameter_figures import draw_courses, draw_outco
 from experiments.studies.spsfa.parameters import CONTROLLERS, PARAMETER_STUDIES, SCENARIO
 from experiments.studies.spsfa.suites import PARAMETERS
 from helpers.builders import make_problem
+from helpers.stored_runs import cells_of
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 
 NUM_SEEDS, ITERATIONS = 4, 6
@@ -89,7 +88,7 @@ def test_tables_show_our_ratios_beside_the_papers(results):
         "table-13-parameter-decay",
         "table-parameter-low-deviation",
     ]
-    growth, decay, low_deviation = (list(csv.DictReader(io.StringIO(table.csv()))) for table in tables)
+    growth, decay, low_deviation = (cells_of([table], table.name) for table in tables)
     assert (growth[0]["ω"], growth[0]["evaluations ratio"], growth[0]["seconds ratio"]) == (
         "500",
         "0.70",

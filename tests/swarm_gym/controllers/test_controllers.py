@@ -8,7 +8,7 @@ import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
 from agents.evaluation.rollout import run_episodes
-from helpers.trainings import make_policy
+from helpers.trainings import make_policy, random_observations
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import packaged_rules
 from swarm_gym.controllers.learned import policy_file
@@ -22,7 +22,6 @@ from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loo
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import FORMAT, TunedFileError, packaged_tuned
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings
 
@@ -43,17 +42,6 @@ NAMES = [
     for family in CONTROLLERS
     for argument in ARGUMENTS.get(family, [""])
 ]
-
-
-def random_observations(layout, rng, count):
-    """Plausible observations of a layout; the first is of iteration 0."""
-    if "+" in layout:
-        parts = [random_observations(part, rng, count) for part in layout.split("+")]
-        return np.concatenate(parts, axis=1)
-    width = len(OBSERVATIONS[layout].features)
-    observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
-    observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
-    return observations.astype(OBSERVATIONS[layout].dtype)
 
 
 @pytest.fixture

@@ -59,8 +59,8 @@ def test_one_knot_is_a_constant():
 
 
 def test_knobs_at_their_bounds_stay_inside():
-    bounds = [knob.decided for knob in Firefly.decided_knobs().values()]
-    names = [name for name, knob in Firefly.knobs.items() if knob.decided]
+    bounds = [parameter.decided for parameter in Firefly.decided_parameters().values()]
+    names = list(Firefly.decided_parameters())
     for end in (0, 1):
         knobs = {name: [bound[end]] * 2 for name, bound in zip(names, bounds, strict=True)}
         loop = OpenLoop(60, [0, 4], [5.0, 5.0], [0.5, 1.0], knobs)

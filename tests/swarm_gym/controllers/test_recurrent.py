@@ -5,13 +5,20 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
-from test_controllers import make_policy, random_observations
 
 from agents import make_controller
 from agents.training.imitation import _cut, demonstrate, imitate
 from agents.training.learners import make_learner
 from agents.training.learners.recurrent import SequencePolicy
-from helpers.trainings import STEPS, add_memory, change_policy, tiny_config, train
+from helpers.trainings import (
+    STEPS,
+    add_memory,
+    change_policy,
+    make_policy,
+    random_observations,
+    tiny_config,
+    train,
+)
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController, RecurrentController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
 from swarm_gym.controllers.registry import load_learned

@@ -59,11 +59,11 @@ def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0, bud
         "1.bias": np.full(decisions, last, np.float32),
     }
     manifest = {
-        "action": action, "base": base_name, "corrected_from": corrected_from, "features": features,
-        "hidden_layers": [8],
+        "action": action, "base": base_name, "config": {}, "corrected_from": corrected_from,
+        "features": features, "hidden_layers": [8], "lstm_size": None, "network": "feedforward",
         "initial_population_size": 6, "max_population_size": 20, "min_population_size": 2,
         "max_evaluations": budget, "num_decisions": decisions, "observation": "extended",
-        "optimizer": "firefly",
+        "optimizer": "firefly", "price": None,
     }  # fmt: skip
     save_policy(path, weights, manifest)
     return load_learned(path, LIMITS)

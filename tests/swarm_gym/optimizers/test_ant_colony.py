@@ -44,17 +44,17 @@ PARAMETERS = [
 ]
 
 
-@pytest.mark.parametrize("knobs", PARAMETERS, ids=str)
-def test_episodes_with_other_parameters_are_the_naive_ones(knobs):
+@pytest.mark.parametrize("parameters", PARAMETERS, ids=str)
+def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
     for seed, geometry in enumerate(({}, METRES)):
         problem = walk_problem("random", seed, shape=(10, 14), **geometry)
         plan = [(8, 0.5), (3, 0.0), (12, 0.0), (10, 1.0), (1, 0.0)] * 3
-        run("ant-colony", problem, plan, knobs, size=9, seed=seed, iterations=len(plan))
+        run("ant-colony", problem, plan, parameters, size=9, seed=seed, iterations=len(plan))
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_rounding_does_not_choose_among_ways_that_are_equally_long(seed):
-    """The elite lays its trail on one of them, and all after it depends on which."""
+    """The elite lays its trail on one of these walks, and all later results depend on the choice."""
     problem = walk_problem("random", seed, shape=(10, 14), **METRES)
     run("ant-colony", problem, [(10, 0.0)] * 10, size=10, seed=seed, iterations=10)
 
@@ -64,9 +64,9 @@ def test_trails_that_evaporate_at_changing_rates_are_the_naive_ones():
     swarms, tables = begin("ant-colony", [problem], 6)
     twin = oracle_twin("ant-colony", problem, 6)
     for rate in (0.5, 0.1, 0.1, 0.9, 0.0, 0.0, 0.3, 1.0, 0.2, 0.2):
-        knobs = {"evaporation": rate, "deposit": 2.0, "sight_weight": 10 * rate}
-        values = advance("ant-colony", swarms, tables, 6, 0.0, knobs)
-        twin.step(6, 0.0, values.tolist())
+        parameters = {"evaporation": rate, "deposit": 2.0, "sight_weight": 10 * rate}
+        values = advance("ant-colony", swarms, tables, 6, 0.0, parameters)
+        twin.step(6, 0.0, values)
         assert_same_as_oracle(swarms, twin)
 
 
@@ -133,12 +133,12 @@ def test_without_evaluations_left_nothing_changes():
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
-@pytest.mark.parametrize("name", AntColony.knobs)
+@pytest.mark.parametrize("name", AntColony.parameters)
 def test_parameters_at_their_limits_leave_finite_numbers(name, end):
     problem = MAPS["metres"]
     swarms, tables = begin(NAME, [problem], size=9)
     for _ in range(4):
-        advance(NAME, swarms, tables, 9, 0.0, {name: getattr(AntColony.knobs[name], end)})
+        advance(NAME, swarms, tables, 9, 0.0, {name: getattr(AntColony.parameters[name], end)})
         assert np.isfinite(swarms.fitness[0, :9]).all()
         assert np.isfinite(swarms.field).all()
     tau = trails_of(swarms, problem)
@@ -154,7 +154,7 @@ def test_strong_sight_leads_ants_straight_to_a_target_in_sight():
 
 
 def test_parameters_that_change_from_one_iteration_to_the_next_are_followed():
-    """Trails that nobody looked at make up for rounds with the share of those rounds."""
+    """Trails that were not read catch up with each round by the share of that round."""
     problem = problem_of("S.T......")
     swarms, tables = begin(NAME, [problem], size=1)
     tau = 0.8

@@ -36,7 +36,7 @@ def test_best_paths_are_free_ways_without_loops_that_cost_their_length(problem):
 
 @on_maps
 def test_no_path_passes_a_cell_that_it_could_have_gone_to_before(problem):
-    """Loops are cut out: of two cells of a path that are neighbours one follows the other."""
+    """Loops are cut out: two cells of a path that are neighbours follow each other."""
     grid = problem.scenario.map
     swarms, tables = begin(NAME, [problem], size=6)
     for _ in range(5):
@@ -130,7 +130,7 @@ def test_start_and_target_in_one_cell_are_joined_by_the_straight_line():
 
 
 def test_ants_take_four_times_width_and_height_steps_and_no_more():
-    """A winding corridor, one cell wide, is longer."""
+    """A winding corridor, one cell wide, is longer than the limit."""
     width, height = 20, 41
     blocked = np.zeros((height, width), np.bool_)
     blocked[1::4, :-1] = blocked[3::4, 1:] = True

@@ -13,11 +13,11 @@ NAME = "elite-genetic"
 
 
 def test_the_defaults_are_the_printed_parameters():
-    assert EliteGenetic.knob_values({}).tolist() == [0.2, 0.01]
+    assert EliteGenetic.parameter_values({})._asdict() == {"crossover": 0.2, "mutation": 0.01}
 
 
 @pytest.mark.parametrize(
-    "knobs",
+    "parameters",
     [
         {"crossover": 1.0, "mutation": 0.0},
         {"crossover": 0.0, "mutation": 0.5},
@@ -25,8 +25,8 @@ def test_the_defaults_are_the_printed_parameters():
     ],
 )
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, knobs):
-    run(NAME, problems(NAME)[kind], PLAN[:6], knobs, size=7)
+def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
+    run(NAME, problems(NAME)[kind], PLAN[:6], parameters, size=7)
 
 
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
@@ -77,7 +77,7 @@ def test_children_have_the_first_genes_of_one_parent_and_the_last_of_another():
 
 
 def test_the_share_of_children_is_rounded_to_whole_members():
-    """Of 64 members beside the best, 12.8 are children by the printed share: 13 at most are new."""
+    """With 64 members beside the best, the printed share makes 12.8 children: at most 13 are new."""
     swarms, tables = begin(NAME, [make_problem("case1", 9)], size=65, capacity=65)
     parents = {tuple(position) for position in swarms.positions[0, :65]}
     advance(NAME, swarms, tables, 65, 0.0, {"mutation": 0.0})

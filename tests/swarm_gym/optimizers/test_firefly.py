@@ -26,10 +26,11 @@ from helpers.builders import (
 from helpers.compiled import compiled
 from oracles import naive
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.firefly import Firefly, move_towards
+from swarm_gym.optimizers.firefly import Firefly, FireflyParameters, move_towards
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import select
 
+PAPER = FireflyParameters(noise=2.0, attractiveness=0.1, absorption=5e-6)
 STRONG = {"noise": 30.0, "attractiveness": 0.9, "absorption": 1e-7}
 SOURCES = (*CASES, "random")
 
@@ -38,20 +39,24 @@ SOURCES = (*CASES, "random")
 
 
 def test_the_defaults_are_the_printed_parameters():
-    assert Firefly.knob_values({}).tolist() == [2.0, 0.1, 5e-6]
-    assert [knob.symbol for knob in Firefly.knobs.values()] == ["alpha", "beta0", "gamma"]
+    assert Firefly.parameter_values({}) == PAPER
+    assert {name: parameter.symbol for name, parameter in Firefly.parameters.items()} == {
+        "noise": "alpha",
+        "attractiveness": "beta0",
+        "absorption": "gamma",
+    }
 
 
 def test_chosen_parameters_take_the_place_of_the_defaults():
     chosen = {"absorption": 1, "noise": 0.5}
-    assert Firefly.knob_values(chosen).tolist() == [0.5, 0.1, 1.0]
+    assert Firefly.parameter_values(chosen) == PAPER._replace(noise=0.5, absorption=1.0)
 
 
 @pytest.mark.parametrize("name", ["noise", "attractiveness", "absorption"])
 @pytest.mark.parametrize("value", [-1e-9, 1e9, math.nan, math.inf])
 def test_a_parameter_out_of_its_range_is_refused_by_name_and_value(name, value):
     with pytest.raises(SettingError) as caught:
-        Firefly.knob_values({name: value})
+        Firefly.parameter_values({name: value})
     assert name in str(caught.value)
     assert repr(value) in str(caught.value)
 
@@ -65,13 +70,15 @@ def test_a_move_is_the_naive_one(data, num_waypoints):
     offsets = arrays(np.float64, num_waypoints, elements=st.floats(-300, 300))
     position, brighter = data.draw(offsets), data.draw(offsets)
     noise = data.draw(arrays(np.float64, num_waypoints, elements=st.floats(0, 1, exclude_max=True)))
-    knobs = data.draw(st.tuples(st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4)))
+    parameters = data.draw(
+        st.builds(FireflyParameters, st.floats(0, 500), st.floats(0, 1), st.floats(0, 1e-4))
+    )
     table = make_problem("case1", num_waypoints).table
     work = workspace(num_waypoints)
     work.path[:], work.noise[:] = as_path(position), padded(noise)
-    compiled(move_towards)(table, work, padded(brighter), *knobs)
+    compiled(move_towards)(parameters, table, work, padded(brighter))
     expected = naive.firefly_move(
-        position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, knobs
+        position, brighter, noise, [-300.0] * num_waypoints, [300.0] * num_waypoints, *parameters
     )
     np.testing.assert_allclose(work.path, as_path(expected), rtol=1e-12, atol=1e-9)
     assert work.path[0] == 0.0
@@ -83,7 +90,8 @@ def test_a_move_of_values_known_by_hand():
     work = workspace(2)
     work.path[:], work.noise[:] = as_path([0.0, 10.0]), padded([0.5, 1.0])
     # Squared distance 30^2 + 40^2 = 2500: the attraction is 0.8 exp(-1).
-    compiled(move_towards)(table, work, padded([30.0, 50.0]), 6.0, 0.8, 1 / 2500)
+    parameters = FireflyParameters(noise=6.0, attractiveness=0.8, absorption=1 / 2500)
+    compiled(move_towards)(parameters, table, work, padded([30.0, 50.0]))
     pull = 0.8 * math.exp(-1)
     assert work.path.tolist() == pytest.approx(as_path([30 * pull, 10 + 40 * pull + 3]).tolist())
 
@@ -97,22 +105,22 @@ def fireflies(source, size, seed, num_waypoints=31, **options):
     return make_twins(problem, random_population(np.random.default_rng(seed), problem, size), seed, **options)
 
 
-def iterated(source, size, seed, repair_degree, knobs, num_waypoints=31):
+def iterated(source, size, seed, repair_degree, parameters, num_waypoints=31):
     """Swarms before an iteration of fireflies and after it, held against the oracle."""
     swarms, tables, twin = fireflies(source, size, seed, num_waypoints)
     before = Swarms(*map(np.copy, swarms))
-    values = advance("firefly", swarms, tables, size, repair_degree, knobs)
-    twin.step(size, repair_degree, values.tolist())
+    values = advance("firefly", swarms, tables, size, repair_degree, parameters)
+    twin.step(size, repair_degree, values)
     assert_same_swarm(swarms, twin)
     return before, swarms
 
 
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("repair_degree", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("knobs", [{}, STRONG], ids=["paper", "strong"])
+@pytest.mark.parametrize("parameters", [{}, STRONG], ids=["paper", "strong"])
 @pytest.mark.parametrize("source", SOURCES)
-def test_an_iteration_is_the_naive_one(source, knobs, repair_degree, seed):
-    iterated(source, 6, seed, repair_degree, knobs)
+def test_an_iteration_is_the_naive_one(source, parameters, repair_degree, seed):
+    iterated(source, 6, seed, repair_degree, parameters)
 
 
 @pytest.mark.parametrize("num_waypoints", [1, 2, 3, 4, 5, 8])
@@ -191,9 +199,9 @@ def test_a_swarm_with_parameters_of_its_own_gives_the_same_bits_in_a_batch_of_an
     for step in range(4):
         for swarms, of_problems in ((wide, tables), (narrow, narrow_tables)):
             b = np.arange(len(swarms.size))
-            knobs = Firefly.knob_values({}) * (1 + b[:, np.newaxis])
+            parameters = np.array(Firefly.parameter_values({})) * (1 + b[:, np.newaxis])
             sizes, repair_degrees = 2 + (5 * b + 7 * step) % 20, (b + step) % 3 / 2
-            Firefly.step(swarms, of_problems, b >= 0, sizes, repair_degrees, knobs, MEAN_WEIGHT)
+            Firefly.step(swarms, of_problems, b >= 0, sizes, repair_degrees, parameters, MEAN_WEIGHT)
     assert_same_bits(Swarms(*(field[:2] for field in wide)), narrow)
 
 
@@ -202,7 +210,7 @@ def test_steps_are_a_resize_an_iteration_and_a_summary_as_naive():
     np.testing.assert_allclose(swarms.summary[0], naive.summary(twin, MEAN_WEIGHT), rtol=1e-10)
     for size, repair_degree in ((10, 0.0), (4, 0.5), (4, 1.0), (9, 0.0), (12, 0.0), (14, 0.0)):
         values = advance("firefly", swarms, tables, size, repair_degree)
-        twin.step(size, repair_degree, values.tolist())
+        twin.step(size, repair_degree, values)
         assert_same_swarm(swarms, twin)
         expected = naive.summary(twin, MEAN_WEIGHT)
         np.testing.assert_allclose(swarms.summary[0], expected, rtol=1e-10, atol=1e-9)

@@ -63,8 +63,8 @@ PLANS = {name: [(6, 0.0), (9, 0.7), (4, 1.0)] for name in (STANDARD, IMPROVED)} 
 @pytest.mark.parametrize("name", DEFAULTS)
 def test_the_defaults_are_the_printed_parameters(name):
     cls = get_optimizer(name)
-    assert list(cls.knobs) == list(DEFAULTS[name])
-    assert cls.knob_values({}).tolist() == list(DEFAULTS[name].values())
+    assert list(cls.parameters) == list(DEFAULTS[name])
+    assert cls.parameter_values({})._asdict() == DEFAULTS[name]
 
 
 @pytest.mark.parametrize(
@@ -77,14 +77,14 @@ def test_the_defaults_are_the_printed_parameters(name):
 )
 def test_a_bad_parameter_is_refused_with_its_name(optimizer, name, value):
     with pytest.raises(SettingError, match=name):
-        get_optimizer(optimizer).knob_values({name: value})
+        get_optimizer(optimizer).parameter_values({name: value})
 
 
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-@pytest.mark.parametrize(("name", "knobs"), [(name, knobs) for name in OTHERS for knobs in OTHERS[name]])
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, name, knobs):
+@pytest.mark.parametrize(("name", "parameters"), [(name, each) for name in OTHERS for each in OTHERS[name]])
+def test_episodes_with_other_parameters_are_the_naive_ones(kind, name, parameters):
     plan = PLANS[name]
-    run(name, problems(name)[kind], plan, knobs, size=plan[0][0], iterations=3)
+    run(name, problems(name)[kind], plan, parameters, size=plan[0][0], iterations=3)
 
 
 @pytest.mark.parametrize("name", [STANDARD, HYBRID])
@@ -104,14 +104,18 @@ def test_as_many_companions_as_the_crowding_allows_are_too_many(name, crowding, 
 
     One try from the best place fails, so that prey costs 2; that of the other fish of the hybrid may cost 3.
     """
-    knobs = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
-    found = spent(name, [[60.0] * 9, [0.0] * 9], knobs)
+    parameters = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
+    found = spent(name, [[60.0] * 9, [0.0] * 9], parameters)
     assert count <= found <= count + (2 if (name, crowding) == (HYBRID, 0.5) else 0)
 
 
 @pytest.mark.parametrize("name", [STANDARD, IMPROVED])
 def test_where_fish_come_to_is_repaired(name):
-    still = {knob: 0.0 for knob in get_optimizer(name).knobs if "visual" in knob or "step" in knob}
+    still = {
+        parameter: 0.0
+        for parameter in get_optimizer(name).parameters
+        if "visual" in parameter or "step" in parameter
+    }
     assert all(repairs_in_place(name, still, 1))
 
 

@@ -58,8 +58,8 @@ def test_leaps_are_as_long_as_the_visual_at_any_time(iteration, visual):
 @pytest.mark.parametrize("step", [0.02, 0.1])
 @pytest.mark.parametrize("iteration", [0, 5, 9])
 def test_steps_are_as_long_as_the_parameter_at_any_time_however_near_what_was_seen_is(iteration, step):
-    knobs = {"visual": 0.01, "step": step, "crowding": 0.0, "tries": 20.0}
-    assert_up_to(lengths(displacements(NAME, zigzags(32), knobs, iteration=iteration)), step)
+    parameters = {"visual": 0.01, "step": step, "crowding": 0.0, "tries": 20.0}
+    assert_up_to(lengths(displacements(NAME, zigzags(32), parameters, iteration=iteration)), step)
 
 
 def test_a_fish_leaves_the_best_place_and_the_swarm_remembers_it():
@@ -76,13 +76,13 @@ def test_a_fish_leaves_the_best_place_and_the_swarm_remembers_it():
 
 
 @pytest.mark.parametrize(
-    ("knobs", "each"),
+    ("parameters", "each"),
     [({"visual": 0.001}, 2 + 2), ({"visual": 1.0, "crowding": 0.0}, 1 + 2 + 2)],
     ids=["nobody in sight", "always crowded"],
 )
-def test_fish_prey_without_companions_and_in_a_crowd(knobs, each):
+def test_fish_prey_without_companions_and_in_a_crowd(parameters, each):
     """Prey of one try costs two evaluations, and the centre of companions one, if there are any."""
-    assert spent(NAME, zigzags(12), {"tries": 1.0, **knobs}) == 12 * each
+    assert spent(NAME, zigzags(12), {"tries": 1.0, **parameters}) == 12 * each
 
 
 def test_fish_that_are_not_crowded_swarm_and_follow_at_one_evaluation_each():
@@ -93,7 +93,7 @@ def test_fish_that_are_not_crowded_swarm_and_follow_at_one_evaluation_each():
 @pytest.mark.parametrize("dimension", [1, 9, 31])
 @pytest.mark.parametrize(("visual", "sees"), [(0.19, False), (0.21, True)])
 def test_fish_see_as_far_as_the_visual_whatever_the_number_of_waypoints(visual, sees, dimension):
-    """A fifth of the range apart. What a fish that sees evaluates first is the centre, which is not drawn."""
+    """The fish are a fifth of the range apart. One that sees evaluates the centre first, without a draw."""
     swarms, tables = begun(NAME, [[120.0] * dimension, [0.0] * dimension])
     swarms.budget[0] = swarms.evaluations[0] + 1
     before = swarms.stream.copy()
@@ -103,7 +103,7 @@ def test_fish_see_as_far_as_the_visual_whatever_the_number_of_waypoints(visual, 
 
 
 def test_a_leader_in_a_crowd_is_not_followed_though_the_fish_sees_nobody_else():
-    """The first fish has one companion, and that has three: it swarms, but preys instead of following."""
+    """The first fish has one companion, which has three: the fish swarms, but preys instead of following."""
     side = zigzags(1)[0]
     side *= 60.0 / np.sqrt((side**2).mean())
     population = [2.0 * side, 1.0 * side, 0.1 * side, 0.0 * side]
@@ -115,7 +115,7 @@ def test_a_leader_in_a_crowd_is_not_followed_though_the_fish_sees_nobody_else():
 
 
 def test_a_centre_that_is_better_than_every_fish_counts_but_is_not_the_best_so_far():
-    """That of the first fish is evaluated first; the bulletin is of fish."""
+    """The centre of the first fish is evaluated first; the bulletin lists only fish."""
     side = zigzags(1)[0]
     population = [3.0 * side, side, -0.5 * side]
     assert open_problem().evaluate(0.25 * side)[0] < open_problem().evaluate(population[2])[0]

@@ -13,15 +13,16 @@ NAME = "generational-firefly"
 
 
 def test_the_defaults_are_the_printed_parameters():
-    assert GenerationalFirefly.knob_values({}).tolist() == [0.2, 1.0, 1.0, 0.0]
+    defaults = {"noise": 0.2, "attractiveness": 1.0, "absorption": 1.0, "least_attractiveness": 0.0}
+    assert GenerationalFirefly.parameter_values({})._asdict() == defaults
 
 
 @pytest.mark.parametrize(
-    "knobs",
+    "parameters",
     [{"least_attractiveness": 0.2, "absorption": 30.0}, {"noise": 3.0, "attractiveness": 0.4}],
 )
-def test_episodes_with_other_parameters_are_the_naive_ones(knobs):
-    run(NAME, make_problem("case3", 9), [(8, 0.0), (11, 0.5), (6, 1.0)], knobs, size=8)
+def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
+    run(NAME, make_problem("case3", 9), [(8, 0.0), (11, 0.5), (6, 1.0)], parameters, size=8)
 
 
 def test_everybody_is_evaluated_once():

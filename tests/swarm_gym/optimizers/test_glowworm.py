@@ -45,19 +45,19 @@ OPTIONS = [
 
 
 def way_of(swarms, problem):
-    """The best path so far, in cells."""
+    """Return the best path so far, in cells."""
     points = [*swarms.walk[0, : swarms.best_walk[0]], problem.scenario.target]
     return problem.scenario.map.to_cells(points)
 
 
-@pytest.mark.parametrize("knobs", OPTIONS, ids=str)
-def test_episodes_with_other_parameters_are_the_naive_ones(knobs):
-    """Long enough for members to meet, and for the robot to arrive in some of them."""
+@pytest.mark.parametrize("parameters", OPTIONS, ids=str)
+def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
+    """The episodes are long enough for members to meet, and for some robots to arrive."""
     for seed, geometry in enumerate(({}, METRES)):
         problem = walk_problem("random", seed, shape=(9, 14), **geometry)
         plan = [(8, 0.5), (8, 0.0), (12, 0.0), (10, 1.0), (5, 0.0)] * 6
         options = {"size": 9, "seed": seed, "iterations": len(plan)}
-        run("glowworm", problem, plan, {"step": 0.05, **knobs}, **options)
+        run("glowworm", problem, plan, {"step": 0.05, **parameters}, **options)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -92,7 +92,7 @@ def test_a_step_that_is_longer_than_a_wall_is_thick_leads_nobody_through_it(seed
 
 
 def with_obstacle(scenario, point):
-    """The scenario with more blocked cells around a point."""
+    """Return the scenario with more blocked cells around a point."""
     grid = scenario.map
     column, row = grid.cell_of(point)
     blocked = grid.blocked.copy()
@@ -107,15 +107,15 @@ def with_obstacle(scenario, point):
 @pytest.mark.parametrize("geometry", [{}, METRES])
 def test_a_robot_in_a_new_obstacle_goes_on_beside_it_as_naive(geometry):
     scenario = random_grid_scenario(1, shape=(20, 30), rock=0.05, **geometry)
-    problem, knobs = WalkProblem(scenario), {"step": 0.03}
+    problem, parameters = WalkProblem(scenario), {"step": 0.03}
     options = {"size": 8, "iterations": 30}
     swarms, tables = begin("glowworm", [problem], **options)
-    twin = oracle_twin("glowworm", problem, **options, knobs=knobs)
+    twin = oracle_twin("glowworm", problem, **options, parameters=parameters)
 
     def go_on(steps):
         for _ in range(steps):
-            values = advance("glowworm", swarms, tables, 8, 0.0, knobs)
-            twin.step(8, 0.0, values.tolist())
+            values = advance("glowworm", swarms, tables, 8, 0.0, parameters)
+            twin.step(8, 0.0, values)
             assert_same_as_oracle(swarms, twin)
 
     go_on(10)
@@ -137,16 +137,16 @@ def test_a_robot_in_a_new_obstacle_goes_on_beside_it_as_naive(geometry):
 
 
 def test_the_way_out_of_a_new_obstacle_is_part_of_the_path():
-    """Of the robot's, which is the best where the way there is blocked for others."""
+    """The path of the robot is the best if the others are blocked."""
     before = np.zeros((9, 30), dtype=np.bool_)
     after = before.copy()
     problem = WalkProblem(GridScenario("open", GridMap("open", before), (2.0, 4.0), (27.0, 4.0)))
-    options, knobs = {"size": 5, "iterations": 40}, {"step": 0.03}
+    options, parameters = {"size": 5, "iterations": 40}, {"step": 0.03}
     swarms, tables = begin("glowworm", [problem], **options)
-    twin = oracle_twin("glowworm", problem, **options, knobs=knobs)
+    twin = oracle_twin("glowworm", problem, **options, parameters=parameters)
     while swarms.positions[0, 0, 0] < 8.0:
-        values = advance("glowworm", swarms, tables, 5, 0.0, knobs)
-        twin.step(5, 0.0, values.tolist())
+        values = advance("glowworm", swarms, tables, 5, 0.0, parameters)
+        twin.step(5, 0.0, values)
     column, row = problem.scenario.map.cell_of(swarms.positions[0, 0, :2].tolist())
     after[row - 1 : row + 2, 4 : column + 1] = True
     other = WalkProblem(GridScenario("blocked", GridMap("blocked", after), (2.0, 4.0), (27.0, 4.0)))
@@ -164,7 +164,7 @@ def small_env(**options):
 
 
 def test_the_robot_begins_at_the_start_and_is_never_deleted():
-    """However far it is from the target: growing and shrinking leave it where it is, as the first."""
+    """Growing and shrinking leave the robot at its place, as the first member, even far from the target."""
     problem = walk_problem("random", 2)
     swarms, tables = begin("glowworm", [problem], 12, iterations=30)
     assert swarms.positions[0, 0, :2].tolist() == list(problem.scenario.start)
@@ -181,13 +181,13 @@ def test_the_robot_begins_at_the_start_and_is_never_deleted():
 
 @pytest.mark.parametrize("selection", ["brightest", "proportional"])
 def test_nobody_walks_into_an_obstacle(selection):
-    """Neither where a member stops nor on its way there."""
+    """Members neither stop in an obstacle nor cross one."""
     problem = walk_problem("random", 6, rock=0.3)
-    grid, knobs = problem.scenario.map, {"step": 0.03, "selection": selection}
+    grid, parameters = problem.scenario.map, {"step": 0.03, "selection": selection}
     swarms, tables = begin("glowworm", [problem], 16, iterations=25)
     for _ in range(25):
         before = grid.to_cells(swarms.positions[0, :16, :2])
-        advance("glowworm", swarms, tables, 16, 0.0, knobs)
+        advance("glowworm", swarms, tables, 16, 0.0, parameters)
         after = grid.to_cells(swarms.positions[0, :16, :2])
         # The last step of the robot may end at the target, which it sees from where it would have been.
         for old, new in list(zip(before, after, strict=True))[1:]:
@@ -251,11 +251,10 @@ def test_given_members_in_obstacles_are_put_beside_them_and_the_first_at_the_sta
 
 
 def test_options_have_names_and_kernels_their_indices():
-    values = Glowworm.knob_values({"glow": "distance", "levels": "differences"})
-    named = dict(zip(Glowworm.knobs, values.tolist(), strict=True))
-    assert (named["glow"], named["levels"], named["selection"]) == (2.0, 1.0, 0.0)
-    for knob in Glowworm.knobs.values():
-        assert knob.default == 0.0 or not knob.choices
+    values = Glowworm.parameter_values({"glow": "distance", "levels": "differences"})
+    assert (values.glow, values.levels, values.selection) == (2.0, 1.0, 0.0)
+    for parameter in Glowworm.parameters.values():
+        assert parameter.default == 0.0 or not parameter.choices
     env = small_env(glow="sight", iterations=3)
     env.reset(seed=0)
     simulation = env.unwrapped.simulation
@@ -263,9 +262,9 @@ def test_options_have_names_and_kernels_their_indices():
 
 
 def test_extended_actions_leave_named_options_as_they_are():
-    decided = {list(Glowworm.knobs)[place]: knob for place, knob in Glowworm.decided_knobs().items()}
+    decided = Glowworm.decided_parameters()
     assert decided
-    assert not any(knob.choices for knob in decided.values())
+    assert not any(parameter.choices for parameter in decided.values())
     settings = Settings.from_options(Glowworm, {"action": "extended", "glow": "sight"})
     assert make_action(settings, Glowworm).labels == ("population size", "repair degree", *decided)
 

@@ -38,8 +38,8 @@ def test_the_visual_falls_by_segments(iteration, share):
 @pytest.mark.parametrize(("iteration", "share"), SHARES)
 def test_the_step_falls_by_segments(iteration, share):
     """Fish that see nothing better, and leap nowhere, step to the best so far."""
-    knobs = {**BLIND, "smallest_step": 0.0}
-    ways = displacements(NAME, zigzags(60), knobs, iteration=iteration, iterations=12)
+    parameters = {**BLIND, "smallest_step": 0.0}
+    ways = displacements(NAME, zigzags(60), parameters, iteration=iteration, iterations=12)
     assert_up_to(lengths(ways), share * 0.1)
 
 
@@ -51,8 +51,8 @@ def test_in_the_last_third_visual_and_step_do_not_fall_below_their_smallest():
 
 @pytest.mark.parametrize(("iteration", "visual"), [(0, 0.02), (6, 0.0125), (9, 0.05)])
 def test_before_that_the_smallest_do_not_matter(iteration, visual):
-    knobs = {"visual": 0.02, "smallest_visual": 0.05, "tries": 1.0}
-    ways = displacements(NAME, straight(60), knobs, iteration=iteration, iterations=12)
+    parameters = {"visual": 0.02, "smallest_visual": 0.05, "tries": 1.0}
+    ways = displacements(NAME, straight(60), parameters, iteration=iteration, iterations=12)
     assert_up_to(np.abs(ways), visual)
 
 
@@ -72,16 +72,16 @@ def test_tries_are_whole_before_they_are_multiplied():
 
 
 def test_prey_goes_all_the_way_to_the_best_of_its_tries_three_times_at_most():
-    """A waypoint far from the line, which is down the slope for longer than that."""
-    knobs = {"visual": 0.1, "tries": 20.0, "step": 0.01}
-    ways = displacements(NAME, [[290.0]], knobs, num=30)[:, 0, 0]
+    """The waypoint is far from the line: the slope is longer than three rounds."""
+    parameters = {"visual": 0.1, "tries": 20.0, "step": 0.01}
+    ways = displacements(NAME, [[290.0]], parameters, num=30)[:, 0, 0]
     assert (ways >= -3 * 0.1).all()
     assert (ways < -2 * 0.1).all()
-    assert spent(NAME, [[290.0]], knobs) == 2 * 3 * 20
+    assert spent(NAME, [[290.0]], parameters) == 2 * 3 * 20
 
 
 def test_prey_that_finds_something_better_never_makes_a_fish_worse():
-    """But one that does not may."""
+    """Prey that finds nothing better can make a fish worse."""
     swarms, tables = begun(NAME, zigzags(1), num=60)
     before = swarms.fitness[0, 0]
     advance(NAME, swarms, tables, 1, 0.0, {"tries": 20.0, "visual": 0.05})
@@ -112,7 +112,7 @@ def test_the_best_so_far_that_prey_leads_to_need_not_live_or_be_seen():
 
 
 def test_where_fish_come_to_is_repaired_tries_of_prey_too():
-    """Repaired where it is, a fish may be better, and prey tries on from there."""
+    """Repaired at its place, a fish may be better, and prey goes on from there."""
     still = {**BLIND, "step": 0.0, "smallest_step": 0.0}
     assert all(repairs_in_place(NAME, still, 3))
     assert not all(repairs_in_place(NAME, still, 1))

@@ -1,4 +1,4 @@
-"""What is claimed of IAFSA holds on a few seeds too; docs/iafsa-paper.md has many."""
+"""The claims about IAFSA hold on a few seeds, too; docs/iafsa-paper.md has many seeds."""
 
 import gymnasium
 import numpy as np
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 
 def final_values(optimizer, scenario, **options):
-    """Best fitness of every run."""
+    """Return the best fitness of every run."""
     envs = gymnasium.make_vec(
         f"swarm_gym/{optimizer}-v0",
         num_envs=NUM_SEEDS,

@@ -66,9 +66,9 @@ def test_given_members_are_not_opposed():
 
 
 def test_growth_is_not_opposed():
-    knobs = {**STILL, "crowding": 0.0, "tries": 1.0}
-    assert spent(NAME, zigzags(8), knobs) == 1 + 8 * (2 + 3)
-    assert spent(NAME, zigzags(8), knobs, size=12) == 4 + 1 + 12 * (2 + 3)
+    parameters = {**STILL, "crowding": 0.0, "tries": 1.0}
+    assert spent(NAME, zigzags(8), parameters) == 1 + 8 * (2 + 3)
+    assert spent(NAME, zigzags(8), parameters, size=12) == 4 + 1 + 12 * (2 + 3)
 
 
 # Schedules: in the first, the middle and the last of ten iterations.
@@ -83,13 +83,13 @@ def test_the_visual_falls_like_a_gaussian_of_third_order_to_its_smallest(iterati
     ("iteration", "step", "beta"), [(0, 0.11, 0.9), (5, 0.0555938, 0.55), (9, 0.0178484, 0.27)]
 )
 def test_moves_are_of_a_share_beta_of_a_step_that_falls_like_a_gaussian(iteration, step, beta):
-    knobs = {**BLIND, "crowding": 0.0}
-    ways = displacements(NAME, zigzags(32), knobs, iteration=iteration)
+    parameters = {**BLIND, "crowding": 0.0}
+    ways = displacements(NAME, zigzags(32), parameters, iteration=iteration)
     assert_up_to(lengths(ways), step * beta * (1 + 1e-5))
 
 
 def test_schedules_do_not_depend_on_the_number_of_iterations():
-    """But on the share that is done of them."""
+    """Schedules depend only on the share of the iterations that is done."""
     for iterations in (2, 10, 400):
         ways = displacements(NAME, straight(32), {}, iteration=iterations // 2, iterations=iterations)
         assert_up_to(np.abs(ways), 0.0231812)
@@ -111,8 +111,8 @@ def test_fish_swarm_where_fewer_than_the_crowding_see_the_centre(crowding, each)
     near, far = 0.05 * RANGE * side / side.std(), 0.2 * RANGE * side / side.std()
     near, far = (np.clip(position, -290.0, 290.0) for position in (near, far))
     population = [near, -near, far, -far]
-    knobs = {"visual": 0.12, "smallest_visual": 0.0, "step": 0.0, "smallest_step": 0.0, "tries": 1.0}
-    assert spent(NAME, population, {**knobs, "crowding": crowding}) == 1 + 4 * (each + 3)
+    parameters = {"visual": 0.12, "smallest_visual": 0.0, "step": 0.0, "smallest_step": 0.0, "tries": 1.0}
+    assert spent(NAME, population, {**parameters, "crowding": crowding}) == 1 + 4 * (each + 3)
 
 
 def test_the_centre_is_the_mean_of_all_and_the_first_to_be_evaluated():
@@ -160,18 +160,18 @@ def test_fish_that_leap_nowhere_get_better_or_stay(kind):
 @pytest.mark.parametrize(("iteration", "beta"), [(0, 0.9), (5, 0.55), (9, 0.27)])
 @pytest.mark.parametrize("pull", [0.0, 0.5, 1.0])
 def test_as_printed_moves_begin_nearer_to_the_origin(pull, iteration, beta):
-    """Of moves without length nothing else is left."""
+    """Moves without length are the pull alone."""
     population = zigzags(8)
-    knobs = {**STILL, "origin_pull": pull}
-    ways = displacements(NAME, population, knobs, iteration=iteration)[0]
+    parameters = {**STILL, "origin_pull": pull}
+    ways = displacements(NAME, population, parameters, iteration=iteration)[0]
     np.testing.assert_allclose(ways, -pull * beta * population / RANGE, atol=1e-12)
 
 
 def test_prey_is_pulled_too():
-    """So that its first try is better than where a fish is."""
-    knobs = {**STILL, "crowding": 0.0}
-    assert spent(NAME, zigzags(8), {**knobs, "origin_pull": 1.0}) == 1 + 8 * 2
-    assert spent(NAME, zigzags(8), {**knobs, "origin_pull": 0.0}) == 1 + 8 * (6 + 7)
+    """With the pull, the first try of a fish is better than its position."""
+    parameters = {**STILL, "crowding": 0.0}
+    assert spent(NAME, zigzags(8), {**parameters, "origin_pull": 1.0}) == 1 + 8 * 2
+    assert spent(NAME, zigzags(8), {**parameters, "origin_pull": 0.0}) == 1 + 8 * (6 + 7)
 
 
 def test_leaps_are_not_pulled():
@@ -187,7 +187,7 @@ def test_leaps_are_not_pulled():
 
 
 def moved_map(pull, shift):
-    """Positions after four iterations on a map that is shifted, relative to it."""
+    """Return positions after four iterations on a shifted map, relative to the map."""
     origin = np.array([3.0, -2.0]) + shift
     problem = small_grid_problem("bezier", 3, seed=4, origin=tuple(origin.tolist()), y_up=True)
     swarms, tables = begin(NAME, [problem], size=10, iterations=5)

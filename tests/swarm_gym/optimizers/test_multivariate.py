@@ -16,7 +16,7 @@ NAME = "multivariate"
 
 
 def table_of(swarms):
-    """Fitness of the heads, and of the list below each."""
+    """Return the fitness of the heads, and of the list below each."""
     n = int(swarms.registers[0, 0])
     lengths = swarms.registers[0, 1 : n + 1].tolist()
     ends = np.cumsum([n, *lengths])
@@ -26,7 +26,7 @@ def table_of(swarms):
 
 
 def test_the_default_is_the_printed_radius():
-    assert Multivariate.knob_values({}).tolist() == [20.0]
+    assert Multivariate.parameter_values({})._asdict() == {"radius": 20.0}
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_sizes_are_numbers_of_regions(size, regions):
 
 
 def test_sixty_five_members_are_ten_regions_whose_lists_are_filled_in_time():
-    """A region that rose in rank has a shorter list than its place allows, until the next iteration."""
+    """A region that rose in rank has a shorter list than its rank allows, until the next iteration."""
     swarms, tables = begin(NAME, [make_problem("case1", 9)], 65, capacity=80)
     assert swarms.registers[0, 0] == 10
     assert swarms.size[0] <= swarms.evaluations[0] == 65

@@ -22,24 +22,24 @@ from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
 
 
-def twin_of(kind, problem, seed=0, budget=10**9, **knobs):
+def twin_of(kind, problem, seed=0, budget=10**9, **parameters):
     stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
     twin = kind(naive_swarm.oracle_of(problem), stream, 1000, budget)
-    twin.knobs = twin.knobs._replace(**knobs)
+    twin.parameters = twin.parameters._replace(**parameters)
     return twin
 
 
 def advance(twin, steps, size):
     for _ in range(steps):
         if not twin.is_spent():
-            twin.step(size, 0.0, twin.knobs)
+            twin.step(size, 0.0, twin.parameters)
 
 
 # What is seen.
 
 
 def scattered_problem(rng, **geometry):
-    """Single blocked cells, some of which touch at corners."""
+    """Return a map of single blocked cells, some of which touch at corners."""
     blocked = rng.random((8, 11)) < 0.25
     blocked[0, :2] = False
     grid = GridMap("scattered", blocked, **geometry)
@@ -47,7 +47,7 @@ def scattered_problem(rng, **geometry):
 
 
 def ends_of_segments(rng, grid, count):
-    """Between corners, centres and middles of edges, and between any points; in cells."""
+    """Return segments between corners, centres and middles of edges, and between any points, in cells."""
     most = np.array([grid.width, grid.height]) - 0.5
     halves = rng.integers(-1, 2 * most + 1, (count, 2, 2)) / 2
     return [*halves, *rng.uniform(-0.5, most, (count, 2, 2))]
@@ -101,7 +101,7 @@ WALL = (
 def test_the_cost_of_a_way_is_its_length_and_a_penalty_for_what_is_blocked_of_all_of_it():
     problem = naive_swarm.oracle_of(drawn_problem(*WALL, start=(0, 0), target=(0, 4), **METRES))
     a, b, c = (problem.centre_of(cell) for cell in ((0, 1), (0, 3), (4, 3)))
-    assert problem.cost_of_way([a, b, c]) == pytest.approx((6 * 0.05 + 500, 0.05))
+    assert problem.cost_of_path([a, b, c]) == pytest.approx((6 * 0.05 + 500, 0.05))
     assert problem.freed(problem.centre_of((1, 2.2))) in (
         problem.centre_of((1, 1)),
         problem.centre_of((1, 3)),
@@ -112,9 +112,9 @@ def test_the_cost_of_a_way_is_its_length_and_a_penalty_for_what_is_blocked_of_al
 # Glowworms.
 
 
-def placed(problem, *cells, **knobs):
-    """Glowworms with all but the robot in these places."""
-    twin = twin_of(Glowworm, problem, **knobs)
+def placed(problem, *cells, **parameters):
+    """Return glowworms with all but the robot in these places."""
+    twin = twin_of(Glowworm, problem, **parameters)
     twin.adopt([problem.scenario.start, *problem.scenario.map.to_map(cells)])
     return twin
 
@@ -158,7 +158,7 @@ def test_near_the_brightest_one_they_step_onto_it_and_then_stay():
     problem = drawn_problem("......", start=(0, 0), target=(5, 0))
     twin = placed(problem, (1, 0), (1.2, 0), step=0.05, gain=0.0, decay=0.0)
     twin.members[1].luciferin, twin.members[2].luciferin = 6.0, 7.0
-    twin.knobs = twin.knobs._replace(decision_range=0.1)  # the target is out of reach
+    twin.parameters = twin.parameters._replace(decision_range=0.1)  # the target is out of reach
     advance(twin, 1, 3)
     assert twin.members[1].position == pytest.approx([1.2, 0])
     spent, draws = twin.evaluations, twin.stream.words()
@@ -169,7 +169,7 @@ def test_near_the_brightest_one_they_step_onto_it_and_then_stay():
 
 
 @pytest.mark.parametrize(
-    "knobs",
+    "parameters",
     [
         {},
         {"glow": 1},
@@ -178,12 +178,12 @@ def test_near_the_brightest_one_they_step_onto_it_and_then_stay():
         {"range_rule": 1},
     ],
 )
-def test_the_robot_arrives_behind_the_block_on_a_free_way(knobs):
+def test_the_robot_arrives_behind_the_block_on_a_free_way(parameters):
     problem = WalkProblem(make_scenario("block:50"))
-    twin = twin_of(Glowworm, problem, seed=1, step=0.03, **knobs)
+    twin = twin_of(Glowworm, problem, seed=1, step=0.03, **parameters)
     twin.begin(10)
     advance(twin, 150, 10)
-    way = [*twin.best_way, twin.problem.target]
+    way = [*twin.best_walk, twin.problem.target]
     assert twin.budget == twin.evaluations
     assert twin.members[0].position == twin.trajectory[-1] == twin.problem.target
     assert twin.best[:2] == (pytest.approx(length_of(way)), 0.0)
@@ -212,7 +212,7 @@ def test_on_another_map_all_but_the_robot_are_placed_anew():
     assert twin.problem.is_free(*twin.problem.cell_of(twin.members[0].position))
     assert twin.trajectory[-2:] == [last, twin.members[0].position]
     assert [member.luciferin for member in twin.members] == [5.0] * 3
-    assert twin.best[:2] == pytest.approx(twin.problem.cost_of_way([*twin.best_way, twin.problem.target]))
+    assert twin.best[:2] == pytest.approx(twin.problem.cost_of_path([*twin.best_walk, twin.problem.target]))
 
 
 # Ants.
@@ -270,7 +270,7 @@ def test_where_a_walk_comes_back_beside_itself_the_loop_is_cut_out():
 
 
 def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
-    """In a corridor to and fro, which is longer than ants may walk."""
+    """The winding corridor is longer than an ant walks."""
     walls = ("#" * 19 + ".", "." + "#" * 19)
     rows = [row for k in range(9) for row in ("." * 20, walls[k % 2])] + ["." * 20]
     twin = twin_of(AntColony, drawn_problem(*rows, start=(0, 0), target=(19, 18)), evaporation=0.5)
@@ -282,7 +282,7 @@ def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
         rest = twin.problem.cost(ant.points[-1])
         assert rest[1] > 0
         assert (ant.fitness, ant.collision) == (ant.length + rest[0], rest[1])
-    assert twin.best_way == twin.members[0].points
+    assert twin.best_walk == twin.members[0].points
     assert {trail for row in twin.trails for cell in row for trail in cell} == {0.5}
 
 
@@ -308,6 +308,6 @@ def test_on_another_map_ants_walk_anew_and_lay_no_trails():
     twin.re_evaluate(other)
     assert twin.trails == trails
     assert twin.evaluations == 7 * 6 - 6 + 7
-    way = [*twin.best_way, other.target]
-    assert twin.best[:2] == pytest.approx(other.cost_of_way(way))
+    way = [*twin.best_walk, other.target]
+    assert twin.best[:2] == pytest.approx(other.cost_of_path(way))
     assert twin.best[0] == pytest.approx(min(ant.fitness for ant in twin.members))

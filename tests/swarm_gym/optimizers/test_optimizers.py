@@ -1,4 +1,4 @@
-"""What holds for every optimizer; what is its own is in the test file of its name."""
+"""Tests of every optimizer; the test file with its name has those of a single one."""
 
 import gymnasium
 import numpy as np
@@ -54,7 +54,7 @@ def problems(optimizer):
 
 
 def on_all_kinds(optimizers):
-    """Every optimizer is compiled for functions anew, which takes much longer than the test."""
+    """Mark kinds as slow whose kernels take much longer to compile than the test to run."""
     slow = {"function", "plain"}
     slow_of_many = {*slow, "curve", "polyline"}  # of those that evaluate hundreds of times in an iteration
     cases = [
@@ -67,12 +67,12 @@ def on_all_kinds(optimizers):
     return pytest.mark.parametrize(("optimizer", "kind"), cases)
 
 
-def run(optimizer, problem, plan=PLAN, knobs=None, **options):
-    """Swarms and their oracle along a plan; held against each other after every step."""
+def run(optimizer, problem, plan=PLAN, parameters=None, **options):
+    """Advance swarms and their oracle along a plan, and compare them after every step."""
     if is_walker(optimizer):
-        options["knobs"] = knobs
+        options["parameters"] = parameters
     swarms, tables = begin(optimizer, [problem], **options)
-    of_twin = ("budget", "iterations", "seed", "knobs")
+    of_twin = ("budget", "iterations", "seed", "parameters")
     twin = oracle_twin(
         optimizer,
         problem,
@@ -83,19 +83,19 @@ def run(optimizer, problem, plan=PLAN, knobs=None, **options):
     for size, repair_degree in plan:
         if swarms.evaluations[0] >= swarms.budget[0]:
             break
-        values = advance(optimizer, swarms, tables, size, repair_degree, knobs)
-        twin.step(size, repair_degree, values.tolist())
+        values = advance(optimizer, swarms, tables, size, repair_degree, parameters)
+        twin.step(size, repair_degree, values)
         assert_same_as_oracle(swarms, twin)
     return swarms, twin
 
 
 def tries(optimizer, number):
-    """As a parameter, of optimizers that have it: with fewer, plain Python takes less time."""
-    return {"tries": float(number)} if "tries" in get_optimizer(optimizer).knobs else {}
+    """Return the parameter `tries` if the optimizer has it: fewer tries take plain Python less time."""
+    return {"tries": float(number)} if "tries" in get_optimizer(optimizer).parameters else {}
 
 
 def spent_to_begin(optimizer, problem, size):
-    """Evaluations that a first population takes, some optimizers more than one for each member."""
+    """Return the evaluations of a first population; some optimizers take more than one per member."""
     swarms, _ = begin(optimizer, [problem], size)
     return int(swarms.evaluations[0])
 
@@ -105,8 +105,8 @@ def spent_to_begin(optimizer, problem, size):
 
 @on_all_kinds(naive_optimizers.NAIVE)
 def test_episodes_are_the_naive_ones(optimizer, kind):
-    knobs = tries(optimizer, 1) if kind == "curve" else {}
-    run(optimizer, problems(optimizer)[kind], knobs=knobs, size=7, iterations=len(PLAN))
+    parameters = tries(optimizer, 1) if kind == "curve" else {}
+    run(optimizer, problems(optimizer)[kind], parameters=parameters, size=7, iterations=len(PLAN))
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
@@ -127,7 +127,7 @@ def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
 
 @with_an_oracle
 def test_episodes_of_all_budgets_are_the_naive_ones(optimizer):
-    """Wherever they end: in the first population, a growth, or an iteration."""
+    """Budgets end in the first population, in a growth, or in an iteration."""
     plan, problem = [(3, 1.0), (5, 0.5), (4, 0.0)], problem_for(optimizer, "random", 3)
     for budget in range(3, 40):
         run(optimizer, problem, plan, tries(optimizer, 2), size=3, budget=budget, iterations=len(plan))
@@ -142,7 +142,7 @@ def test_given_populations_are_taken_as_naive(optimizer, size):
     twin = oracle_twin(optimizer, problem, size, population=population)
     assert_same_as_oracle(swarms, twin)
     values = advance(optimizer, swarms, tables, size + 3, 0.5)
-    twin.step(size + 3, 0.5, values.tolist())
+    twin.step(size + 3, 0.5, values)
     assert_same_as_oracle(swarms, twin)
 
 
@@ -252,7 +252,7 @@ def test_a_budget_is_spent_exactly(optimizer, left):
 
 @all_optimizers
 def test_a_new_episode_forgets_the_one_before(optimizer):
-    """But for the random stream, which goes on."""
+    """Only the random stream goes on."""
     used, tables = batch(optimizer, 2, iterations=5)
     run_batch(optimizer, used, tables)
     fresh, _ = batch(optimizer, 2, iterations=5)
@@ -275,13 +275,13 @@ def test_a_new_episode_forgets_the_one_before(optimizer):
 @all_optimizers
 def test_a_swarm_gets_better_in_the_long_run(optimizer):
     # What there is of a robot's path is what it has walked, step by step.
-    num_iterations, knobs = (100, {"step": 0.02}) if optimizer == "glowworm" else (20, {})
+    num_iterations, parameters = (100, {"step": 0.02}) if optimizer == "glowworm" else (20, {})
     swarms, tables = begin(
         optimizer, [problem_for(optimizer, "case1", 9)], size=20, iterations=num_iterations
     )
     begun = swarms.best_fitness[0]
     for _ in range(num_iterations):
-        advance(optimizer, swarms, tables, 20, 0.0, knobs)
+        advance(optimizer, swarms, tables, 20, 0.0, parameters)
     assert swarms.best_fitness[0] < 0.9 * begun
 
 

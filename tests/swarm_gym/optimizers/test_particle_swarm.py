@@ -11,7 +11,7 @@ NAME = "particle-swarm"
 
 
 def memory_of(swarms, problem, i):
-    """Velocity, own best position, and its fitness of a particle."""
+    """Return velocity, own best position and its fitness of a particle."""
     width, n = swarms.positions.shape[2], problem.dimension
     memory = swarms.memory[0, i]
     return memory[:n], memory[width : width + n], memory[2 * width]
@@ -26,7 +26,13 @@ def assert_same_memory(swarms, twin, problem):
 
 
 def test_the_defaults_are_the_printed_parameters():
-    assert ParticleSwarm.knob_values({}).tolist() == [1.4, 0.5, 1.49445, 1.49445, 0.2]
+    assert ParticleSwarm.parameter_values({})._asdict() == {
+        "first_inertia": 1.4,
+        "last_inertia": 0.5,
+        "cognitive": 1.49445,
+        "social": 1.49445,
+        "velocity_limit": 0.2,
+    }
 
 
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
@@ -38,13 +44,13 @@ def test_velocities_and_own_bests_are_the_naive_ones(kind, budget):
     assert_same_memory(swarms, twin, problem)
     for size, repair_degree in PLAN[:6]:
         values = advance(NAME, swarms, tables, size, repair_degree)
-        twin.step(size, repair_degree, values.tolist())
+        twin.step(size, repair_degree, values)
         assert_same_memory(swarms, twin, problem)
 
 
 @pytest.mark.parametrize("iterations", [1, 2, 9])
 def test_episodes_of_any_length_and_parameters_are_the_naive_ones(iterations):
-    knobs = {
+    parameters = {
         "first_inertia": 0.9,
         "last_inertia": 0.4,
         "cognitive": 0.5,
@@ -52,7 +58,7 @@ def test_episodes_of_any_length_and_parameters_are_the_naive_ones(iterations):
         "velocity_limit": 1.0,
     }
     plan = [(8, 0.0)] * iterations
-    run(NAME, make_problem("case2", 9), plan, knobs, size=8, iterations=iterations)
+    run(NAME, make_problem("case2", 9), plan, parameters, size=8, iterations=iterations)
 
 
 def test_first_velocities_reach_a_fifth_of_the_range():

@@ -1,4 +1,4 @@
-"""What optimizers remember is evaluated anew when the map changes: as in plain Python, to the last one."""
+"""Optimizers evaluate anew all that they remember when the map changes, as in plain Python."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ PLAN = [(7, 0.0), (9, 0.5), (9, 0.0), (4, 1.0)]
 
 
 def problems(optimizer, kind):
-    """Before, and after something has come and something gone; walkers have grids of both kinds of axes."""
+    """Return problems before and after obstacles appear and vanish; walkers have grids of both axes."""
     if is_walker(optimizer):
         geometry = {} if kind == "grid" else {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
         base = random_grid_scenario(4, **geometry)
@@ -69,8 +69,8 @@ def assert_same_memory(optimizer, swarms, twin):
             assert memory[2 * width] == pytest.approx(member.own_fitness, rel=1e-10)
 
 
-def run(optimizer, kind, plan, knobs=None, budget=UNLIMITED, size=7):
-    """An episode on maps that alternate, held against the oracle after every step and every change."""
+def run(optimizer, kind, plan, parameters=None, budget=UNLIMITED, size=7):
+    """Run an episode on alternating maps, and compare it with the oracle after every step and change."""
     both = problems(optimizer, kind)
     options = {"budget": budget, "iterations": len(plan)}
     swarms, _ = begin(optimizer, both[:1], size, **options)
@@ -79,8 +79,8 @@ def run(optimizer, kind, plan, knobs=None, budget=UNLIMITED, size=7):
     for step, (new_size, repair_degree) in enumerate(plan, 1):
         if swarms.evaluations[0] >= budget:
             break
-        values = advance(optimizer, swarms, tables, new_size, repair_degree, knobs)
-        twin.step(new_size, repair_degree, values.tolist())
+        values = advance(optimizer, swarms, tables, new_size, repair_degree, parameters)
+        twin.step(new_size, repair_degree, values)
         assert_same_memory(optimizer, swarms, twin)
         if swarms.evaluations[0] >= budget:
             break
@@ -99,7 +99,7 @@ def test_episodes_on_a_map_that_changes_are_the_naive_ones(optimizer, kind):
 
 @with_an_oracle
 def test_episodes_of_all_budgets_on_a_map_that_changes_are_the_naive_ones(optimizer):
-    """Wherever they end: among the members, in what else is remembered, or at the best so far."""
+    """Budgets end among the members, in the other memory, or at the best so far."""
     first = spent_to_begin(optimizer, problems(optimizer, "analytic")[0], 5)
     for budget in range(first, first + 40):
         run(optimizer, "analytic", [(5, 0.0), (7, 0.5)], tries(optimizer, 1), budget, size=5)
@@ -134,7 +134,7 @@ def test_a_best_so_far_that_no_member_is_at_stays_where_it_is_still_the_best():
 
 
 def test_regions_stay_sorted_when_the_map_changes():
-    """Heads by fitness, none worse than its list, which is sorted, too, and no longer than there is room."""
+    """Heads are sorted, none is worse than its list, and lists are sorted and not longer than allowed."""
     both = problems("multivariate", "analytic")
     swarms, _ = begin("multivariate", both[:1], 20)
     tables = stack([problem.table for problem in both])

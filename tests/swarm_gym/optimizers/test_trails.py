@@ -1,4 +1,4 @@
-"""Pheromone, against a plain array of it; what ants lay."""
+"""Pheromone trails against a plain array, and the deposits of ants."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from swarm_gym.problem.tables import stack
 
 
 class PlainTrails:
-    """Tau of all moves, all of which evaporate, are laid on and are clipped in every round."""
+    """Tau of all moves; all evaporate, get their deposits and are clipped in every round."""
 
     def __init__(self, num_cells):
         self.tau = np.ones((num_cells, 8))
@@ -42,9 +42,9 @@ ROUNDS = st.lists(
 def renew(array, evaporation, ways):
     trails.evaporate(array, evaporation)
     for column, row, to_column, amount in ways:
-        trails.lay_on_way(array, WIDTH, straight_way(column, row, to_column), amount)
+        trails.lay_on_walk(array, WIDTH, straight_way(column, row, to_column), amount)
     for column, row, to_column, _ in ways:
-        trails.settle_way(array, WIDTH, straight_way(column, row, to_column))
+        trails.settle_walk(array, WIDTH, straight_way(column, row, to_column))
 
 
 @given(ROUNDS, st.lists(st.integers(0, WIDTH * HEIGHT - 1), max_size=40), st.booleans())
@@ -81,15 +81,15 @@ def test_moves_are_numbered_as_ants_and_trails_do_it():
 
 @pytest.mark.parametrize("elite_weight", [0.0, 3.0])
 def test_a_cohort_lays_on_its_ways_what_is_due_and_the_best_way_once_more(elite_weight):
-    """One ant, which has one way: on each of its moves the same."""
+    """One ant has one possible walk, and lays the same on each of its moves."""
     problem = problem_of("S....T", resolution=2.0)
     swarms, tables = begin(NAME, [problem], size=1)
-    first = AntColony.knob_values({})
+    first = AntColony.parameter_values({})
     tau = 0.8 * np.ones((6, 8))
-    tau[:5, 0] += first[3] * (1.0 + first[4])
+    tau[:5, 0] += first.deposit * (1.0 + first.elite_weight)
     np.testing.assert_allclose(trails_of(swarms, problem)[0], tau, rtol=1e-14)
-    knobs = {"evaporation": 0.25, "deposit": 0.5, "elite_weight": elite_weight}
-    advance(NAME, swarms, tables, 1, 0.0, knobs)
+    parameters = {"evaporation": 0.25, "deposit": 0.5, "elite_weight": elite_weight}
+    advance(NAME, swarms, tables, 1, 0.0, parameters)
     tau *= 0.75
     tau[:5, 0] += 0.5 * (1.0 + elite_weight)
     np.testing.assert_allclose(trails_of(swarms, problem)[0], tau, rtol=1e-14)
