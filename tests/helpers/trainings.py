@@ -32,6 +32,26 @@ def train(folder, **options):
     return TrainingRun(tiny_config(folder, **options))
 
 
+def assert_same_weights(one, other):
+    """Two policy files hold the same numbers."""
+    ours, theirs = (load_policy(path)[0] for path in (one, other))
+    assert ours.keys() == theirs.keys()
+    assert all((ours[key] == theirs[key]).all() for key in ours)
+
+
+def run_whole_and_stopped(folder, stop, total, **options):
+    """Return a training and one that was stopped and resumed, which have stored the same policies."""
+    whole = train(folder, name="whole", total_steps=total, **options)
+    whole.run()
+    train(folder, name="stopped", total_steps=stop, **options).run()
+    resumed = train(folder, name="stopped", total_steps=total, resume=True, **options)
+    resumed.run()
+    assert resumed.learner.num_steps == whole.learner.num_steps == total
+    for name in ("latest", "best"):
+        assert_same_weights(*(folder / run / f"{name}.safetensors" for run in ("whole", "stopped")))
+    return whole, resumed
+
+
 def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     """Write a policy file with random weights and return its path."""
     features = [feature.name for feature in OBSERVATIONS[observation].features]

@@ -21,7 +21,7 @@ from experiments.runs.runner import configuration, missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
 from helpers.small_commands import CONTROLLERS, rows
-from helpers.trainings import STEPS, TINY, make_policy, tiny_config
+from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 if not sys.platform.startswith("linux"):
@@ -158,8 +158,7 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
     for outcome in outcomes:
         seed = int(outcome.folder.name)
         single = TrainingRun(tiny_config(tmp_path, **long, seed=seed, name=f"single{seed}"))
-        ours, theirs = load_policy(single.run())[0], load_policy(outcome.finished.result)[0]
-        assert all((ours[key] == theirs[key]).all() for key in ours)
+        assert_same_weights(single.run(), outcome.finished.result)
 
 
 @pytest.mark.parametrize(
