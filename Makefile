@@ -11,7 +11,7 @@ STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
 KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_golden.py \
-    scenarios/test_test_functions.py)
+    scenarios/test_functions.py)
 BOUNDS_TESTS = $(KERNEL_TESTS) tests/reliability/test_determinism.py \
     $(addprefix tests/swarm_gym/,test_vector_env.py controllers/test_schedules.py)
 # A command that is left out with OFFLINE=1.
@@ -23,10 +23,13 @@ define install_into
 	$(PYTHON) -m venv $(1)
 	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile $(2)
 endef
+# Each worker begins with a run of neighbours, which share fixtures; one that has none left takes from the others.
+SPREAD = -n auto --dist worksteal
+
 # The tests in a virtual environment.
 define test_in
 $(1)/bin/python -m swarm_gym.warm_up
-	$(1)/bin/python -m pytest -n auto
+	$(1)/bin/python -m pytest $(SPREAD)
 endef
 
 .DEFAULT_GOAL := help
@@ -63,10 +66,10 @@ test: $(INSTALLED) ## run the tests
 
 test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all kernels with the JIT off and with bounds checks on
 	$(call test_in,$(VENV)) -m slow
-	$(BIN)/python -m pytest -n auto -m fuzzed --hypothesis-profile=thorough
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n auto $(KERNEL_TESTS)
+	$(BIN)/python -m pytest $(SPREAD) -m fuzzed --hypothesis-profile=thorough
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(SPREAD) $(KERNEL_TESTS)
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto $(BOUNDS_TESTS)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(SPREAD) $(BOUNDS_TESTS)
 	@$(MAKE) test-supply
 
 test-supply: ## run the tests with the lowest versions allowed, and with the newest on every Python there is

@@ -99,7 +99,7 @@ def test_a_policy_that_is_log_linear_is_recovered():
 
 @pytest.mark.parametrize("numbers", [5, 8, 10])
 def test_a_rule_never_has_more_numbers_than_allowed(numbers):
-    found = distil(Everything(), TRAINING, config_of(numbers=numbers))
+    found = distil(Everything(), TRAINING, config_of(numbers=numbers, episodes=6))
     assert 5 <= max(c.rule.num_numbers for c in found.candidates) <= numbers
     assert found.rule.action == "extended"
     assert len(found.rule.formulas) == len(found.chosen.errors) == 4

@@ -264,7 +264,8 @@ def repaired(scenario, offsets, repair_degree):
 
 def summary(swarm, mean_weight):
     """Return E(P), mean and standard deviation of the collision, feasible share, diversity."""
-    return *population_collision(swarm.collision, mean_weight), diversity(swarm.positions)
+    collisions = [member.collision for member in swarm.members]
+    return *population_collision(collisions, mean_weight), diversity([m.position for m in swarm.members])
 
 
 def diversity(positions):
@@ -303,84 +304,11 @@ def deletion_order(fitness, collisions):
     return infeasible + feasible
 
 
-def firefly_move(position, brighter, uniforms, lower, upper, parameters):
+def firefly_move(position, brighter, uniforms, lower, upper, noise, attractiveness, absorption):
     """Return the position after a move by eq. 13 to 15, inside the bounds."""
     squared = math.fsum((b - a) ** 2 for a, b in zip(position, brighter, strict=True))
-    attraction = parameters.attractiveness * math.exp(-parameters.absorption * squared)
+    attraction = attractiveness * math.exp(-absorption * squared)
     return [
-        clip(a + attraction * (b - a) + parameters.noise * (u - 0.5), low, high)
+        clip(a + attraction * (b - a) + noise * (u - 0.5), low, high)
         for a, b, u, low, high in zip(position, brighter, uniforms, lower, upper, strict=True)
     ]
-
-
-class Swarm:
-    """One swarm of Algorithm 1."""
-
-    def __init__(self, scenario, length_weight, stream, budget=10**9):
-        self.scenario, self.length_weight, self.stream, self.budget = (
-            scenario,
-            length_weight,
-            stream,
-            budget,
-        )
-        self.positions, self.fitness, self.collision = [], [], []
-        self.evaluations = 0
-        self.best = (math.inf, math.inf, None)
-
-    def cost(self, position):
-        fitness, collides = evaluate(self.scenario, position, self.length_weight)
-        self.evaluations += 1
-        if fitness < self.best[0]:
-            self.best = (fitness, collides, list(position))
-        return fitness, collides
-
-    def adopt(self, positions):
-        for position in positions:
-            self.append([float(y) for y in position])
-
-    def append(self, position):
-        fitness, collides = self.cost(position)
-        self.positions.append(position)
-        self.fitness.append(fitness)
-        self.collision.append(collides)
-
-    def add(self, count, lower, upper):
-        for _ in range(count):
-            if self.evaluations >= self.budget:
-                return
-            draw = self.stream.uniform(len(lower))
-            self.append([a + (b - a) * u for a, b, u in zip(lower, upper, draw, strict=True)])
-
-    def resize(self, new_size):
-        size = len(self.positions)
-        if new_size > size:
-            box = growth_box(self.positions, *bounds(self.scenario, len(self.positions[0])))
-            self.add(new_size - size, *box)
-        doomed = deletion_order(self.fitness, self.collision)[: max(size - new_size, 0)]
-        for i in sorted(doomed, reverse=True):
-            del self.positions[i], self.fitness[i], self.collision[i]
-
-    def re_evaluate(self, scenario):
-        self.scenario, best, positions = scenario, self.best[2], self.positions
-        self.best = (math.inf, math.inf, None)
-        self.positions, self.fitness, self.collision = [], [], []
-        for position in positions:
-            if self.evaluations < self.budget:
-                self.append(position)
-        if self.evaluations < self.budget:
-            self.cost(best)
-
-    def iterate(self, repair_degree, parameters):
-        n = len(self.positions[0])
-        lower, upper = bounds(self.scenario, n)
-        for i in range(len(self.positions)):
-            for j in range(len(self.positions)):
-                if self.fitness[j] < self.fitness[i] and self.evaluations < self.budget:
-                    uniforms = self.stream.uniform(n)
-                    moved = firefly_move(
-                        self.positions[i], self.positions[j], uniforms, lower, upper, parameters
-                    )
-                    if repair_degree > 0:
-                        moved = repaired(self.scenario, moved, repair_degree)
-                    self.positions[i] = moved
-                    self.fitness[i], self.collision[i] = self.cost(moved)

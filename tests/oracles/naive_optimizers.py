@@ -12,6 +12,19 @@ from oracles.naive_glowworm import Glowworm
 from oracles.naive_swarm import Swarm, scaled
 
 
+class Firefly(Swarm):
+    def iterate(self, repair_degree, noise, attractiveness, absorption):
+        bounds = self.problem.lower, self.problem.upper
+        pull = attractiveness, absorption
+        for i in range(len(self.members)):
+            for j in range(len(self.members)):
+                here, other = self.members[i], self.members[j]
+                if other.fitness < here.fitness and not self.is_spent():
+                    ends = here.position, other.position
+                    moved = naive.firefly_move(*ends, self.uniform(), *bounds, noise, *pull)
+                    self.members[i] = self.member(self.treated(moved, repair_degree))
+
+
 class GenerationalFirefly(Swarm):
     def iterate(self, repair_degree, noise, attractiveness, absorption, least_attractiveness):
         before = list(self.members)
@@ -233,6 +246,7 @@ class Multivariate(Swarm):
 
 
 NAIVE = {
+    "firefly": Firefly,
     "generational-firefly": GenerationalFirefly,
     "particle-swarm": ParticleSwarm,
     "elite-genetic": EliteGenetic,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from helpers.builders import (
     MEAN_WEIGHT,
     assert_same_swarm,
-    make_swarms,
+    begin,
     make_twins,
     padded,
     problem_of,
@@ -115,7 +115,7 @@ def test_the_summary_sees_living_members_only():
 def test_growth_is_the_naive_one(source, size, seed):
     swarms, table, work, twin = twins_of(source, size, seed, 7)
     compiled(resize)(swarms, 0, table, work, size + 9)
-    twin.compiled(resize)(size + 9)
+    twin.resize(size + 9)
     assert_same_swarm(swarms, twin)
 
 
@@ -148,7 +148,7 @@ def test_where_a_component_has_no_extent_the_workspace_stands_in():
     population[:, 2] = 17.0
     swarms, tables, twin = make_twins(problem, population, 5)
     compiled(resize)(swarms, 0, compiled(select)(tables, 0), workspace(7), 32)
-    twin.compiled(resize)(32)
+    twin.resize(32)
     assert_same_swarm(swarms, twin)
     new = swarms.positions[0, 3:32]
     assert np.ptp(new[:, 2]) > 400
@@ -167,7 +167,7 @@ def test_a_single_member_grows_into_the_whole_workspace():
 def test_growth_ends_exactly_where_the_budget_does(left):
     swarms, table, work, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
     compiled(resize)(swarms, 0, table, work, 8)
-    twin.compiled(resize)(8)
+    twin.resize(8)
     assert_same_swarm(swarms, twin)
     assert swarms.size[0] == 3 + min(left, 5)
     assert swarms.evaluations[0] == 3 + min(left, 5)
@@ -185,7 +185,7 @@ def test_members_are_added_uniformly_in_the_given_box():
     swarms, table, work, twin = twins_of("case1", 2, 3, 7)
     lower, upper = np.linspace(-200, 0, 7), np.linspace(10, 200, 7)
     compiled(add_members)(swarms, 0, table, work, 30, lower, upper)
-    twin.add(30, lower.tolist(), upper.tolist())
+    twin.members += twin.draw(30, lower.tolist(), upper.tolist())
     assert_same_swarm(swarms, twin)
 
 
@@ -239,7 +239,7 @@ def test_members_are_deleted_in_this_order(fitness, collision, order):
 def test_shrinking_a_population_of_paths_is_the_naive_one(new_size, seed):
     swarms, table, work, twin = twins_of("case3", 12, seed, 7)
     compiled(resize)(swarms, 0, table, work, new_size)
-    twin.compiled(resize)(new_size)
+    twin.resize(new_size)
     assert_same_swarm(swarms, twin)
 
 
@@ -255,7 +255,7 @@ def test_many_resizes_are_the_naive_ones(seed):
     swarms, table, work, twin = twins_of("random", 6, seed, 7, budget=40)
     for new_size in rng.integers(1, 20, 8):
         compiled(resize)(swarms, 0, table, work, new_size)
-        twin.compiled(resize)(int(new_size))
+        twin.resize(int(new_size))
         assert_same_swarm(swarms, twin)
     assert swarms.evaluations[0] <= 40
 
@@ -298,10 +298,10 @@ def test_an_equal_member_does_not_replace_the_best_so_far():
 def test_swarms_of_a_batch_do_not_touch_each_other():
     problem = problem_of("case1", 7)
     rng = np.random.default_rng(0)
-    populations = [random_population(rng, problem, size) for size in (3, 5, 4)]
-    swarms, tables = make_swarms([problem] * 3, populations, [1, 2, 3])
+    populations = [random_population(rng, problem, 4) for _ in range(3)]
+    swarms, tables = begin("firefly", [problem] * 3, 4, populations=populations)
     before = [np.copy(field) for field in swarms]
     compiled(resize)(swarms, 1, compiled(select)(tables, 1), workspace(7), 9)
     for field, old in zip(swarms, before, strict=True):
         assert (field[[0, 2]] == old[[0, 2]]).all()
-    assert swarms.size.tolist() == [3, 9, 4]
+    assert swarms.size.tolist() == [4, 9, 4]

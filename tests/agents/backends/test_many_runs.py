@@ -13,8 +13,7 @@ from agents.backends.many_runs import Finished, RunOutcome, carry_out, configs_o
 from agents.runs.folder import prepare_folder
 from agents.training.run import TrainingRun
 from agents.tuning.config import TuneConfig
-from helpers.trainings import STEPS, tiny_config
-from swarm_gym.controllers.learned.policy_file import load_policy
+from helpers.trainings import STEPS, assert_same_weights, tiny_config
 
 SHORT = {"warm_start": "none", "total_steps": STEPS}
 
@@ -37,8 +36,7 @@ def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
         name: tmp_path / "many" / name / "best.safetensors" for name in ("0", "1", "3")
     }
     single = TrainingRun(tiny_config(tmp_path, **SHORT, seed=3, name="single"))
-    ours, theirs = load_policy(single.run())[0], load_policy(outcomes["3"].finished.result)[0]
-    assert all((ours[key] == theirs[key]).all() for key in ours)
+    assert_same_weights(single.run(), outcomes["3"].finished.result)
     assert outcomes["3"].finished.summary == f"best validation return {single.best_return:.4f}"
 
 

@@ -10,7 +10,7 @@ from agents.runs.checkpoints import Checkpoints
 from agents.runs.folder import RunFolderError
 from agents.training.events import TrainingEvents
 from helpers.event_files import EVERYTHING, shown
-from helpers.trainings import train
+from helpers.trainings import assert_same_weights, train
 from swarm_gym import files
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.files import remove_partials, write_atomically
@@ -149,8 +149,7 @@ def test_a_clock_that_is_set_meanwhile(tmp_path, monkeypatch, capsys, hours):
     right = time.time
     monkeypatch.setattr(time, "time", lambda: right() + 3600 * hours)
     train(tmp_path, name="it", **LITTLE, resume=True).run()
-    ours, theirs = (load_policy(tmp_path / name / "best.safetensors")[0] for name in ("whole", "it"))
-    assert all((ours[name] == theirs[name]).all() for name in ours)
+    assert_same_weights(*(tmp_path / name / "best.safetensors" for name in ("whole", "it")))
     assert ("the clock was set back" in capsys.readouterr().err) is (hours < 0)
 
 

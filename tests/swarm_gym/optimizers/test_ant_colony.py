@@ -20,6 +20,7 @@ from helpers.builders import (
     random_grid_scenario,
     walk_problem,
 )
+from helpers.grids import drawn_problem
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
@@ -41,12 +42,6 @@ PARAMETERS = [
     {"elite_weight": 0.0},
     {"elite_weight": 5.0, "deposit": 0.1, "evaporation": 0.05},
 ]
-
-
-def drawn_problem(rows, start, target):
-    """Return the walk problem of a map of characters."""
-    blocked = np.array([[character == "#" for character in row] for row in rows])
-    return WalkProblem(GridScenario("drawn", GridMap("drawn", blocked), start, target))
 
 
 @pytest.mark.parametrize("parameters", PARAMETERS, ids=str)
@@ -90,7 +85,8 @@ SNAKE = [row for k in range(9) for row in ("." * 20, ("#" * 19 + ".", "." + "#" 
     ids=["dead end", "pocket", "one cell", "corner", "snake"],
 )
 def test_episodes_on_small_maps_are_the_naive_ones(rows, start, target):
-    run("ant-colony", drawn_problem(rows, start, target), [(4, 0.0)] * 4, size=3, iterations=4)
+    problem = drawn_problem(*rows, start=start, target=target)
+    run("ant-colony", problem, [(4, 0.0)] * 4, size=3, iterations=4)
 
 
 @pytest.mark.parametrize("geometry", [{}, METRES])

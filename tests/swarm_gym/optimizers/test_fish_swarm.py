@@ -2,52 +2,22 @@
 
 import numpy as np
 import pytest
-from test_optimizers import problems, run
+from test_optimizers import run
 
 from helpers.builders import advance, begin, make_problem
 from helpers.fish import (
     assert_up_to,
-    bad_values,
     begun,
     components_along,
     displacements,
     lengths,
     open_problem,
-    repairs_in_place,
     spent,
     straight,
     zigzags,
 )
-from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.fish.standard import FishSwarm
 
 NAME = "fish-swarm"
-
-
-def test_the_defaults_are_the_printed_parameters_and_five_tries():
-    defaults = {"visual": 0.3, "step": 0.1, "crowding": 0.6, "tries": 5.0}
-    assert FishSwarm.parameter_values({})._asdict() == defaults
-    assert list(FishSwarm.parameters) == list(defaults)
-
-
-@pytest.mark.parametrize(("name", "value"), bad_values(*FishSwarm.parameters))
-def test_a_bad_parameter_is_refused_with_its_name(name, value):
-    with pytest.raises(SettingError, match=name):
-        FishSwarm.parameter_values({name: value})
-
-
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"tries": 1.0, "visual": 1.0, "crowding": 1.0},
-        {"tries": 7.0, "crowding": 0.1},
-        {"tries": 2.9, "visual": 0.05, "step": 0.5},
-        {"visual": 1.0, "step": 1.0, "crowding": 0.1},
-    ],
-)
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
-    run(NAME, problems(NAME)[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], parameters, size=6, iterations=3)
 
 
 def test_paths_of_another_dimension_see_and_step_as_far():
@@ -120,22 +90,6 @@ def test_fish_that_are_not_crowded_swarm_and_follow_at_one_evaluation_each():
     assert 12 * 3 <= count < 12 * 4
 
 
-@pytest.mark.parametrize(("crowding", "count"), [(0.5, 5 + 5), (0.51, 3 + 5)])
-def test_as_many_companions_as_the_crowding_allows_are_too_many(crowding, count):
-    """Each of two fish is half the swarm to the other; the second one is at the best place, and preys."""
-    population = [[60.0] * 9, [0.0] * 9]
-    assert spent(NAME, population, {"visual": 0.9, "crowding": crowding, "tries": 1.0}) == count
-
-
-def test_a_fish_steps_straight_to_a_better_companion():
-    here = zigzags(1)[0] * 3.0
-    ways = displacements(NAME, [here, 0.0 * here], {"visual": 0.9, "crowding": 1.0}, num=60)[:, 0]
-    along, is_all = components_along(ways, -here)
-    assert is_all.all()
-    assert (along > 0).all()
-    assert_up_to(lengths(ways), 0.1)
-
-
 @pytest.mark.parametrize("dimension", [1, 9, 31])
 @pytest.mark.parametrize(("visual", "sees"), [(0.19, False), (0.21, True)])
 def test_fish_see_as_far_as_the_visual_whatever_the_number_of_waypoints(visual, sees, dimension):
@@ -171,20 +125,6 @@ def test_a_centre_that_is_better_than_every_fish_counts_but_is_not_the_best_so_f
     assert swarms.evaluations[0] == 3 + 1
     np.testing.assert_array_equal(swarms.best_position[0, :9], population[2])
     assert (swarms.positions == before).all()
-
-
-def test_where_fish_come_to_is_repaired():
-    assert all(repairs_in_place(NAME, {"visual": 0.0, "step": 0.0}, 1))
-
-
-@pytest.mark.parametrize("tries", [1, 5])
-@pytest.mark.parametrize("kind", ["analytic", "curve"])
-def test_a_fish_takes_three_evaluations_at_least_and_two_full_preys_and_a_centre_at_most(kind, tries):
-    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15)
-    for repair_degree in (0.0, 0.0, 1.0, 1.0):
-        before = swarms.evaluations[0]
-        advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})
-        assert 3 * 15 <= swarms.evaluations[0] - before <= (2 * tries + 3) * 15
 
 
 def test_fish_stay_where_they_are_when_the_budget_ends_before_their_turn():

@@ -14,6 +14,7 @@ from helpers.builders import (
     random_grid_scenario,
     walk_problem,
 )
+from helpers.grids import drawn_problem
 from oracles import naive_swarm
 from swarm_gym.action import make_action
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -82,11 +83,12 @@ WALL = (
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_step_that_is_longer_than_a_wall_is_thick_leads_nobody_through_it(seed):
-    blocked = np.array([[character == "#" for character in row] for row in WALL])
-    problem = WalkProblem(GridScenario("wall", GridMap("wall", blocked), (1.0, 1.0), (1.0, 3.0)))
+    problem = drawn_problem(*WALL, start=(1.0, 1.0), target=(1.0, 3.0))
     options = {"size": 5, "seed": seed, "iterations": 12}
     swarms, _ = run("glowworm", problem, [(5, 0.0)] * 12, {"step": 0.3}, **options)
-    assert path_is_free(blocked, way_of(swarms, problem)) == (swarms.best_collision[0] == 0.0)
+    assert path_is_free(problem.scenario.map.blocked, way_of(swarms, problem)) == (
+        swarms.best_collision[0] == 0.0
+    )
 
 
 def with_obstacle(scenario, point):

@@ -4,13 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from test_optimizers import problems, run
 
-from helpers.builders import advance, begin
+from helpers.builders import advance
 from helpers.fish import (
     RANGE,
     assert_up_to,
-    bad_values,
     begun,
     components_along,
     displacements,
@@ -21,51 +19,11 @@ from helpers.fish import (
     straight,
     zigzags,
 )
-from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.fish.hybrid import HybridFishSwarm
 
 NAME = "hybrid-fish-swarm"
-DEFAULTS = {
-    "visual": 0.3,
-    "step": 0.1,
-    "smallest_visual": 0.01,
-    "smallest_step": 0.01,
-    "crowding": 0.6,
-    "tries": 5.0,
-}
 BLIND = {"visual": 0.0, "smallest_visual": 0.0}
 # Of twelve iterations: what is left of visual and step where no smallest value holds them.
 SHARES = [(0, 1.0), (3, 1.0), (4, 1.0), (6, 0.625), (8, 0.25), (9, 0.25 * math.exp(-1.25))]
-
-
-def test_the_defaults_are_those_of_the_other_fish():
-    assert HybridFishSwarm.parameter_values({})._asdict() == DEFAULTS
-    assert list(HybridFishSwarm.parameters) == list(DEFAULTS)
-
-
-@pytest.mark.parametrize(("name", "value"), bad_values(*DEFAULTS))
-def test_a_bad_parameter_is_refused_with_its_name(name, value):
-    with pytest.raises(SettingError, match=name):
-        HybridFishSwarm.parameter_values({name: value})
-
-
-def test_no_tries_are_refused():
-    with pytest.raises(SettingError, match="tries"):
-        HybridFishSwarm.parameter_values({"tries": 0.0})
-
-
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"tries": 1.0, "visual": 1.0, "crowding": 1.0},
-        {"tries": 7.0, "crowding": 0.1},
-        {"tries": 2.9, "visual": 0.05, "step": 0.5},
-        {"tries": 2.0, "smallest_visual": 0.2, "smallest_step": 0.2, "crowding": 0.1},
-    ],
-)
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
-    run(NAME, problems(NAME)[kind], [(4, 0.0), (6, 0.7), (3, 1.0)], parameters, size=4, iterations=3)
 
 
 # Segments of the run.
@@ -158,36 +116,3 @@ def test_where_fish_come_to_is_repaired_tries_of_prey_too():
     still = {**BLIND, "step": 0.0, "smallest_step": 0.0}
     assert all(repairs_in_place(NAME, still, 3))
     assert not all(repairs_in_place(NAME, still, 1))
-
-
-# Swarming and following.
-
-
-@pytest.mark.parametrize(("crowding", "count"), [(0.5, 5 + 5), (0.51, 3 + 5)])
-def test_as_many_companions_as_the_crowding_allows_are_too_many(crowding, count):
-    """One try from the best place fails, so that prey costs 2; that of the other fish may cost 3."""
-    population = [[60.0] * 9, [0.0] * 9]
-    parameters = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
-    found = spent(NAME, population, parameters)
-    assert count <= found <= count + (2 if crowding == 0.5 else 0)
-
-
-def test_a_fish_steps_straight_to_a_better_companion():
-    here = zigzags(1)[0] * 3.0
-    ways = displacements(NAME, [here, 0.0 * here], {"visual": 0.9, "crowding": 1.0}, num=60)[:, 0]
-    along, is_all = components_along(ways, -here)
-    assert is_all.all()
-    assert (along > 0).all()
-    assert_up_to(lengths(ways), 0.1)
-
-
-@pytest.mark.parametrize("tries", [1, 4])
-@pytest.mark.parametrize("kind", ["analytic", "curve"])
-def test_evaluations_of_an_iteration_lie_between_what_the_rules_give(kind, tries):
-    """From a centre and two steps to a centre and two preys of three rounds."""
-    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15, iterations=3)
-    for iteration, repair_degree in enumerate((0.0, 1.0, 0.0)):
-        before = swarms.evaluations[0]
-        advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})
-        most = 1 + 2 * 3 * tries * (1 + iteration)
-        assert 15 * 3 <= swarms.evaluations[0] - before <= 15 * most

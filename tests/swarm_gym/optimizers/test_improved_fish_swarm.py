@@ -2,66 +2,26 @@
 
 import numpy as np
 import pytest
-from test_optimizers import problems, run
+from test_optimizers import problems
 
 from helpers.builders import advance, begin, small_grid_problem
 from helpers.fish import (
     RANGE,
     assert_up_to,
-    bad_values,
     begun,
     components_along,
     displacements,
     lengths,
     open_problem,
-    repairs_in_place,
     spent,
     straight,
     zigzags,
 )
-from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.fish.improved import ImprovedFishSwarm
 
 NAME = "improved-fish-swarm"
-DEFAULTS = {
-    "visual": 0.3,
-    "step": 0.1,
-    "smallest_visual": 0.01,
-    "smallest_step": 0.01,
-    "first_beta": 0.9,
-    "last_beta": 0.2,
-    "crowding": 0.6,
-    "tries": 5.0,
-    "origin_pull": 0.0,
-}
 # Fish that cannot move but by the pull of the origin; and that leap to where they are.
 STILL = {"step": 0.0, "smallest_step": 0.0, "visual": 0.0, "smallest_visual": 0.0}
 BLIND = {"visual": 0.0, "smallest_visual": 0.0}
-
-
-def test_the_defaults_are_the_printed_parameters_without_the_pull_of_the_origin():
-    assert ImprovedFishSwarm.parameter_values({})._asdict() == DEFAULTS
-    assert list(ImprovedFishSwarm.parameters) == list(DEFAULTS)
-
-
-@pytest.mark.parametrize(("name", "value"), [*bad_values(*DEFAULTS), ("origin_pull", 1.1)])
-def test_a_bad_parameter_is_refused_with_its_name(name, value):
-    with pytest.raises(SettingError, match=name):
-        ImprovedFishSwarm.parameter_values({name: value})
-
-
-@pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"origin_pull": 0.5, "tries": 1.0, "crowding": 1.0},
-        {"origin_pull": 1.0, "visual": 0.05, "tries": 7.0},
-        {"visual": 1.0, "crowding": 1.0, "first_beta": 0.2, "last_beta": 0.9},
-        {"tries": 2.9, "crowding": 0.1, "smallest_visual": 0.2, "smallest_step": 0.2},
-    ],
-)
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
-    run(NAME, problems(NAME)[kind], [(6, 0.0), (9, 0.7), (4, 1.0)], parameters, size=6, iterations=3)
 
 
 # The first population.
@@ -144,17 +104,6 @@ def test_where_nothing_is_better_a_fish_preys_and_leaps_twice_and_looks_at_the_b
     assert count == 1 + 6 * (2 * (tries + 1) + 1)
 
 
-@pytest.mark.parametrize("tries", [1, 5])
-@pytest.mark.parametrize("kind", ["analytic", "curve"])
-def test_evaluations_of_an_iteration_lie_between_what_the_rules_give(kind, tries):
-    swarms, tables = begin(NAME, [problems(NAME)[kind]], size=15)
-    for repair_degree in (0.0, 0.0, 1.0, 1.0):
-        before = swarms.evaluations[0]
-        advance(NAME, swarms, tables, 15, repair_degree, {"tries": float(tries)})
-        count = swarms.evaluations[0] - before
-        assert 1 + 15 * 2 <= count <= 1 + 15 * (2 * tries + 4)
-
-
 @pytest.mark.parametrize(("crowding", "each"), [(0.0, 2), (0.5, 2), (0.51, 3), (1.0, 3)])
 def test_fish_swarm_where_fewer_than_the_crowding_see_the_centre(crowding, each):
     """Two of four do. A step of no length is no better, so a fish that swarms preys one evaluation later."""
@@ -203,10 +152,6 @@ def test_fish_that_leap_nowhere_get_better_or_stay(kind):
         assert (is_better | stayed).all()
         improved += is_better.sum()
     assert improved > 0
-
-
-def test_where_fish_come_to_is_repaired():
-    assert all(repairs_in_place(NAME, STILL, 1))
 
 
 # The pull of the origin.

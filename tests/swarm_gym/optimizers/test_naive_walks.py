@@ -8,6 +8,7 @@ import pytest
 import shapely
 
 from helpers.builders import random_grid_scenario
+from helpers.grids import drawn_problem
 from oracles import naive, naive_swarm
 from oracles.naive_ants import AntColony
 from oracles.naive_glowworm import Glowworm, relayed
@@ -19,13 +20,6 @@ from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 
 METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
-
-
-def walk_problem(*rows, start, target, **geometry):
-    """Return the walk problem of a map of characters; start and target are in cells."""
-    grid = GridMap("drawn", np.array([[character == "#" for character in row] for row in rows]), **geometry)
-    ends = (tuple(grid.to_map(end).tolist()) for end in (start, target))
-    return WalkProblem(GridScenario("drawn", grid, *ends))
 
 
 def twin_of(kind, problem, seed=0, budget=10**9, **parameters):
@@ -105,7 +99,7 @@ WALL = (
 
 
 def test_the_cost_of_a_way_is_its_length_and_a_penalty_for_what_is_blocked_of_all_of_it():
-    problem = naive_swarm.oracle_of(walk_problem(*WALL, start=(0, 0), target=(0, 4), **METRES))
+    problem = naive_swarm.oracle_of(drawn_problem(*WALL, start=(0, 0), target=(0, 4), **METRES))
     a, b, c = (problem.centre_of(cell) for cell in ((0, 1), (0, 3), (4, 3)))
     assert problem.cost_of_path([a, b, c]) == pytest.approx((6 * 0.05 + 500, 0.05))
     assert problem.freed(problem.centre_of((1, 2.2))) in (
@@ -126,7 +120,7 @@ def placed(problem, *cells, **parameters):
 
 
 def test_light_is_relayed_around_an_obstacle():
-    problem = walk_problem(*WALL, start=(0, 0), target=(0, 4))
+    problem = drawn_problem(*WALL, start=(0, 0), target=(0, 4))
     twin = placed(problem, (4, 1), (4, 4), (1, 1))
     advance(twin, 1, 4)
     far = 4 + math.hypot(4, 3)  # along the wall's open end, down and left
@@ -141,13 +135,13 @@ def test_light_is_relayed_around_an_obstacle():
     [(1, [0, 0, 1 / 5]), (2, [1 - math.hypot(*way) / math.hypot(5, 5) for way in ((0, 4), (4, 3), (4, 0))])],
 )
 def test_light_by_sight_and_by_distance(glow, shares):
-    twin = placed(walk_problem(*WALL, start=(0, 0), target=(0, 4)), (4, 1), (4, 4), glow=glow)
+    twin = placed(drawn_problem(*WALL, start=(0, 0), target=(0, 4)), (4, 1), (4, 4), glow=glow)
     advance(twin, 1, 3)
     assert [(member.luciferin - 0.6 * 5) / 0.6 for member in twin.members] == pytest.approx(shares)
 
 
 def test_glowworms_move_to_the_brightest_that_they_see_by_where_all_were():
-    problem = walk_problem(*WALL, start=(0, 0), target=(0, 4))
+    problem = drawn_problem(*WALL, start=(0, 0), target=(0, 4))
     twin = placed(problem, (4, 1), (4, 4), step=0.1)
     advance(twin, 1, 3)
     eta, way = 0.5, math.hypot(4, 1)
@@ -161,7 +155,7 @@ def test_glowworms_move_to_the_brightest_that_they_see_by_where_all_were():
 
 
 def test_near_the_brightest_one_they_step_onto_it_and_then_stay():
-    problem = walk_problem("......", start=(0, 0), target=(5, 0))
+    problem = drawn_problem("......", start=(0, 0), target=(5, 0))
     twin = placed(problem, (1, 0), (1.2, 0), step=0.05, gain=0.0, decay=0.0)
     twin.members[1].luciferin, twin.members[2].luciferin = 6.0, 7.0
     twin.parameters = twin.parameters._replace(decision_range=0.1)  # the target is out of reach
@@ -198,7 +192,7 @@ def test_the_robot_arrives_behind_the_block_on_a_free_way(parameters):
 
 
 def test_no_wall_is_stepped_through_to_arrive():
-    problem = walk_problem(*WALL, start=(0, 1), target=(0, 3))
+    problem = drawn_problem(*WALL, start=(0, 1), target=(0, 3))
     twin = placed(problem, (1, 1), step=0.5)
     advance(twin, 1, 2)
     assert math.dist(twin.members[0].position, (0, 3)) <= 2.5
@@ -206,14 +200,14 @@ def test_no_wall_is_stepped_through_to_arrive():
 
 
 def test_on_another_map_all_but_the_robot_are_placed_anew():
-    twin = placed(walk_problem("....", "....", start=(0, 0), target=(3, 0)), (1, 0), (2, 1), step=0.125)
+    twin = placed(drawn_problem("....", "....", start=(0, 0), target=(3, 0)), (1, 0), (2, 1), step=0.125)
     advance(twin, 2, 3)
     spent, last = twin.evaluations, list(twin.trajectory[-1])
     here = twin.problem.cell_of(last)
     rows = [list("...."), list("....")]
     rows[here[1]][here[0]] = "#"
     start, target = (0, 1 - here[1]), (3, 0)
-    twin.re_evaluate(naive_swarm.oracle_of(walk_problem(*map("".join, rows), start=start, target=target)))
+    twin.re_evaluate(naive_swarm.oracle_of(drawn_problem(*map("".join, rows), start=start, target=target)))
     assert twin.evaluations == spent + 4
     assert twin.problem.is_free(*twin.problem.cell_of(twin.members[0].position))
     assert twin.trajectory[-2:] == [last, twin.members[0].position]
@@ -243,7 +237,7 @@ def test_costs_are_relayed_along_the_shortest_chain():
 @pytest.mark.parametrize("geometry", [{}, METRES])
 def test_ants_find_the_octile_optimum_of_a_small_map(geometry):
     rows = (".......", "..##...", "..##...", ".......")
-    problem = walk_problem(*rows, start=(0, 1), target=(6, 2), **geometry)
+    problem = drawn_problem(*rows, start=(0, 1), target=(6, 2), **geometry)
     twin = twin_of(AntColony, problem)
     twin.begin(20)
     advance(twin, 15, 20)
@@ -254,7 +248,7 @@ def test_ants_find_the_octile_optimum_of_a_small_map(geometry):
 
 def test_an_ant_in_a_dead_end_steps_back_and_its_walk_has_no_loops():
     rows = ("......", ".####.", "....#.", ".####.", "......")
-    problem = walk_problem(*rows, start=(0, 2), target=(5, 2))
+    problem = drawn_problem(*rows, start=(0, 2), target=(5, 2))
     twin = twin_of(AntColony, problem, sight_weight=4.0)
     twin.begin(5)
     for ant in twin.members:
@@ -265,7 +259,7 @@ def test_an_ant_in_a_dead_end_steps_back_and_its_walk_has_no_loops():
 
 
 def test_where_a_walk_comes_back_beside_itself_the_loop_is_cut_out():
-    problem = walk_problem("....", "....", ".#..", start=(0, 0), target=(3, 2))
+    problem = drawn_problem("....", "....", ".#..", start=(0, 0), target=(3, 2))
     twin = twin_of(AntColony, problem)
     # (0, 2) is beside (1, 1), but behind a corner of the blocked cell.
     way = [(0, 0), (1, 0), (2, 0), (3, 0), (3, 1), (2, 1), (1, 1), (0, 1), (0, 2)]
@@ -279,7 +273,7 @@ def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
     """The winding corridor is longer than an ant walks."""
     walls = ("#" * 19 + ".", "." + "#" * 19)
     rows = [row for k in range(9) for row in ("." * 20, walls[k % 2])] + ["." * 20]
-    twin = twin_of(AntColony, walk_problem(*rows, start=(0, 0), target=(19, 18)), evaporation=0.5)
+    twin = twin_of(AntColony, drawn_problem(*rows, start=(0, 0), target=(19, 18)), evaporation=0.5)
     twin.begin(2)
     for ant in twin.members:
         assert not ant.arrived
@@ -293,7 +287,7 @@ def test_an_ant_whose_steps_are_used_up_goes_straight_on_from_where_it_is():
 
 
 def test_trails_evaporate_and_ants_that_arrived_lay_theirs_and_the_best_once_more():
-    problem = walk_problem("....", start=(0.25, 0), target=(2.75, 0))
+    problem = drawn_problem("....", start=(0.25, 0), target=(2.75, 0))
     twin = twin_of(AntColony, problem, evaporation=0.5, deposit=1.0, elite_weight=3.0)
     twin.begin(2)
     laid = twin.trails[0]
@@ -305,12 +299,12 @@ def test_trails_evaporate_and_ants_that_arrived_lay_theirs_and_the_best_once_mor
 
 
 def test_on_another_map_ants_walk_anew_and_lay_no_trails():
-    twin = twin_of(AntColony, walk_problem("....", "....", "....", start=(0, 1), target=(3, 1)))
+    twin = twin_of(AntColony, drawn_problem("....", "....", "....", start=(0, 1), target=(3, 1)))
     twin.begin(6)
     advance(twin, 5, 6)
     trails = [[list(cell) for cell in row] for row in twin.trails]
     assert twin.best[:2] == (3.0, 0.0)
-    other = naive_swarm.oracle_of(walk_problem("....", "..#.", "....", start=(0, 1), target=(3, 1)))
+    other = naive_swarm.oracle_of(drawn_problem("....", "..#.", "....", start=(0, 1), target=(3, 1)))
     twin.re_evaluate(other)
     assert twin.trails == trails
     assert twin.evaluations == 7 * 6 - 6 + 7

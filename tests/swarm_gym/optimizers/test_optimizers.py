@@ -56,10 +56,10 @@ def problems(optimizer):
 def on_all_kinds(optimizers):
     """Mark kinds as slow whose kernels take much longer to compile than the test to run."""
     slow = {"function", "plain"}
-    slow_of_fish = {*slow, "curve", "polyline"}  # whose oracles look around hundreds of times
+    slow_of_many = {*slow, "curve", "polyline"}  # of those that evaluate hundreds of times in an iteration
     cases = [
         pytest.param(name, kind, marks=pytest.mark.slow)
-        if kind in (slow_of_fish if "fish" in name else slow)
+        if kind in (slow_of_many if "fish" in name or name == "firefly" else slow)
         else (name, kind)
         for name in optimizers
         for kind in problems(name)

@@ -9,10 +9,8 @@ from helpers.builders import (
     UNLIMITED,
     advance,
     assert_same_as_oracle,
-    assert_same_swarm,
     begin,
     is_walker,
-    make_twins,
     oracle_twin,
     random_grid_scenario,
     random_population,
@@ -105,25 +103,6 @@ def test_episodes_of_all_budgets_on_a_map_that_changes_are_the_naive_ones(optimi
     first = spent_to_begin(optimizer, problems(optimizer, "analytic")[0], 5)
     for budget in range(first, first + 40):
         run(optimizer, "analytic", [(5, 0.0), (7, 0.5)], tries(optimizer, 1), budget, size=5)
-
-
-@pytest.mark.parametrize("budget", [UNLIMITED, *range(8, 60, 3)])
-def test_fireflies_on_a_map_that_changes_are_the_naive_ones(budget):
-    both = problems("firefly", "analytic")
-    population = random_population(np.random.default_rng(1), both[0], 6)
-    swarms, _, twin = make_twins(both[0], population, seed=1, budget=budget)
-    tables = stack([problem.table for problem in both])
-    for step in (1, 2, 3):
-        if swarms.evaluations[0] >= budget:
-            break
-        values = advance("firefly", swarms, tables, 5 + step, 0.5)
-        twin.resize(5 + step)
-        twin.iterate(0.5, values)
-        if swarms.evaluations[0] >= budget:
-            break
-        change("firefly", swarms, tables, step % 2)
-        twin.re_evaluate(both[step % 2].scenario)
-        assert_same_swarm(swarms, twin)
 
 
 def test_a_best_so_far_that_got_worse_gives_way_to_the_best_member():

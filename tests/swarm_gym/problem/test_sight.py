@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_traversal import grid, grids, lattice_points, points_anywhere
+from test_traversal import lattice_points, points_anywhere
 
 from helpers.builders import random_grid_scenario
 from helpers.compiled import compiled
+from helpers.grids import frozen, grid, grids
 from swarm_gym.problem.geometry.sight import (
     cast_shadow,
     hidden_at,
@@ -32,7 +33,7 @@ def open_grids(draw):
         height, width = draw(st.integers(1, 9)), draw(st.integers(1, 9))
         blocked[row : row + height, column : column + width] = True
         blocked[row + height : row + height + 2, column + width : column + width + 2] = True
-    return blocked
+    return frozen(blocked)
 
 
 maps = st.one_of(grids(), open_grids()).filter(lambda blocked: not blocked.all())
@@ -124,7 +125,7 @@ def test_a_block_hides_what_is_behind_it_and_its_shadow_says_so():
 
 
 def test_everything_outside_the_map_is_blocked():
-    blocked = np.zeros((12, 12), np.bool_)
+    blocked = frozen(np.zeros((12, 12), np.bool_))
     rooms = tabulate_rooms(blocked)
     assert compiled(sees)(blocked, rooms, -0.5, -0.5, 11.5, 11.5)
     assert not compiled(sees)(blocked, rooms, 5.0, 5.0, 5.0, 11.6)
@@ -136,7 +137,7 @@ def test_a_jump_does_not_end_in_a_closed_gap():
     """Of two rooms that touch at a corner, where the free cells around a point end."""
     blocked = np.ones((10, 10), np.bool_)
     blocked[:5, :5] = blocked[5:, 5:] = False
-    rooms = tabulate_rooms(blocked)
+    rooms = tabulate_rooms(frozen(blocked))
     assert rooms[2, 2] == 2
     for p, q in (((2.0, 2.0), (7.0, 7.0)), ((1.0, 1.0), (8.0, 8.0)), ((2.5, 1.5), (6.5, 7.5))):
         assert not compiled(sees)(blocked, rooms, *p, *q)

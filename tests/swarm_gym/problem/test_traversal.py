@@ -11,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from helpers.compiled import compiled
+from helpers.grids import frozen, grid, grids
 from swarm_gym.problem.geometry.traversal import (
     TOLERANCE,
     blocked_length,
@@ -20,17 +21,6 @@ from swarm_gym.problem.geometry.traversal import (
 )
 
 HALF = Fraction(1, 2)
-
-
-def grid(*rows):
-    return np.array([[character == "#" for character in row] for row in rows])
-
-
-@st.composite
-def grids(draw, most=7):
-    width, height = draw(st.integers(1, most)), draw(st.integers(1, most))
-    cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
-    return np.array(cells).reshape(height, width)
 
 
 def lattice_points(most=7):
@@ -110,12 +100,13 @@ def test_segments_are_free_where_shapely_covers_them_and_no_gap_is_passed(blocke
 @settings(deadline=None)
 @given(grids(), st.lists(st.one_of(points_anywhere(), lattice_points()), min_size=2, max_size=5))
 def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(blocked, points):
+    """Up to the tolerance, over which a segment that is nearly along a wall may go on for long."""
     free = free_space(blocked)
-    expected = sum(
-        shapely.LineString(ends).difference(free.buffer(TOLERANCE, join_style="mitre")).length
-        for ends in pairwise(points)
+    least, most = (
+        sum(shapely.LineString(ends).difference(room).length for ends in pairwise(points))
+        for room in (free.buffer(margin, join_style="mitre") for margin in (2 * TOLERANCE, 1e-3 * TOLERANCE))
     )
-    assert blocked_length(blocked, np.array(points)) == pytest.approx(expected, abs=1e-6)
+    assert least - 1e-6 <= blocked_length(blocked, np.array(points)) <= most + 1e-6
 
 
 @settings(deadline=None)
@@ -205,7 +196,9 @@ def test_a_gap_is_not_passed_by_a_rounding_error(error):
 def test_a_path_is_free_if_its_segments_are_and_it_does_not_turn_through_a_gap(points, free):
     for directed in (points, points[::-1]):
         assert path_is_free(DIAGONAL, np.array(directed)) == free
-        assert path_is_free(DIAGONAL[::-1].copy(), np.array(directed) * (1.0, -1.0) + (0.0, 3.0)) == free
+        assert (
+            path_is_free(frozen(DIAGONAL[::-1].copy()), np.array(directed) * (1.0, -1.0) + (0.0, 3.0)) == free
+        )
 
 
 def test_far_and_infinite_points_are_outside():

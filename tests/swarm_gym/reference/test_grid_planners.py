@@ -15,6 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from helpers.compiled import compiled
+from helpers.grids import frozen, grid
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.traversal import is_gap, path_is_free, segment_is_free
 from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path, smooth
@@ -28,18 +29,14 @@ EROSION = 1e-6
 OCTILE_RATIO = math.sqrt(4.0 - 2.0 * math.sqrt(2.0))
 
 
-def grid(*rows):
-    return np.array([[character == "#" for character in row] for row in rows])
-
-
 def random_grid(rng, most, least=1):
     """Sparse, dense, or of blocks: gaps, corridors and open places all occur."""
     width, height = rng.integers(least, most, 2, endpoint=True)
     blocked = rng.random((height, width)) < rng.choice([0.1, 0.25, 0.4])
     if rng.random() < 0.3:
-        blocked = np.kron(blocked, np.ones((2, 2), bool))[:height, :width]
+        blocked = np.kron(blocked, np.ones((2, 2), bool))[:height, :width].copy()
     blocked.flat[rng.integers(blocked.size)] = False
-    return blocked
+    return frozen(blocked)
 
 
 def random_task(seed, most, least=1):
@@ -326,7 +323,7 @@ class TestAnyAnglePath:
             AnyAnglePlanner(grid(".#.", ".#.")).shortest_path(start, (0, 0))
 
     def test_later_changes_of_the_grid_do_not_reach_the_planner(self):
-        blocked = grid("...")
+        blocked = grid("...").copy()
         planner = AnyAnglePlanner(blocked)
         blocked[:] = True
         assert planner.shortest_path((0, 0), (2, 0))[0] == 2.0

@@ -340,6 +340,7 @@ def test_members_on_a_test_function_are_dots_where_their_first_two_components_ar
     problem = FunctionProblem(make_scenario(name))
     low, high = problem.bounds
     bare = empty_scene(problem.scenario, paths=np.empty((0, 2, 2)))
+    before = Renderer().frame(bare)[55:335, :700]
 
     def centre(vector, as_member):
         """Return column and row of a dot of this colour."""
@@ -347,8 +348,7 @@ def test_members_on_a_test_function_are_dots_where_their_first_two_components_ar
         scene = replace(bare, best_path=points, best_fitness=1.0)
         if as_member:
             scene = replace(bare, paths=points[None], feasible=np.ones(1, bool))
-        # Below the swarm is the legend.
-        before, after = (Renderer().frame(each)[55:335, :700] for each in (bare, scene))
+        after = Renderer().frame(scene)[55:335, :700]  # below the swarm is the legend
         colour = pen.FEASIBLE if as_member else pen.BEST
         assert len(places(after, colour)) > len(places(before, colour)) + 10
         return changed(before, after).mean(axis=0)[::-1]

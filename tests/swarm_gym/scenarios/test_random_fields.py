@@ -3,6 +3,7 @@ import itertools
 import math
 import pickle
 from collections import Counter
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ FIELDS_PER_SPLIT = 30
 SCATTERED = sorted(set(SPLITS) - {"narrow"})
 
 
+@cache
 def fields(split, number=FIELDS_PER_SPLIT):
     return make_scenarios(f"random-fields:{split}:0-{number - 1}")
 

@@ -270,7 +270,7 @@ def test_a_scenario_with_other_than_finite_numbers_is_refused(part, value):
     [(0.0, 0.0, 0.0, 600.0), (0.0, 0.0, 1000.0, 0.0), (1000.0, 0.0, 0.0, 600.0), (0.0, 600.0, 1000.0, 0.0)],
 )
 def test_an_empty_workspace_is_refused(workspace):
-    refused(lambda: scenario(workspace=workspace), "workspace", "empty", str(workspace))
+    refused(lambda: scenario(workspace=workspace), "workspace needs x_min < x_max", str(workspace))
 
 
 @pytest.mark.parametrize("initial_range", [(5.0, 5.0), (1.0, -1.0)])

@@ -1,0 +1,32 @@
+"""Occupancy grids: drawn by hand, and of any kind for Hypothesis."""
+
+import numpy as np
+from hypothesis import strategies as st
+
+from swarm_gym.problem import WalkProblem
+from swarm_gym.scenarios import GridMap, GridScenario
+
+
+def frozen(blocked):
+    """Make an array read-only, as the cells of maps are, since kernels are compiled again for others."""
+    blocked.flags.writeable = False
+    return blocked
+
+
+def grid(*rows):
+    """Return the blocked cells of a map drawn in rows of characters, in which # is blocked."""
+    return frozen(np.array([[character == "#" for character in row] for row in rows]))
+
+
+def drawn_problem(*rows, start, target, **geometry):
+    """Return the problem of walks on a map of rows of characters; start and target are in cells."""
+    drawn = GridMap("drawn", grid(*rows), **geometry)
+    return WalkProblem(GridScenario("drawn", drawn, *map(tuple, drawn.to_map([start, target]).tolist())))
+
+
+@st.composite
+def grids(draw, most=7):
+    """Draw a small grid, each cell of which is blocked or free."""
+    width, height = draw(st.integers(1, most)), draw(st.integers(1, most))
+    cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
+    return frozen(np.array(cells).reshape(height, width))
