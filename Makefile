@@ -11,7 +11,7 @@ STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
 KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_golden.py \
-    scenarios/test_test_functions.py)
+    scenarios/test_functions.py)
 BOUNDS_TESTS = $(KERNEL_TESTS) tests/reliability/test_determinism.py \
     $(addprefix tests/swarm_gym/,test_vector_env.py controllers/test_schedules.py)
 # A command that is left out with OFFLINE=1.
@@ -93,10 +93,8 @@ test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the low
 fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/reliability/fuzz_finds
 	PYTHONPATH=.:tests:tests/reliability .venv-fuzz/bin/python tests/reliability/fuzz.py --seconds $(SECONDS)
 
-EXTRAS_fuzz = maps$(comma)fuzz
-EXTRAS_peers = peers
 .venv-fuzz/.installed .venv-peers/.installed: .venv-%/.installed: pyproject.toml constraints.txt
-	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(EXTRAS_$*)]')
+	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(if $(filter fuzz,$*),maps$(comma))$*]')
 	@touch $@
 
 check: $(INSTALLED) ## lint, formatting, types, layers

@@ -167,8 +167,8 @@ def _opened(content: bytes) -> zipfile.ZipFile:
 
 def _require_tanh(path: Path, data: Any) -> None:
     """Raise an error for another activation function than tanh, by the plain JSON in `data`."""
-    told = data.get("policy_kwargs", {}) if isinstance(data, dict) else None
-    activation = told.get("activation_fn", "Tanh") if isinstance(told, dict) else None
+    options = data.get("policy_kwargs", {}) if isinstance(data, dict) else None
+    activation = options.get("activation_fn", "Tanh") if isinstance(options, dict) else None
     if not isinstance(activation, str) or not activation.rstrip("'>").endswith("Tanh"):
         raise PolicyFileError(f"{path}: expected a policy with activation_fn Tanh, got {activation!r:.80}")
 

@@ -89,7 +89,7 @@ class RayBackend(Backend):
                 for reference in self._ended(list(under_way)):
                     numbers = under_way.pop(reference)
                     try:
-                        outcomes, seconds = self._told(reference)
+                        outcomes, seconds = self._outcomes(reference)
                     except WorkLostError:
                         tqdm.write(f"a task was lost {MOST_LOSSES} times; it is given up")
                         given_up.add()
@@ -164,7 +164,7 @@ class RayBackend(Backend):
                 ended, _ = self._ray.wait(references, num_returns=len(references), timeout=0)
             return ended
 
-    def _told(self, reference: Any) -> tuple[list[Outcome], float]:
+    def _outcomes(self, reference: Any) -> tuple[list[Outcome], float]:
         errors = self._ray.exceptions
         try:
             with _own_exceptions():
@@ -196,7 +196,7 @@ def _require_answer(address: str | None) -> None:
     try:
         socket.create_connection((host.strip("[]"), int(port)), CONNECT_TIMEOUT).close()
     except (OSError, OverflowError) as error:
-        raise BackendError(f"--backend ray --address {address}: nobody answers there ({error})") from error
+        raise BackendError(f"--backend ray --address {address}: nothing answers there ({error})") from error
 
 
 def _carry_out(task: Task, units: list[Any]) -> tuple[list[Outcome], float]:

@@ -21,8 +21,8 @@ def provenance(*packages: str) -> dict[str, str]:
 
 def git_commit() -> str:
     """Return the commit of the checkout, with a mark if files were changed since; "unknown" without one."""
-    if told := os.environ.get(COMMIT):
-        return told
+    if commit := os.environ.get(COMMIT):
+        return commit
     command = ["git", "describe", "--always", "--dirty", "--abbrev=40"]
     folder = Path(__file__).parent
     try:

@@ -58,7 +58,7 @@ class TrainConfig:
     price: tuple[float, ...] = (0.17,)
     """Price of 100,000 evaluations in units of the reward, or the range that episodes draw it from."""
     base: str = "none"
-    """Controller whose decisions the policy corrects, e.g. open-loop:three-cases; none for none."""
+    """Controller whose decisions the policy corrects, e.g. open-loop:three-cases; none for no base."""
     corrected_from: int = 0
     """First iteration, counted from 0, in which the policy corrects its base; the base acts alone before."""
     warm_start: str = "spsfa-tip"

@@ -44,5 +44,5 @@ def plan(suite: Suite, results: Results) -> Drawings:
 
 def _stem(name: str) -> str:
     """Return the file name of a figure, without a suffix; figures of the SPSFA paper have its numbers."""
-    name = name.replace(":", "-")  # which is no part of a file name everywhere
+    name = name.replace(":", "-")  # some file systems forbid colons
     return f"figure-{FIGURE_NUMBERS[name]:02}-{name}" if name in FIGURE_NUMBERS else f"figure-{name}"

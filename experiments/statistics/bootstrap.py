@@ -25,7 +25,7 @@ Interval = tuple[float, float]
 RESAMPLES = 5000
 CONFIDENCE = 0.95
 TRIMMED = 0.25  # from either end, for the inter-quartile mean
-MOST_COUNTS = 4_000_000  # held at once, 32 MB
+MOST_COUNTS = 4_000_000  # counts in memory at a time, 32 MB
 
 
 class Draws(NamedTuple):
@@ -57,7 +57,7 @@ def draw(num_training_seeds: int, set_sizes: tuple[int, ...], num_seeds: int, st
     pairs = []
     for size in set_sizes:
         scenarios = rng.multinomial(size, _equal(size), size=RESAMPLES)
-        # A scenario drawn twice has its seeds drawn twice, which are as many draws at once.
+        # A scenario that is drawn twice draws twice as many seeds.
         pairs.append(rng.multinomial(scenarios * num_seeds, _equal(num_seeds)).reshape(RESAMPLES, -1))
     return Draws(chosen.astype(np.float64), np.concatenate(pairs, axis=1).astype(np.float64))
 

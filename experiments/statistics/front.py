@@ -32,7 +32,7 @@ def hypervolume(points: Floats, reference: tuple[float, float]) -> Floats:
     inside = np.minimum(points, reference)
     order = np.argsort(inside[..., 0], axis=-1)
     x, y = (np.take_along_axis(inside[..., k], order, axis=-1) for k in (0, 1))
-    # Strips from one point to the next, as high as the best so far.
+    # The area consists of strips from one point to the next, bounded by the least y so far.
     widths = np.diff(x, axis=-1, append=np.full((*x.shape[:-1], 1), reference[0]))
     heights = reference[1] - np.minimum.accumulate(y, axis=-1)
     return (widths * heights).sum(axis=-1)

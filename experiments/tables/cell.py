@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-Interval = tuple[float, float]
+from experiments.statistics import Interval
+
 Number = float | np.number[Any]
 
 MISSING = "–"
@@ -59,7 +60,7 @@ class Cell:
         return _FORMATTER.vformat(self.template, (), self.numbers)
 
 
-Entry = Cell | str  # of a table
+Entry = Cell | str  # of a row of a table
 
 
 def number(value: Number | None, form: str = ".1f") -> Entry:

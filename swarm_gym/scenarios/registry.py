@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
-from swarm_gym.scenarios import random_fields, rooms_and_caves, test_functions
+from swarm_gym.scenarios import function_family, random_fields, rooms_and_caves
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic.scenario import AnyScenario, DynamicScenario
 from swarm_gym.scenarios.family import Family
@@ -26,7 +26,7 @@ FAMILIES: dict[str, Family] = {
     "moving-ai": moving_ai.FAMILY,
     "den400d": moa.FAMILY,
     "ros": ros_map.FAMILY,
-    "function": test_functions.FAMILY,
+    "function": function_family.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.FAMILY,

@@ -24,7 +24,7 @@ def policy(tmp_path):
 
 @pytest.fixture
 def remembering(policy):
-    """The same with a memory before its layers."""
+    """A policy with an LSTM before its layers."""
     return add_memory(policy, np.random.default_rng(1), SIZE)
 
 

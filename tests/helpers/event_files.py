@@ -1,4 +1,4 @@
-"""What TensorBoard shows of a folder, without the times."""
+"""Readers of TensorBoard event files, without the times."""
 
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from tensorboard.plugins.hparams.plugin_data_pb2 import HParamsPluginData
@@ -7,9 +7,9 @@ EVERYTHING = {"images": 0, "scalars": 0, "tensors": 0, "histograms": 0}
 
 
 def shown(folder, purge=True):
-    """Values with their steps by tag, in the order in which they were read.
+    """Return values with their steps by tag, in the order in which they were read.
 
-    With `purge`, without what TensorBoard was told to hide.
+    With `purge`, values that TensorBoard hides are left out.
     """
     events = EventAccumulator(str(folder), EVERYTHING, purge_orphaned_data=purge).Reload()
     tags = events.Tags()
@@ -23,5 +23,5 @@ def shown(folder, purge=True):
 
 
 def _sorted(content):
-    """The same message with its maps in order, which is another one in each process."""
+    """Return a message with its maps sorted, since their order differs between processes."""
     return HParamsPluginData.FromString(content).SerializeToString(deterministic=True)

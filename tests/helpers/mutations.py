@@ -1,4 +1,4 @@
-"""Files and values that are almost right, and what a reader of any of them may take."""
+"""Mutated files for property-based tests, and limits of time and memory for their readers."""
 
 import functools
 import tracemalloc
@@ -23,7 +23,7 @@ _settings = settings(
 
 
 def fuzzed(test):
-    """For a property of any input: bounded in time and memory, and one of those that `-m fuzzed` selects."""
+    """Mark a property-based test of any input for `-m fuzzed`, and bound its time and memory."""
 
     @functools.wraps(test)
     def bounded(*args, **kwargs):
@@ -35,7 +35,7 @@ def fuzzed(test):
 
 @contextmanager
 def bounded_memory(limit=MAX_MEMORY):
-    """Fail if more memory is taken than a refusal needs, in bytes."""
+    """Fail if more bytes of memory are used than the refusal of an input needs."""
     tracemalloc.start()
     try:
         yield
@@ -46,7 +46,7 @@ def bounded_memory(limit=MAX_MEMORY):
 
 
 def mutated(content, *insertions):
-    """The content with some bytes removed, and some of these texts or any bytes inserted."""
+    """Draw the content with some bytes removed, and some of these texts or random bytes inserted."""
     place = st.integers(0, len(content))
     change = st.tuples(place, st.integers(0, 6), st.binary(max_size=4) | st.sampled_from(insertions))
 

@@ -1,6 +1,6 @@
-"""What reads files, each as a function of any bytes: for the fuzzer and the test of what it finds.
+"""Parsers of files as functions of any bytes, for the fuzzer and for the test of its finds.
 
-`parse(name, content)` reads the content and passes over the documented errors; any other error is a find.
+`parse(name, content)` reads the content and ignores the documented errors; any other error is a find.
 """
 
 import io
@@ -50,10 +50,10 @@ NAMES = (
 
 
 def decides(name: str) -> None:
-    """Hold a controller to what any decides.
+    """Assert that the decisions of a controller are valid.
 
     Raises:
-        ValueError: if there is none of that name, or its file is not readable.
+        ValueError: if no controller has that name, or its file is not readable.
     """
     controller = make_controller(name)
     controller.reset(2)
@@ -66,7 +66,7 @@ _OBSERVED = np.tile(np.linspace(0, 1, 13), (2, 1))
 
 
 class Parser(NamedTuple):
-    """Something that reads files."""
+    """A parser of files."""
 
     suffix: str
     seeds: Callable[[], list[bytes]]  # whole files, which the fuzzer begins with
@@ -76,7 +76,7 @@ class Parser(NamedTuple):
 
 
 def parse(name: str, content: bytes, folder: Path) -> bool:
-    """Whether the parser of that name takes the content; a file of the folder has it meanwhile."""
+    """Return whether a parser accepts the content, which is written to a file in the folder."""
     parser = PARSERS[name]
     # Some readers keep what they have read, and know a file that has changed by a clock that ticks slowly.
     path = folder / f"{next(_numbers)}{parser.suffix}"
@@ -123,7 +123,7 @@ def _deciding(family: str) -> Callable[[Path], None]:
 
 
 def _read_manifest(path: Path) -> object:
-    """A policy file that is whole but for what its manifest says."""
+    """Read a policy file whose manifest is any JSON and whose tensors fit it."""
     try:
         manifest = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:

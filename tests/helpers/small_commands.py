@@ -1,4 +1,4 @@
-"""Commands that end within seconds, and what they have to come to, however often they were stopped."""
+"""Commands that end within seconds, and checks of their results, which must not depend on interruptions."""
 
 import io
 import json
@@ -17,7 +17,7 @@ from swarm_gym.controllers.learned.policy_file import load_policy
 
 
 class Command(NamedTuple):
-    """A module and its arguments, and values that are set before it runs, by their dotted names."""
+    """A module, its arguments, and values by dotted names that are set before it runs."""
 
     module: str
     arguments: Sequence[str]
@@ -83,7 +83,7 @@ def evaluation(folder, **options):
 
 
 def state_of(folder):
-    """What the last checkpoint holds, but for names and sizes of the files of events."""
+    """Return the content of the last checkpoint without names and sizes of event files."""
     state = Checkpoints(folder, ".pt").load(lambda content: content)
     stored = torch.load(io.BytesIO(state), weights_only=True)
     del stored["events"]
@@ -111,7 +111,7 @@ def assert_same_bits(one, other):
 
 
 def assert_same_training(whole, folder):
-    """Policies with their manifests, checkpoint and events of two runs are equal, and no file is too many."""
+    """Assert that policies, checkpoints and events of two runs are equal, and that no other file is left."""
     for name in ("best", "latest"):
         ours, theirs = (load_policy(place / f"{name}.safetensors") for place in (whole, folder))
         assert_same_bits(ours[0], theirs[0])
@@ -135,14 +135,14 @@ def assert_same_result(what, whole, folder):
 
 
 def result(path):
-    """All that was found but for what it was made with, since the commit may move meanwhile."""
+    """Return a tuning result without its provenance, since the commit may change during the tests."""
     content = json.loads(path.read_text())
     del content["manifest"]["provenance"]
     return content
 
 
 def rounds(what, folder):
-    """Every round: its points and losses."""
+    """Return points and losses of every round."""
     if what != "schedule":
         with np.load(io.BytesIO(Checkpoints(folder, ".npz").load(lambda c: c))) as stored:
             return list(zip(stored["points"], stored["losses"], strict=True))
@@ -151,7 +151,7 @@ def rounds(what, folder):
 
 
 def rows(folder):
-    """All runs but for the seconds they took, and for what they were made with."""
+    """Return all runs of a database without their durations and provenance."""
     path = folder / "paper.sqlite"
     if not path.exists():
         return []

@@ -53,7 +53,7 @@ def run_whole_and_stopped(folder, stop, total, **options):
 
 
 def make_policy(path, rng, observation="extended", extra_features=0, **changes):
-    """A policy file with random weights."""
+    """Write a policy file with random weights and return its path."""
     features = [feature.name for feature in OBSERVATIONS[observation].features]
     sizes = [len(features) + extra_features, 8, 2]
     weights = {}
@@ -84,7 +84,7 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
 
 
 def add_memory(path, rng, size):
-    """Let the policy of a file have a memory of that size, with random weights."""
+    """Add an LSTM of that size with random weights to the policy of a file."""
     weights, manifest = load_policy(path)
     weights["0.weight"] = rng.normal(size=(8, size)).astype(np.float32)
     weights["lstm.weight"] = rng.normal(size=(4 * size, len(manifest["features"]) + size)).astype(np.float32)
@@ -100,7 +100,7 @@ def change_policy(path, weights=None, **changes):
 
 
 def make_rule(path, max_evaluations):
-    """The name of a distilled rule in natural units, which may need an evaluation budget."""
+    """Write a distilled rule in natural units, perhaps with an evaluation budget, and return its name."""
     formulas = Formula("population size", 1.5, {}), Formula("repair degree", 0.1, {})
     limits = SizeLimits(2, 12)
     save_rule(path, DistilledRule(4, formulas, "firefly", max_evaluations, limits), limits, {})
@@ -108,7 +108,7 @@ def make_rule(path, max_evaluations):
 
 
 def random_observations(layout, rng, count):
-    """Plausible observations of a layout; the first is of iteration 0."""
+    """Draw plausible observations of a layout."""
     if "+" in layout:
         parts = [random_observations(part, rng, count) for part in layout.split("+")]
         return np.concatenate(parts, axis=1)

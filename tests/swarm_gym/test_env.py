@@ -466,7 +466,7 @@ def test_bad_options_are_refused_by_name_and_value(options, error, message):
         (
             {"initial_population": np.zeros((4, 31)), "initial_population_size": 4},
             SettingError,
-            "exclude",
+            "expected initial_population or initial_population_size, got both",
         ),
     ],
 )

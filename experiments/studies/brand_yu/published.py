@@ -15,7 +15,7 @@ class PublishedLength(NamedTuple):
     seconds: float
 
 
-# By number of fireflies: one at the start, the others in a square.
+# Table 1 by number of fireflies, of which one begins at the start and the others in a square.
 TABLE_1 = {
     10: PublishedLength(449.0, 14.2),
     26: PublishedLength(430.0, 14.3),

@@ -21,9 +21,9 @@ from swarm_gym.controllers.names import ControllerName
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
 
-# What is claimed of glowworms, and of ants.
+# Bounds of the claims about glowworms, and about ants.
 MOST_ABOVE_OPTIMUM, MOST_ABOVE_OCTILE = 0.08, 0.10
-RIGID, SMOOTH = 10, 122  # fireflies, in the words of the paper
+RIGID, SMOOTH = 10, 122  # numbers of fireflies whose trajectories Brand and Yu call rigid and smooth
 OCTILE_SIDES = (50, 100, 200)
 
 

@@ -46,7 +46,7 @@ class Recovery:
         collision = np.array([run.course("best_collision") for run in runs])
         spent = np.array([run.course("evaluations") for run in runs])
         feasible = collision <= tolerance
-        # What happens after an iteration is in its row of the trace already.
+        # The row of an iteration in the trace shows the event that follows this iteration.
         before, after = feasible[:, event - 1], feasible[:, event:]
         first = np.where(after.any(axis=1), after.argmax(axis=1), -1)
         rows = np.arange(len(runs))

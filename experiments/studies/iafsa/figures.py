@@ -22,7 +22,7 @@ from experiments.studies.iafsa.function_tables import Function
 from experiments.studies.iafsa.route_tables import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 
-# Points of a course, so that a figure with many panels stays small; close together where most happens.
+# Points of a course: few, so that a figure with many panels stays small, and close together at its beginning.
 MOST_POINTS = 18
 PATH_POINTS = 32
 # Below this, values of functions are rounding errors of their formulas.
@@ -79,7 +79,7 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
         scale=lambda best, k: 100.0 * (best / routes[k].shortest[0] - 1.0),
     )
     for axes in figure.axes:
-        # Penalties are far above: what is on the axes is feasible.
+        # Penalties are far above the limits of the axes, so that only feasible paths show.
         axes.set_ylim(*SHOWN_GAPS)
         axes.yaxis.set_major_locator(LogLocator())
         axes.label_outer()

@@ -40,7 +40,7 @@ ROUTES = Suite(
     scenarios=(*expand_name("routes:turtlebot3"), *expand_name("routes:playground")),
     num_seeds=50,
     baseline="fish-swarm+fixed:100",
-    # On 20 seeds below, 3 to 5 control points were always feasible; IAFSA's gaps differed by up to 1 %.
+    # On 20 lower seeds, 3 to 5 control points were always feasible, and gaps of IAFSA differed by up to 1 %.
     first_seed=FRESH_SEEDS,
     options={"encoding": "bezier", "num_control_points": 4, "iterations": 100},
     tables=("iafsa-routes",),

@@ -106,9 +106,9 @@ FITTED_TO_FIELDS = Fitted(
     learned=training_seeds("learned:random-fields", 5, 5, 1, 0.3),
     learned_extended=training_seeds("learned:random-fields-extended", 5),
 )
-# Of what was fitted to fields, where no front is drawn: at one price.
+# Controllers fitted to fields, policies at one price, for suites without fronts over prices.
 AT_ONE_PRICE = dataclasses.replace(FITTED_TO_FIELDS, learned=training_seeds("learned:random-fields", 5, 1))
-# Whose decisions the document shows.
+# Controllers whose decisions the document shows.
 LOOKED_INTO = (
     *HEADLINE_LEARNED,
     "distilled:three-cases",
@@ -120,8 +120,7 @@ LOOKED_INTO = (
     "open-loop:three-cases-extended@0.1",
 )
 
-# What a controller of the three cases owes to deciding anew each iteration, to being one for all cases, and
-# to the recipe.
+# Ablations of controllers of the three cases: constant decisions, training on one case, other recipes.
 ABLATED = (
     Family("constants", ("open-loop:three-cases-constant",)),
     Family(
@@ -145,7 +144,7 @@ ABLATED = (
         ),
     ),
 )  # fmt: skip
-# How far what was learned on few maps carries, and what was learned on many.
+# Policies learned on few maps and on many, to compare how far they generalise.
 FROM_CASES = Family("learned on the cases", (*HEADLINE_LEARNED, *HEADLINE_EXTENDED, "distilled:three-cases"))
 FROM_FIELDS = Family("learned on fields", AT_ONE_PRICE.all_learned)
 
@@ -159,7 +158,7 @@ ABLATION_FAMILIES = (
 FIELD_FAMILIES = families_of(FITTED_TO_FIELDS, FROM_CASES)
 UNSEEN_FAMILIES = families_of(AT_ONE_PRICE, FROM_CASES)
 
-# Learned controllers against the blind ones that they began with, and against the tuned schedule.
+# Learned controllers against the open loops that their training began with, and against the tuned schedule.
 HEADLINE_PAIRS = (
     *((f"learned:three-cases/*@{price}", "open-loop:three-cases") for price in ("5", "1", "0.3")),
     *((f"learned:three-cases/*@{price}", "tuned:three-cases") for price in ("5", "1", "0.3")),
@@ -207,7 +206,7 @@ def _study(
 
 HEADLINE = _study("headline", HEADLINE_FAMILIES, CASES, 200, pairs=HEADLINE_PAIRS)
 ABLATION = _study("ablation", ABLATION_FAMILIES, CASES, 100, baseline="open-loop:three-cases")
-# One seed per field, and each field another one.
+# Each field has one seed, which no other field has.
 GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1, pairs=FIELD_PAIRS)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
 

@@ -12,15 +12,15 @@ from typing import NamedTuple
 class PublishedTask(NamedTuple):
     """Numbers of one method on one task of the MOA paper."""
 
-    length: float  # mean of the feasible runs
-    feasible: float  # share of runs
-    differs: bool | None  # from the shortest mean length, by a t-test at 5 %; None for that one itself
+    length: float  # mean length of the feasible runs
+    feasible: float  # share of feasible runs
+    differs: bool | None  # from the shortest mean length, t-test at 5 %; None for the shortest itself
     success: float  # share of runs shorter than the threshold
-    evaluations: float | None  # mean until then, a run without success counting all; None if never
+    evaluations: float | None  # mean until success, or all if a run has none; None if no run has
 
 
 METHODS = ("elite-genetic", "particle-swarm", "generational-firefly", "multivariate")
-# A run is a success when its best path is shorter.
+# Length by task: a run is a success if its best path is shorter.
 THRESHOLDS = {"P1": 170.0, "P2": 156.0, "P3": 241.0, "P4": 215.0, "P5": 299.0, "P6": 269.0}
 
 _ROWS = {

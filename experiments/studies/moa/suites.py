@@ -4,14 +4,14 @@ from experiments.runs.suite import FRESH_SEEDS, Suite
 from experiments.studies.moa.published import METHODS
 from swarm_gym.scenarios import expand_name
 
-# The first population is one of the MOA paper's 450 iterations.
+# The MOA paper has 450 iterations, of which the first population is one.
 MOA_PAPER = Suite(
     name="moa-paper",
     controllers=tuple(f"{method}+fixed:65" for method in METHODS),
     scenarios=expand_name("den400d:P1-P6"),
     num_seeds=30,
     baseline="multivariate+fixed:65",
-    # The number of control points was chosen on the seeds below.
+    # The number of control points was chosen on lower seeds.
     first_seed=FRESH_SEEDS,
     options={"encoding": "bezier", "iterations": 449},
     tables=("moa",),

@@ -42,7 +42,7 @@ def draw_courses(study: ParameterStudy, case: Case) -> Figure:
         for order, (value, group) in enumerate(runs.items()):
             course = centre(columns(group, column), axis=0)
             printed = value == study.printed
-            # Every tenth of the axis, beginning at different places, so that equal lines show.
+            # Marks begin at different places, a tenth of the axis apart, so that equal lines show.
             axes.plot(
                 np.arange(len(course)), course, label=_text(study, value),
                 markevery=(0.1 * order / len(runs), 0.1), linewidth=2.2 if printed else 1.3,
@@ -129,7 +129,7 @@ def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.minorticks_off()
     least, most = axes.dataLim.intervaly
-    axes.set_ylim(min(0.5, least / 1.2), max(2.0, most * 1.2))  # what is nearly constant shall look so
+    axes.set_ylim(min(0.5, least / 1.2), max(2.0, most * 1.2))  # so that nearly constant values look constant
     axes.set_ylabel("ratio to the printed setting")
 
 

@@ -56,7 +56,7 @@ SECONDS: dict[tuple[str, str], PublishedSample] = {
     ("case3", "spsfa-tip"): PublishedSample(308.1163, 125.6084, 205.5591, 50.8039),
 }
 
-# Numbers of the paper's figures by the names of ours; figures of other scenarios have none.
+# Numbers of the figures of the SPSFA paper by the names of ours; figures of other scenarios have none.
 FIGURE_NUMBERS = {
     "population-snapshots": 3,
     "population-collision": 4,

@@ -83,7 +83,7 @@ def _summary_table(suite: Suite, outcomes: Outcomes) -> Table:
 
 def _fitness_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
     optimum = known_optimum(make_problem(scenario))
-    unit = optimum or np.nan  # nothing is relative to 0
+    unit = optimum or np.nan  # there is no gap relative to an optimum of 0
     rows: list[tuple[Entry, ...]] = []
     for controller in suite.controllers:
         runs = outcomes.of(controller, scenario)

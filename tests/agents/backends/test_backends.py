@@ -1,4 +1,4 @@
-"""Whatever carries out work does all of it, each unit once as far as anybody sees, or says why not."""
+"""Every backend does all work, yields each result once, or raises an error with the reason."""
 
 import dataclasses
 import itertools
@@ -118,7 +118,7 @@ def test_short_units_share_a_ray_task_and_long_ones_have_their_own(tmp_path, mon
 
 
 class Job:
-    """A Slurm job, which is lost if its states say so."""
+    """A fake Slurm job, which is lost in some of its states."""
 
     numbers = itertools.count()
 
@@ -148,7 +148,7 @@ def test_work_that_needs_too_much_memory_is_given_up_by_ray(tmp_path, monkeypatc
 
 @pytest.fixture
 def slurm_jobs(tmp_path, monkeypatch):
-    """A backend with four jobs at a time that end at once, and how each of them ends; then all go well."""
+    """A backend with four fake jobs at a time; `states` are the ends of the first ones, then all succeed."""
     pytest.importorskip("submitit", reason="needs the extra `slurm`")
     monkeypatch.setattr(slurm, "POLL_INTERVAL", 0.0)
     backend = make("slurm", tmp_path, jobs=4)
@@ -268,7 +268,7 @@ def test_files_that_cannot_be_brought_along_are_refused(tmp_path, monkeypatch, f
 def test_an_address_where_nobody_is_is_refused(tmp_path, address):
     pytest.importorskip("ray", reason="needs the extra `ray`")
     backend = BackendOptions("ray", address).make(tmp_path)
-    with pytest.raises(BackendError, match=r"nobody answers there"):
+    with pytest.raises(BackendError, match=r"nothing answers there"):
         backend.workers()
 
 

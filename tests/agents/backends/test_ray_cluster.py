@@ -1,4 +1,4 @@
-"""A suite on a Ray cluster of several nodes: the same rows as here, whatever is killed meanwhile."""
+"""A suite on a Ray cluster of several nodes has the rows of this machine, whatever is killed meanwhile."""
 
 import json
 import os
@@ -35,14 +35,14 @@ SUITE = Suite("paper", CONTROLLERS, ("case1", "case2", "case3"), num_seeds=12, b
 
 @pytest.fixture
 def cluster():
-    """Two nodes of one processor each, besides the head, which has none: nothing is lost with that."""
+    """A cluster of two nodes with one processor each; the head has none, so that no work is lost with it."""
     with logical_cluster(0, 1) as (_, made):
         made.workers = [made.add_node(num_cpus=1) for _ in range(2)]
         yield made
 
 
 class Watched(Results):
-    """A database that does something once it has so many runs."""
+    """A database that calls a function when it has a given number of runs."""
 
     def __init__(self, path, suite, after, what):
         super().__init__(path, configuration(suite))
@@ -58,7 +58,7 @@ class Watched(Results):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The folder of a database with all runs, made here."""
+    """The folder of a database with all runs, computed by this process."""
     folder = tmp_path_factory.mktemp("whole")
     results = Results(folder / "paper.sqlite", configuration(SUITE))
     run_missing(SUITE, results, LocalBackend(2))
@@ -117,7 +117,7 @@ def test_what_one_backend_began_another_one_ends(tmp_path, cluster, whole):
 
 
 def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkeypatch):
-    """They are in another folder, and what is set here is not set there."""
+    """Workers have another working directory and another environment than the command."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SWARM_GYM_DATA", str(tmp_path / "data"))
     (tmp_path / "data").mkdir()

@@ -19,7 +19,7 @@ def test_every_packaged_preset_loads(name):
     assert config.algorithm in LEARNERS
 
 
-def test_the_default_preset_ships():
+def test_the_default_preset_is_packaged():
     assert TrainConfig.preset in preset_names()
 
 
@@ -92,7 +92,7 @@ def test_a_preset_that_is_like_itself_is_refused(preset, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["nowhere", "", ".", "agents"])
-def test_a_missing_preset_names_those_that_ship(name):
+def test_a_missing_preset_names_the_packaged_ones(name):
     with pytest.raises(PresetError, match=r"neither one of .*three-cases.* nor a file"):
         load_preset(name)
 

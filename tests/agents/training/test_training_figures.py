@@ -1,4 +1,4 @@
-"""What TensorBoard shows of a training, read back as it reads it."""
+"""TensorBoard events of a training, read back as TensorBoard reads them."""
 
 import io
 import itertools
@@ -43,7 +43,7 @@ def pictures(events, name):
 
 
 def session(events):
-    """Hyperparameters and names of metrics, as the HParams tab reads them."""
+    """Return hyperparameters and names of metrics as the HParams tab reads them."""
     content = {
         tag: HParamsPluginData.FromString(data) for tag, data in events.PluginTagToContent("hparams").items()
     }

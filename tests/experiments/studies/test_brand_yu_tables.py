@@ -21,18 +21,18 @@ from swarm_gym.simulation import HISTORY
 TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))
 
 
-def made_run(key, way=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, snapshots=(), **courses):
+def made_run(key, trajectory=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, snapshots=(), **courses):
     """A run with these courses; the others are 0."""
     trace = np.zeros((max(map(len, courses.values()), default=1), len(HISTORY)))
     for name, course in courses.items():
         trace[:, HISTORY.index(name)] = course
-    way, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (way, path))
+    trajectory, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (trajectory, path))
     spent = int(trace[-1, HISTORY.index("evaluations")])
-    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=way)
+    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=trajectory)
 
 
 def kinked(start, target, length):
-    """A way of that length with one turn, half way."""
+    """Return a trajectory of that length with one turn in its middle."""
     (a, b), (x, y) = start, np.subtract(target, start)
     aside = sqrt(length**2 - x**2 - y**2) / 2.0 / hypot(x, y)
     return np.array([(a, b), (a + x / 2.0 + aside * y, b + y / 2.0 - aside * x), target])
@@ -73,12 +73,12 @@ def static(database):
     for controller, lengths in LENGTHS.items():
         for seed in range(4):
             there = seed < len(lengths)
-            way = kinked(START, TARGET, lengths[seed]) if there else kinked(START, (0.0, 9.0), 900.0)
+            gone = kinked(START, TARGET, lengths[seed]) if there else kinked(START, (0.0, 9.0), 900.0)
             course = np.full(121, np.nan)  # of a run that may end before the last iteration
             course[: 31 + 10 * seed if there else 121] = 1.0
             # The best path says nothing of where the robot has come to.
             of = {"collision": 99.0 if there else 0.0, "seconds": 0.1 * (seed + 1), "snapshots": kept}
-            database.add(made_run((controller, "block:50", seed), way, way, best_fitness=course, **of))
+            database.add(made_run((controller, "block:50", seed), gone, gone, best_fitness=course, **of))
     shown = ((TEN, "block:50", 0, (0, 90)),)
     of = {"controllers": tuple(LENGTHS), "scenarios": ("block:50",), "num_seeds": 4, "first_seed": 0}
     return dataclasses.replace(STATIC, **of, snapshots=shown)
@@ -127,7 +127,7 @@ def test_ways_are_drawn_as_the_robots_went(database, static):
     assert not any("iteration" in text for text in second.get_legend_handles_labels()[1])
 
 
-# By seed: where robots are when the block appears, and how much longer their way from there is than it must.
+# By seed: places of robots when the block appears, and length from there relative to the shortest path.
 PLACES = ((240.0, 200.0), (262.0, 235.0), (180.0, 100.0), (300.0, 60.0))
 FACTORS = {TEN: (1.01, 1.04, 1.12), MANY: (1.30, 1.02, 1.02, 1.20)}
 
@@ -184,9 +184,9 @@ def grids(database):
             length, seconds = (values[k] * SPREAD[seed] ** by_spread for values in made)
             start, target = (SIDES[k] / 2.0, SIDES[k] * 0.1), (SIDES[k] / 2.0, SIDES[k] * 0.9)
             path = kinked(start, target, 900.0 if lost else length)
-            key, way = (controller, f"block:{SIDES[k]}", seed), path if controller == FEW else ()
+            key, gone = (controller, f"block:{SIDES[k]}", seed), path if controller == FEW else ()
             collision = FEASIBILITY_TOLERANCE * (1.5 if lost or controller == FEW else 0.5)
-            database.add(made_run(key, way, path, collision, seconds))
+            database.add(made_run(key, gone, path, collision, seconds))
     of = {"scenarios": tuple(f"block:{side}" for side in SIDES), "num_seeds": 4, "first_seed": 0}
     return dataclasses.replace(GRIDS, **of)
 

@@ -248,11 +248,11 @@ def routes(database, route):
     )
     made = make_route(route.name, {})
     length, shortest = made.shortest
-    way = made.cell_paths["A*"]
+    found = made.cell_paths["A*"]
     for seed in range(3):
         through = seed == 2
-        path, collision = ((route.start, route.target), 2.0) if through else (way, 0.0)
-        fitness = 700.0 if through else length_of(way)
+        path, collision = ((route.start, route.target), 2.0) if through else (found, 0.0)
+        fitness = 700.0 if through else length_of(found)
         database.add(
             made_run(suite.controllers[0], route.name, seed, fitness, (900.0, 800.0), collision, path)
         )

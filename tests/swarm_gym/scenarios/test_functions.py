@@ -316,9 +316,9 @@ def test_settings_make_the_problems_of_functions():
 @pytest.mark.parametrize(
     "option", ["encoding", "num_waypoints", "num_control_points", "length_weight", "penalty"]
 )
-def test_options_that_say_nothing_about_functions_are_refused(option):
+def test_options_without_effect_on_functions_are_refused(option):
     value = getattr(Settings, option)
-    words = repr(option), "test functions", "change nothing"
+    words = repr(option), "test functions", "has no effect"
     refused(lambda: problems_of(scenario=NAMES, **{option: value}), *words, error=SettingError)
     refused(lambda: make_problem(NAMES[0], **{option: value}), *words, error=SettingError)
 
