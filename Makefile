@@ -23,6 +23,9 @@ define install_into
 	$(PYTHON) -m venv $(1)
 	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile $(2)
 endef
+# Python keeps bytecode even where the environment says otherwise: else each process compiles all libraries.
+export PYTHONDONTWRITEBYTECODE =
+
 # Each worker begins with a run of neighbours, which share fixtures; one that has none left takes from the others.
 SPREAD = -n auto --dist worksteal
 

@@ -1,6 +1,6 @@
 """Numbers in the documents come out of results."""
 
-from functools import cache
+import shutil
 from pathlib import Path
 
 import pytest
@@ -28,27 +28,15 @@ def test_a_missing_block_is_refused():
         replace_block(TEXT, "tables", "new")
 
 
-@cache
-def made_up():
-    """Measurements of all groups; to list these takes a second, since environments are made for it."""
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory):
+    """The folder of a benchmark of all groups with its page and figure, which take a second to make."""
+    folder = tmp_path_factory.mktemp("benchmark")
     groups = {}
     for name, group in GROUPS.items():
         measured = [Measurement(q.name, q.unit, 1.5, 1.0, 2.0) for q in group.quantities()]
         groups[name] = measured + group.summary(measured)
-    return groups
-
-
-@pytest.fixture
-def documents(tmp_path, monkeypatch):
-    """A checkout with empty blocks, a suite and a benchmark."""
-    monkeypatch.chdir(tmp_path)
-    for folder in ("results/docs/paper", "docs", "results/benchmark"):
-        (tmp_path / folder).mkdir(parents=True)
-    (tmp_path / "README.md").write_text(TEXT)
-    (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
-    for name in ("README.md", "summary.md", "a.svg", "a.png"):
-        (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
-    write_measurements(tmp_path / "results/benchmark/benchmark.json", made_up())
+    write_measurements(folder / "benchmark.json", groups)
     ratios = [
         Measurement(f"case{k}: niapy, {cost} / swarm_gym", "times", 1.5, 1.0, 2.0)
         for k in (1, 2, 3)
@@ -57,8 +45,22 @@ def documents(tmp_path, monkeypatch):
     curves = [Measurement("elite-genetic: A, cost in NumPy / swarm_gym", "times", 1.5, 1.0, 2.0)]
     fish = [Measurement("case1: A, cost in NumPy / swarm_gym", "times", 2.5, 2.0, 3.0)]
     groups = {"peers": ratios, "bezier-peers": curves, "fish-peers": fish}
-    write_measurements(tmp_path / "results/benchmark/peers.json", groups)
-    write_page(tmp_path / "results/benchmark")
+    write_measurements(folder / "peers.json", groups)
+    write_page(folder)
+    return folder
+
+
+@pytest.fixture
+def documents(tmp_path, monkeypatch, benchmark):
+    """A checkout with empty blocks, a suite and a benchmark."""
+    monkeypatch.chdir(tmp_path)
+    for folder in ("results/docs/paper", "docs"):
+        (tmp_path / folder).mkdir(parents=True)
+    shutil.copytree(benchmark, tmp_path / "results/benchmark")
+    (tmp_path / "README.md").write_text(TEXT)
+    (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
+    for name in ("README.md", "summary.md", "a.svg", "a.png"):
+        (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
     return tmp_path
 
 
