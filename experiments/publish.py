@@ -15,7 +15,7 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
-from experiments.documents.blocks import block_names, replace_block
+from experiments.documents.blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
@@ -23,9 +23,7 @@ from experiments.tables.document import Block, Document, ResultsFolder
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
-from swarm_gym.files import write_atomically
 
-FIGURES = Path("docs/results")
 SUITE, BENCHMARK = "docs/paper", "benchmark"  # folders of the document `results`
 
 
@@ -80,31 +78,6 @@ class PublishConfig:
     By default the results must be there. The documents results, study and scaling have no such suite."""
 
 
-@dataclass(frozen=True)
-class Filled:
-    """A document with its blocks filled, ready to be written.
-
-    Attributes:
-        document: document that was filled.
-        text: text of the document.
-        figures: content of the files that it shows, by their names in its folder of figures.
-    """
-
-    document: Document
-    text: str
-    figures: dict[str, bytes]
-
-    def write(self) -> None:
-        """Write figures and document; delete figures that the document shows no more."""
-        folder = FIGURES / self.document.figures
-        for name, content in self.figures.items():
-            write_atomically(folder / name, content)
-        write_atomically(self.document.path, self.text)
-        for path in folder.glob("*.svg") if self.figures else ():
-            if path.name not in self.figures:
-                path.unlink()
-
-
 def publish(name: str, results: Path) -> None:
     """Fill the blocks of the documents of a name and copy their figures.
 
@@ -137,32 +110,6 @@ def evaluate_suite(name: str, results: Path) -> None:
         if not document.suite:
             raise ValueError(f"--evaluate: {name} is not made from one suite; run `make docs-{name}`")
         evaluate(EvaluateConfig(document.suite, output=(results / document.results).parent))
-
-
-def fill(document: Document, results: Path) -> Filled:
-    """Return a document with its blocks filled; nothing is written.
-
-    Raises:
-        OSError: if a table or figure is missing, or the document.
-        ValueError: if a block is missing or unknown, or a file is not as expected.
-    """
-    text = document.path.read_text(encoding="utf-8")
-    folder = ResultsFolder(results / document.results)
-    blocks = document.blocks
-    if blocks is None:
-        blocks = {name: partial(_file, f"{name}.md") for name in block_names(text)}
-        for file in sorted(folder.path.rglob("*.svg")):
-            folder.show(file.relative_to(folder.path).as_posix())
-    unknown = sorted(set(block_names(text)) - set(blocks))
-    if unknown:
-        raise ValueError(f"{document.path}: nothing is known of the blocks {', '.join(unknown)}")
-    for name, make in blocks.items():
-        text = replace_block(text, name, make(folder))
-    return Filled(document, text, folder.shown)
-
-
-def _file(name: str, results: ResultsFolder) -> str:
-    return results.text(name)
 
 
 def main() -> None:

@@ -10,9 +10,9 @@ import pytest
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
 from experiments.catalogue import COLLECTIONS, SUITES, get_suite
+from experiments.documents.blocks import fill
 from experiments.documents.page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.publish import fill
 from experiments.runs import episode, runner
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.run import Run

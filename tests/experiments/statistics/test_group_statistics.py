@@ -93,7 +93,7 @@ def test_streams_draw_the_same_pairs_and_other_training_seeds():
 
 
 def test_effects_of_training_seeds_and_pairs_both_stay():
-    """Of a sum of both effects, the variance of the mean is the sum of the variances of their means."""
+    """The variance of the mean of a sum of both effects is the sum of the variances of their means."""
     rng = np.random.default_rng(1)
     training, pairs = rng.normal(size=(6, 1, 1)), 2.0 * rng.normal(size=(1, 1, 40))
     resampled = means(training + pairs, draw(6, (1,), 40))
