@@ -53,13 +53,13 @@ def problems(optimizer):
     }
 
 
-def on_all_kinds(optimizers):
+def on_all_kinds(optimizers, long=()):
     """Mark kinds as slow whose kernels take much longer to compile than the test to run."""
     slow = {"function", "plain"}
     slow_of_many = {*slow, "curve", "polyline"}  # of those that evaluate hundreds of times in an iteration
     cases = [
         pytest.param(name, kind, marks=pytest.mark.slow)
-        if kind in (slow_of_many if "fish" in name or name == "firefly" else slow)
+        if kind in (slow_of_many if "fish" in name or name in long else slow)
         else (name, kind)
         for name in optimizers
         for kind in problems(name)
@@ -103,7 +103,7 @@ def spent_to_begin(optimizer, problem, size):
 # Against plain Python.
 
 
-@on_all_kinds(naive_optimizers.NAIVE)
+@on_all_kinds(naive_optimizers.NAIVE, long=("firefly",))
 def test_episodes_are_the_naive_ones(optimizer, kind):
     parameters = tries(optimizer, 1) if kind == "curve" else {}
     run(optimizer, problems(optimizer)[kind], parameters=parameters, size=7, iterations=len(PLAN))
