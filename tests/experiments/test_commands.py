@@ -81,3 +81,13 @@ def test_the_makefile_runs_suites_that_exist():
     (several,) = re.findall(r"^STUDY_SUITES = (.*)$", MAKEFILE, re.MULTILINE)
     named = {*several.split(), *re.findall(r"--suite ([a-z][a-z-]*)", MAKEFILE)}
     assert named <= set(SUITES)
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_the_tests_that_the_makefile_runs_exist():
+    made = subprocess.run(
+        ["make", "--dry-run", "test-slow", "fuzz"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    paths = {word for word in made.stdout.split() if word.startswith("tests/")}
+    assert {"tests/swarm_gym/test_golden.py", "tests/reliability/fuzz.py"} <= paths
+    assert [path for path in sorted(paths) if not (ROOT / path).exists()] == []

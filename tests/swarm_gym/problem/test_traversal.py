@@ -120,6 +120,7 @@ def test_what_enters_blocked_cells_clearly_is_not_free_and_what_stays_off_them_i
         assert not segment_is_free(blocked, *p, *q)
 
 
+@settings(deadline=None)
 @given(grids(), st.integers(-1, 8), st.integers(-1, 8))
 def test_gaps_are_where_two_blocked_cells_touch_at_a_corner_and_the_others_are_free(blocked, i, j):
     assert compiled(is_gap)(blocked, i, j) == corner_is_gap(blocked, i, j)
