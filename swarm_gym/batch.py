@@ -15,6 +15,7 @@ from swarm_gym.action import make_action
 from swarm_gym.errors import StepOrderError
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -129,7 +130,7 @@ class SwarmBatch:
             "best_path": simulation.best_paths(),
             "evaluations": swarms.evaluations.copy(),
             "population_size": swarms.size.copy(),
-            "feasible_share": swarms.summary[:, 3].copy(),
+            "feasible_share": swarms.summary[:, FEASIBLE_SHARE].copy(),
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
             **where,

@@ -23,6 +23,13 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
+from swarm_gym.population import (
+    COLLISION_DEVIATION,
+    DIVERSITY,
+    FEASIBLE_SHARE,
+    MEAN_COLLISION,
+    POPULATION_COLLISION,
+)
 from swarm_gym.simulation import HISTORY, Simulation
 
 Floats = NDArray[np.float64]
@@ -135,15 +142,15 @@ def _one(_: Simulation) -> float:
 
 
 PAPER = (
-    Feature("population collision E(P)", _summary(0), _collision_bound),
-    Feature("mean collision", _summary(1), _collision_bound),
-    Feature("standard deviation of the collision", _summary(2), _collision_bound),
+    Feature("population collision E(P)", _summary(POPULATION_COLLISION), _collision_bound),
+    Feature("mean collision", _summary(MEAN_COLLISION), _collision_bound),
+    Feature("standard deviation of the collision", _summary(COLLISION_DEVIATION), _collision_bound),
     Feature("iteration", lambda s: s.iteration.astype(np.float64), lambda s: s.settings.iterations),
 )
 SCALED = (
-    Feature("log(1 + E(P)) / 8", _log_scaled(0), _log_bound),
-    Feature("log(1 + mean collision) / 8", _log_scaled(1), _log_bound),
-    Feature("log(1 + standard deviation of the collision) / 8", _log_scaled(2), _log_bound),
+    Feature("log(1 + E(P)) / 8", _log_scaled(POPULATION_COLLISION), _log_bound),
+    Feature("log(1 + mean collision) / 8", _log_scaled(MEAN_COLLISION), _log_bound),
+    Feature("log(1 + standard deviation of the collision) / 8", _log_scaled(COLLISION_DEVIATION), _log_bound),
     Feature("share of the iterations done", lambda s: s.iteration / s.settings.iterations, _one),
 )
 EXTENDED = (
@@ -153,11 +160,13 @@ EXTENDED = (
         lambda s: np.log1p(s.swarms.size) / np.log1p(s.settings.max_population_size),
         _one,
     ),
-    Feature("feasible share", _summary(3), _one),
+    Feature("feasible share", _summary(FEASIBLE_SHARE), _one),
     Feature("log(best fitness / lower bound)", _log_relative_fitness, lambda _: 4.0),
     Feature(
         "log(E(P) / first E(P)) / 8",
-        lambda s: np.log((1.0 + s.swarms.summary[:, 0]) / (1.0 + s.history[:, 0, 0])) / 8.0,
+        lambda s: (
+            np.log((1.0 + s.swarms.summary[:, POPULATION_COLLISION]) / (1.0 + s.history[:, 0, 0])) / 8.0
+        ),
         _one,
         low=-1.0,
     ),
@@ -179,7 +188,7 @@ RICH = (
         _log_progress,
         lambda _: 4.0,
     ),
-    Feature("log(1 + diversity) / 8", _log_scaled(4), _log_extent),
+    Feature("log(1 + diversity) / 8", _log_scaled(DIVERSITY), _log_extent),
     Feature("share of the evaluation budget spent", _spent, _one),
 )
 PRICED = (

@@ -13,7 +13,7 @@ from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.population import Swarms
+from swarm_gym.population import POPULATION_COLLISION, Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.reference import gap_to_optimum
 from swarm_gym.robots import make_robots
@@ -287,7 +287,7 @@ class Simulation:
     def _record(self, rows: Integers, repair_degrees: Floats, parameters: Floats) -> None:
         swarms = self.swarms
         record = np.empty((self.num_swarms, len(self.columns)))
-        record[:, 0] = swarms.summary[:, 0]
+        record[:, 0] = swarms.summary[:, POPULATION_COLLISION]
         record[:, 1] = swarms.size
         record[:, 2] = repair_degrees
         record[:, 3] = swarms.best_fitness

@@ -43,12 +43,6 @@ def trails_size(num_cells: int) -> int:
     return NUM_COMMON + _PER_CELL * num_cells
 
 
-@kernel(inline="late")
-def _place_of(cell: int) -> int:
-    """Return the place of the first entry of a cell in an array of trails: its last round."""
-    return NUM_COMMON + _PER_CELL * cell
-
-
 @kernel
 def begin_trails(trails: Floats) -> None:
     """Set all moves to the first tau; the count of rounds continues, so that no cell seems up to date."""
@@ -60,7 +54,7 @@ def begin_trails(trails: Floats) -> None:
 @kernel(inline="late")
 def current_trails(trails: Floats, cell: int) -> int:
     """Bring the moves of a cell up to date and return the place of their tau in `trails`."""
-    place = _place_of(cell)
+    place = NUM_COMMON + _PER_CELL * cell
     if trails[place] < trails[_BEGUN]:
         return _UNTOUCHED
     if trails[place] < trails[_ROUND]:
@@ -104,7 +98,7 @@ def lay_on_walk(trails: Floats, width: int, cells: Cells, amount: float) -> None
 def settle_walk(trails: Floats, width: int, cells: Cells) -> None:
     """Clip the moves of these cells after the last deposit of this round; cells without any are left out."""
     for k in range(cells.shape[0]):
-        place = _place_of(cells[k, 1] * width + cells[k, 0])
+        place = NUM_COMMON + _PER_CELL * (cells[k, 1] * width + cells[k, 0])
         if trails[place] == trails[_ROUND]:
             for move in range(place + 1, place + _PER_CELL):
                 trails[move] = _clipped(trails[move])
@@ -112,7 +106,7 @@ def settle_walk(trails: Floats, width: int, cells: Cells) -> None:
 
 @kernel
 def _lay(trails: Floats, cell: int, move: int, amount: float) -> None:
-    place = _place_of(cell)
+    place = NUM_COMMON + _PER_CELL * cell
     if trails[place] < trails[_BEGUN]:
         for k in range(place + 1, place + _PER_CELL):
             trails[k] = trails[_UNCLIPPED]

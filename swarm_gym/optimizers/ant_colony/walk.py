@@ -68,12 +68,6 @@ def places_size(num_cells: int) -> int:
 
 
 @kernel(inline="late")
-def _place_of(cell: int) -> int:
-    """Return the place of the first entry of a cell in `places`."""
-    return NUM_COMMON + _PER_CELL * cell
-
-
-@kernel(inline="late")
 def most_steps(table: WalkTable) -> int:
     """Return the most steps that an ant takes."""
     return STEP_LIMIT * (table.num_columns + table.num_rows)
@@ -138,7 +132,7 @@ def walk(
     column, row = cell_of(table, table.start[0], table.start[1])
     end_column, end_row = cell_of(table, table.target[0], table.target[1])
     exponent = places[_SIGHT_WEIGHT] * math.hypot(end_column - column, end_row - row)  # beta
-    places[_place_of(row * width + column) + _VISIT] = before + 1.0
+    places[NUM_COMMON + _PER_CELL * (row * width + column) + _VISIT] = before + 1.0
     cells[first, 0], cells[first, 1] = column, row
     length, drawn = 1, noise.shape[0]
     for _ in range(most_steps(table)):
@@ -149,7 +143,7 @@ def walk(
             if not _is_allowed(blocked, column, row, move):
                 continue
             to_column, to_row = column + STEP_COLUMNS[move], row + STEP_ROWS[move]
-            place = _place_of(to_row * width + to_column)
+            place = NUM_COMMON + _PER_CELL * (to_row * width + to_column)
             if places[place + _VISIT] > before:
                 continue
             if places[place + _FARNESS] == 0.0:
@@ -181,7 +175,7 @@ def walk(
         move = allowed[_first_above(weights, float(noise[drawn] * total), count)]
         drawn += 1
         column, row = column + STEP_COLUMNS[move], row + STEP_ROWS[move]
-        places[_place_of(row * width + column) + _VISIT] = before + 1.0
+        places[NUM_COMMON + _PER_CELL * (row * width + column) + _VISIT] = before + 1.0
         cells[first + length, 0], cells[first + length, 1] = column, row
         length += 1
     length = _cut_loops(places, blocked, cells, first, length)
@@ -195,7 +189,7 @@ def _cut_loops(places: Floats, blocked: Flags, cells: Cells, first: int, length:
     # So far all visited cells have the first moment of this ant; cells that it backed out of keep it.
     width, start = blocked.shape[1], places[_BEFORE] + 1.0
     for k in range(length):
-        place = _place_of(cells[first + k, 1] * width + cells[first + k, 0])
+        place = NUM_COMMON + _PER_CELL * (cells[first + k, 1] * width + cells[first + k, 0])
         places[place + _VISIT] = start + k
     k, kept = 0, 1
     while k < length - 1:
@@ -203,7 +197,7 @@ def _cut_loops(places: Floats, blocked: Flags, cells: Cells, first: int, length:
         for move in range(NUM_MOVES):
             if _is_allowed(blocked, column, row, move):
                 cell = (row + STEP_ROWS[move]) * width + column + STEP_COLUMNS[move]
-                k = max(k, int(places[_place_of(cell) + _VISIT] - start))
+                k = max(k, int(places[NUM_COMMON + _PER_CELL * cell + _VISIT] - start))
         cells[first + kept, 0], cells[first + kept, 1] = cells[first + k, 0], cells[first + k, 1]
         kept += 1
     return kept

@@ -1,4 +1,4 @@
-"""What holds for the three fish swarms; what is the own of each is in the file of its name."""
+"""Tests of all three fish swarms; the file with its name has those of a single one."""
 
 import pytest
 from test_optimizers import problems, run
