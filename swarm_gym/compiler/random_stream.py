@@ -1,8 +1,8 @@
 """A seeded random stream for kernels: eight of NumPy's SFC64 side by side, word for word.
 
-Source: C. Doty-Humphrey, PractRand, "sfc64"; `numpy.random.SFC64` is the reference it is tested against.
-A single generator spends its time waiting for its own last word; eight side by side take no longer. A stream
-is an array of 4 x 8 words, advanced in place, one per swarm: it needs no lock and no global state.
+Source: C. Doty-Humphrey, PractRand, "sfc64"; `numpy.random.SFC64` is the reference it is tested against. A
+single generator spends its time waiting for its own last word, so that eight side by side take no longer. A
+stream is an array of 4 x 8 words, advanced in place, one per swarm: it needs no lock and no global state.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ _DISCARDED = 12  # numbers of a lane that NumPy does not use when it seeds an SF
 
 
 def seed_stream(sequence: np.random.SeedSequence) -> NDArray[np.uint64]:
-    """Words of a stream, shape (4, 8): column k is the state of an `SFC64` seeded with three words.
+    """Return a stream, words of shape (4, 8): column k is the state of an `SFC64` seeded with three words.
 
     These are words 3 k to 3 k + 2, of 64 bits, of those that the sequence generates.
     """
@@ -40,7 +40,7 @@ def _discard_first(stream: NDArray[np.uint64]) -> None:
 
 @kernel(inline="late")
 def fill_uniform(stream: NDArray[np.uint64], out: NDArray[np.float64]) -> None:
-    """Fill `out`, whose length is a multiple of eight, with numbers uniform in [0, 1); advances `stream`.
+    """Fill `out`, whose length is a multiple of eight, with numbers uniform in [0, 1), and advance `stream`.
 
     Number 8 m + k is number m of lane k, as `numpy.random.Generator(SFC64).random()` gives it.
     """

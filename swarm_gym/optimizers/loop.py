@@ -117,10 +117,9 @@ def begin_chosen(
     chosen: Flags,
     sizes: Integers,
     parameters: Floats,
-    given: bool,
     mean_weight: float,
 ) -> None:
-    """Begin the chosen swarms: draw first populations, or take their positions if these are given.
+    """Begin the chosen swarms with first populations that are drawn.
 
     The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
     """
@@ -128,12 +127,31 @@ def begin_chosen(
         if chosen[b]:
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
-            own = named_row(defaults, parameters, b)
             clear(swarms, b)
-            if given:
-                adopt(own, swarms, b, table, work, sizes[b])
-            else:
-                begin(own, swarms, b, table, work, sizes[b])
+            begin(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
+            summarise(swarms, b, mean_weight)
+
+
+@entry
+def adopt_chosen(
+    defaults: Parameters,
+    swarms: Swarms,
+    tables: Table,
+    chosen: Flags,
+    sizes: Integers,
+    parameters: Floats,
+    mean_weight: float,
+) -> None:
+    """Begin the chosen swarms with their first positions as populations; arguments as of `begin_chosen`.
+
+    It is apart from `begin_chosen` because few runs need it, and it is only compiled for those.
+    """
+    for b in range(sizes.shape[0]):
+        if chosen[b]:
+            table = select(tables, swarms.problem[b])
+            work = make_workspace(swarms.positions.shape[2])
+            clear(swarms, b)
+            adopt(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
             summarise(swarms, b, mean_weight)
 
 

@@ -66,7 +66,8 @@ class Optimizer:
         """
         if parameters is None:
             parameters = cls.stacked_parameters({}, len(sizes))
-        loop.begin_chosen(cls.defaults, swarms, tables, chosen, sizes, parameters, given, mean_weight)
+        begin = loop.adopt_chosen if given else loop.begin_chosen
+        begin(cls.defaults, swarms, tables, chosen, sizes, parameters, mean_weight)
 
     @classmethod
     def step(

@@ -1,4 +1,4 @@
-"""What is optimised: path encoding, length, degree of collision, fitness, repair; or a function."""
+"""Problems that are optimised: paths on maps, with encoding, fitness, collision and repair; or functions."""
 
 from swarm_gym.problem.analytic.problem import AnalyticProblem
 from swarm_gym.problem.function.problem import FunctionProblem

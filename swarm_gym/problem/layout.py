@@ -1,4 +1,4 @@
-"""How decision vectors lie in arrays: padded by zeros to whole blocks of lanes."""
+"""Padding of decision vectors in arrays, by zeros to whole blocks of SIMD lanes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,12 +7,12 @@ from swarm_gym.compiler.simd import padded
 
 
 def columns(dimension: int) -> int:
-    """Columns of arrays over components of decision vectors, or over the segments of a path: one more."""
+    """Return C, the columns of arrays over components of decision vectors or over segments (one more)."""
     return padded(dimension + 1)
 
 
 def pad(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """An array over components, (dimension,), with zeros up to all columns, (C,)."""
+    """Return an array over components, (dimension,), with zeros up to all columns, (C,)."""
     out = np.zeros(columns(len(values)))
     out[: len(values)] = values
     return out

@@ -1,4 +1,4 @@
-"""What problems on maps offer besides: they can begin where a robot has driven to."""
+"""The interface of problems on maps, which can begin anew where a robot has arrived."""
 
 from abc import abstractmethod
 from dataclasses import replace
@@ -26,23 +26,23 @@ class MapProblem(Problem):
     @property
     @abstractmethod
     def collision_bound_anywhere(self) -> float:
-        """A degree of collision that no path can exceed, wherever on the map it begins, in map units."""
+        """An upper bound of the degree of collision for any start on the map, in map units."""
 
     @abstractmethod
     def begun_at(self, start: Point) -> Self:
-        """The same problem from another start.
+        """Return the same problem from another start.
 
         Raises:
-            ScenarioError: if that lies in an obstacle or a blocked cell, or is the target.
+            ScenarioError: if the start lies in an obstacle or a blocked cell, or is the target.
         """
 
     @abstractmethod
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
-        """What stands here for decision vectors, (m, dimension), of the same problem from another start."""
+        """Return decision vectors for those, (m, dimension), of the same problem from another start."""
 
     @abstractmethod
     def is_clear(self, path: Floats) -> bool:
-        """Whether a polyline, (k, 2) in map coordinates, enters nothing that is in the way, exactly."""
+        """Return, exactly, whether a polyline, (k, 2) in map coordinates, enters nothing blocked."""
 
 
 class GridMapProblem(MapProblem):
@@ -51,10 +51,10 @@ class GridMapProblem(MapProblem):
     scenario: GridScenario
 
     def begun_at(self, start: Point) -> Self:
-        """The same problem from another start."""
+        """Return the same problem from another start."""
         return replace(self, scenario=replace(self.scenario, start=start))  # type: ignore[type-var]
 
     def is_clear(self, path: Floats) -> bool:
-        """Whether a polyline enters no blocked cell and stays on the map."""
+        """Return whether a polyline enters no blocked cell and stays on the map."""
         grid = self.scenario.map
         return bool(path_is_free(grid.blocked, grid.to_cells(path)))

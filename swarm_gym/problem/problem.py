@@ -1,4 +1,4 @@
-"""What every problem offers, whatever its map and encoding."""
+"""The interface of all problems, whatever their map and encoding."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -18,7 +18,7 @@ class Problem(ABC):
     """Find the decision vector, shape (dimension,), of least fitness on a scenario.
 
     Attributes:
-        scenario: what is to be solved.
+        scenario: the map and the task, or the test function.
     """
 
     scenario: StaticScenario
@@ -36,33 +36,33 @@ class Problem(ABC):
     @property
     @abstractmethod
     def lower_bound(self) -> float:
-        """A fitness that no path can be below."""
+        """A lower bound of the fitness."""
 
     @property
     def least_fitness(self) -> float | None:
-        """The least fitness where it is known without computing, else None."""
+        """The least fitness if it is known without computing, else None."""
         return None
 
     @property
     def gap_unit(self) -> float:
-        """What gaps are measured in: the lower bound, or 1 where that is 0."""
+        """Unit of gaps to the optimum: the lower bound, or 1 if that is 0."""
         return self.lower_bound or 1.0
 
     @property
     @abstractmethod
     def collision_bound(self) -> float:
-        """A degree of collision that no path inside the bounds can exceed, in map units."""
+        """An upper bound of the degree of collision of paths inside the bounds, in map units."""
 
     @property
     @abstractmethod
     def identity(self) -> tuple[Any, ...]:
-        """What fitness depends on, as numbers and lists: equal for equal problems, whatever their names."""
+        """Numbers and lists that the fitness depends on: equal for equal problems, whatever their names."""
 
     @abstractmethod
     def points(self, vectors: ArrayLike) -> Floats:
-        """Decision vectors (..., dimension) as paths in map coordinates, shape (..., k, 2).
+        """Return the paths, (..., k, 2) in map coordinates, of decision vectors (..., dimension).
 
-        Without a map they are the vectors in parallel coordinates.
+        Without a map, these are the vectors in parallel coordinates.
         """
 
     @property
@@ -76,11 +76,11 @@ class Problem(ABC):
         return self.table.initial_lower[: self.dimension], self.table.initial_upper[: self.dimension]
 
     def evaluate(self, vector: ArrayLike) -> tuple[float, float]:
-        """Fitness and degree of collision of one decision vector."""
+        """Return fitness and degree of collision of one decision vector."""
         return evaluate_entry(self.table, self._path(vector))
 
     def repaired(self, vector: ArrayLike, repair_degree: float) -> Floats:
-        """A decision vector after one repair pass of degree phi."""
+        """Return a decision vector after one repair pass of degree phi."""
         require_number("repair_degree", repair_degree, 0.0, 1.0)
         path = self._path(vector)
         repair_entry(self.table, path, repair_degree)

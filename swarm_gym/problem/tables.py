@@ -1,7 +1,7 @@
-"""Problems of every kind as the kernels of optimizers read them: a table, and what can be done with it.
+"""Problem tables, from which kernels read problems of every kind, and the functions of these tables.
 
 A table of each kind is a NamedTuple with at least the fields `dimension` and `lower`, `upper`,
-`initial_lower` and `initial_upper`, (C,) each. Kernels are compiled for each kind on its own. A `path` is an
+`initial_lower` and `initial_upper`, (C,) each. Kernels are compiled separately for each kind. A `path` is an
 array (C + 1,): a zero, then a decision vector, padded.
 """
 
@@ -88,13 +88,13 @@ def repair_entry(table: Table, path: NDArray[np.float64], repair_degree: float) 
 
 
 def stack(tables: list[Table]) -> Table:
-    """Tables of one kind and dimension as one with a leading axis; shorter arrays are padded with zeros."""
+    """Stack tables of one kind and dimension along a leading axis; shorter arrays are padded with zeros."""
     kind = type(tables[0])
     return kind._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
 
 
 def put(tables: Table, row: int, table: Table) -> Table:
-    """Stacked tables with another one in a row: changed in place, or made anew where it takes more room."""
+    """Put a table into a row of stacked ones; return these, in place or copied where it takes more room."""
     return type(tables)._make(
         _put_padded(column, row, np.asarray(value)) for column, value in zip(tables, table, strict=True)
     )

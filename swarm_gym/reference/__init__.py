@@ -1,4 +1,4 @@
-"""The true optimum of a problem, where it can be computed."""
+"""True optima of problems, where they can be computed, and shortest paths."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 from swarm_gym.reference.optima import gap_to_optimum, known_optimum
 
 if TYPE_CHECKING:
-    from swarm_gym.reference.a_star import GridPath, shortest_grid_path
+    from swarm_gym.reference.a_star import GridPath, shortest_grid_path, smooth
     from swarm_gym.reference.any_angle import AnyAnglePlanner
     from swarm_gym.reference.shortest import shortest_path
-    from swarm_gym.reference.smoothing import smooth
     from swarm_gym.reference.waypoint_optimum import ensure_optima, optimum
 
 __all__ = [
@@ -32,7 +31,7 @@ _MODULES = {
     "optimum": "waypoint_optimum",
     "shortest_grid_path": "a_star",
     "shortest_path": "shortest",
-    "smooth": "smoothing",
+    "smooth": "a_star",
 }
 
 

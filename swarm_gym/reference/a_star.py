@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.errors import ScenarioError
+from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_free_cell, as_grid
 from swarm_gym.reference.priority_queue import PriorityQueue, enter, make_queue, take_first
 
@@ -30,21 +31,22 @@ class GridPath(NamedTuple):
     length: float
     "Number of straight steps plus sqrt 2 times that of diagonal ones, in cells."
     cells: NDArray[np.int64]
-    "Its cells (column, row) from start to goal, (k, 2)."
+    "Cells (column, row) from start to goal, (k, 2)."
     expansions: int
-    "How many cells the search took from its queue."
+    "Number of cells that the search took from its queue."
 
 
 def shortest_grid_path(blocked: NDArray[np.bool_], start: Sequence[int], goal: Sequence[int]) -> GridPath:
-    """Shortest path of straight and diagonal steps between two cells; the same one every time.
+    """Return a shortest path of straight and diagonal steps between two cells, always the same one.
 
     Args:
-        blocked: the grid, (height, width), row 0 on top.
-        start: its first cell, (column, row).
-        goal: its last cell.
+        blocked: (height, width) the grid, row 0 on top.
+        start: first cell, (column, row).
+        goal: last cell, (column, row).
 
     Raises:
-        ScenarioError: if the grid is none, an end is outside or blocked, or no path joins the ends.
+        ScenarioError: if the grid is no array of booleans with two axes, an end is outside or blocked, or no
+        path joins the ends.
     """
     grid = as_grid(blocked)
     width = grid.shape[1]
@@ -54,18 +56,18 @@ def shortest_grid_path(blocked: NDArray[np.bool_], start: Sequence[int], goal: S
     straight, diagonal = np.zeros(grid.size, np.int64), np.zeros(grid.size, np.int64)
     arrival = np.full(grid.size, -1, np.int64)
     expansions = search(grid, begin, end, queue, straight, diagonal, arrival)
-    if math.isinf(queue.way[end]):
+    if math.isinf(queue.length[end]):
         raise ScenarioError(f"blocked cells separate start {first} and goal {last}")
     cells = [end]
     while cells[-1] != begin:
         cells.append(int(arrival[cells[-1]]))
     rows, columns = np.divmod(np.array(cells[::-1]), width)
-    return GridPath(float(queue.way[end]), np.stack([columns, rows], axis=-1), expansions)
+    return GridPath(float(queue.length[end]), np.stack([columns, rows], axis=-1), expansions)
 
 
 @kernel(inline="late")
-def way_of(straight: int, diagonal: int) -> float:
-    """Length of so many steps: from counts, so that ways of equal length are equal to the bit."""
+def length_of(straight: int, diagonal: int) -> float:
+    """Return the length of a number of steps; it comes from counts, so that equal lengths have equal bits."""
     return straight + diagonal * DIAGONAL
 
 
@@ -82,20 +84,20 @@ def search(
     """Search from one cell, row * width + column, until another one leaves the queue.
 
     Args:
-        blocked: the grid.
-        start: the first cell.
-        goal: the last cell; its `queue.way` stays infinite if it cannot be reached.
-        queue: empty; its ways are those from the start afterwards.
-        straight: straight steps on the way to a cell, changed in place.
-        diagonal: diagonal ones, likewise.
-        arrival: the cell before a cell, likewise.
+        blocked: (height, width) the grid.
+        start: first cell.
+        goal: last cell; its `queue.length` stays infinite if it cannot be reached.
+        queue: an empty queue; afterwards its lengths are those of paths from the start.
+        straight: number of straight steps of the path to a cell, changed in place.
+        diagonal: number of diagonal steps of the path to a cell, changed in place.
+        arrival: cell before a cell on its path, changed in place.
 
     Returns:
-        How many cells left the queue.
+        The number of cells that left the queue.
     """
     height, width = blocked.shape
     goal_row, goal_column = goal // width, goal % width
-    queue.way[start] = 0.0
+    queue.length[start] = 0.0
     queue.cost[start] = 0.0
     size = enter(queue, 0, start)
     expansions = 0
@@ -115,17 +117,49 @@ def search(
                 continue
             num_diagonal = diagonal[cell] + (1 if is_diagonal else 0)
             num_straight = straight[cell] + (0 if is_diagonal else 1)
-            way = way_of(num_straight, num_diagonal)
+            length = length_of(num_straight, num_diagonal)
             neighbour = next_row * width + next_column
-            # The heuristic is consistent: the way to a cell that left the queue gets no shorter.
-            if way < queue.way[neighbour]:
+            # The heuristic is consistent: the path to a cell that left the queue gets no shorter.
+            if length < queue.length[neighbour]:
                 columns_left, rows_left = abs(goal_column - next_column), abs(goal_row - next_row)
                 both = min(columns_left, rows_left)
                 straight[neighbour], diagonal[neighbour] = num_straight, num_diagonal
                 arrival[neighbour] = cell
-                queue.way[neighbour] = way
-                queue.cost[neighbour] = way_of(
+                queue.length[neighbour] = length
+                queue.cost[neighbour] = length_of(
                     num_straight + max(columns_left, rows_left) - both, num_diagonal + both
                 )
                 size = enter(queue, size, neighbour)
     return expansions
+
+
+@entry
+def smooth(blocked: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Straighten a path over cells: go from each cell straight to the last one in sight.
+
+    The result is shorter, but no optimum.
+
+    Args:
+        blocked: (height, width) the grid.
+        cells: (k, 2) a path (column, row) whose steps are free, as that of `shortest_grid_path`.
+
+    Returns:
+        The cells that are kept, (m, 2), with the first and the last one.
+    """
+    kept = np.empty_like(cells)
+    kept[0] = cells[0]
+    here, number, last = 0, 1, cells.shape[0] - 1
+    while here < last:
+        onward = last
+        while onward > here + 1 and not segment_is_free(
+            blocked,
+            float(cells[here, 0]),
+            float(cells[here, 1]),
+            float(cells[onward, 0]),
+            float(cells[onward, 1]),
+        ):
+            onward -= 1
+        kept[number] = cells[onward]
+        number += 1
+        here = onward
+    return kept[:number].copy()

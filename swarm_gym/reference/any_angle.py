@@ -46,7 +46,7 @@ class AnyAnglePlanner:
     def shortest_path(
         self, start: Sequence[float], goal: Sequence[float]
     ) -> tuple[float, NDArray[np.float64]]:
-        """Shortest path between two points (column, row) in free cells or at their sides.
+        """Return a shortest path between two points (column, row) in free cells or at their sides.
 
         Returns:
             Its length in cells, and the points where it begins, turns and ends, (k, 2).
@@ -62,7 +62,7 @@ class AnyAnglePlanner:
         queue, sight = make_queue(num_corners + 1), make_sight(self._grid)
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]
         search(self._grid, *shifted[0], *shifted[1], queue, sight, arrival)
-        if math.isinf(queue.way[num_corners]):
+        if math.isinf(queue.length[num_corners]):
             raise ScenarioError(f"blocked cells separate start {ends[0]} and goal {ends[1]}")
         corners, node = [], arrival[num_corners]
         while node >= 0:
@@ -79,7 +79,7 @@ class AnyAnglePlanner:
 
     @staticmethod
     def _turns(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        """The points without those which the path passes straight on."""
+        """Return the points without those that the path passes straight on."""
         kept = points[:1]
         for here, following in pairwise(points[1:]):
             to_here, onward = np.subtract(here, kept[-1]), np.subtract(following, here)
@@ -102,14 +102,15 @@ def search(
     """Search over the n corners of a grid, and the goal as number n, which the start does not see.
 
     Args:
-        grid: the grid.
+        grid: the grid with its corners.
         start_x: shifted column of the start.
-        start_y: its shifted row.
-        goal_x: likewise of the goal.
-        goal_y: likewise.
-        queue: of n + 1 nodes, empty; its ways are those from the start afterwards, infinite if there is none.
-        sight: to work in.
-        arrival: the corner before a node, -1: the start; changed in place.
+        start_y: shifted row of the start.
+        goal_x: shifted column of the goal.
+        goal_y: shifted row of the goal.
+        queue: an empty queue of n + 1 nodes; afterwards its lengths are those of paths from the start,
+            infinite if there is none.
+        sight: scratch arrays.
+        arrival: (n + 1,) corner before a node, or -1 for the start; changed in place.
     """
     goal = grid.corner_columns.shape[0]
     to_goal = np.full(goal, np.inf)
@@ -117,26 +118,26 @@ def search(
         corner = sight.corners[k]
         to_goal[corner] = math.hypot(goal_x - grid.corner_columns[corner], goal_y - grid.corner_rows[corner])
     size = 0
-    node, x, y, way = -1, start_x, start_y, 0.0
+    node, x, y, length = -1, start_x, start_y, 0.0
     found = see_from_point(grid, x, y, sight)
     while node != goal:
         for k in range(found):
             corner = sight.corners[k]
             corner_x, corner_y = grid.corner_columns[corner], grid.corner_rows[corner]
-            longer = way + math.hypot(corner_x - x, corner_y - y)
-            if longer < queue.way[corner]:
+            longer = length + math.hypot(corner_x - x, corner_y - y)
+            if longer < queue.length[corner]:
                 arrival[corner] = node
-                queue.way[corner] = longer
+                queue.length[corner] = longer
                 queue.cost[corner] = longer + math.hypot(goal_x - corner_x, goal_y - corner_y)
                 size = enter(queue, size, corner)
-        if node >= 0 and way + to_goal[node] < queue.way[goal]:
+        if node >= 0 and length + to_goal[node] < queue.length[goal]:
             arrival[goal] = node
-            queue.way[goal] = queue.cost[goal] = way + to_goal[node]
+            queue.length[goal] = queue.cost[goal] = length + to_goal[node]
             size = enter(queue, size, goal)
         if size == 0:
             break
         node = take_first(queue, size)
         size -= 1
         if node != goal:
-            x, y, way = float(grid.corner_columns[node]), float(grid.corner_rows[node]), queue.way[node]
+            x, y, length = float(grid.corner_columns[node]), float(grid.corner_rows[node]), queue.length[node]
             found = see_from_corner(grid, node, sight)

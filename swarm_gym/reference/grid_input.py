@@ -1,4 +1,4 @@
-"""What the planners on grids refuse."""
+"""Checks of the input of planners on grids."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from swarm_gym.errors import ScenarioError
 
 
 def as_grid(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """A grid as the kernels take it: a copy, (height, width).
+    """Return a copy of a grid, (height, width), as kernels take it.
 
     Raises:
         ScenarioError: if it is no array of booleans with two axes and a cell.
@@ -23,10 +23,10 @@ def as_grid(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def as_point(point: Sequence[float], name: str) -> tuple[float, float]:
-    """A point (column, row).
+    """Return a point (column, row).
 
     Raises:
-        ScenarioError: if it is not two finite numbers; `name` says which point it is.
+        ScenarioError: if it is not two finite numbers; the message names it by `name`.
     """
     given = np.asarray(point)
     if given.shape != (2,) or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
@@ -35,10 +35,10 @@ def as_point(point: Sequence[float], name: str) -> tuple[float, float]:
 
 
 def as_free_cell(blocked: NDArray[np.bool_], cell: Sequence[int], name: str) -> tuple[int, int]:
-    """A free cell (column, row) of a grid.
+    """Return a free cell (column, row) of a grid.
 
     Raises:
-        ScenarioError: if it is no cell, not on the grid or blocked; `name` says which cell it is.
+        ScenarioError: if it is no cell, not on the grid or blocked; the message names it by `name`.
     """
     column, row = as_point(cell, name)
     height, width = blocked.shape

@@ -1,4 +1,6 @@
-"""What corners of blocked cells a point of an occupancy grid sees, by intervals that grow row by row.
+"""Search of the corners of blocked cells that a point of an occupancy grid sees.
+
+Intervals of rays grow row by row.
 
 Source: after the projection of intervals in D. Harabor, A. Grastien, D. Öz, V. Aksakalli, "Optimal any-angle
 pathfinding in practice", J. Artif. Intell. Res. 56:89-118, 2016.
@@ -8,10 +10,10 @@ row r is the square from c to c + 1 and from r to r + 1: points (column, row) ar
 is a crossing of grid lines with one blocked cell out of four: only there a shortest path can turn.
 
 Sight is a set of rays, given by their slopes: columns per row of distance. The slope to a corner is one
-division of numbers that are exact for points at corners and centres, so that equal slopes are equal to the
-bit, and what two corners on one ray leave open between them is empty. Rays that touch blocked cells on both
-sides are left out: what they reach is also seen, straight on, from one of the corners that they touch. So
-gaps without width are closed.
+division. For points at corners and centres, its numbers are exact, so that equal slopes have equal bits: two
+corners on one ray leave nothing open between them. Rays that touch blocked cells on both sides are left out:
+what they reach is also seen, straight on, from one of the corners that they touch. So gaps without width are
+closed.
 """
 
 import math
@@ -41,13 +43,13 @@ class SightGrid(NamedTuple):
     corners_before: NDArray[np.int32]
     "Number of corners above a crossing of grid lines, and left of it in its row, (height + 1, width + 2)."
     corner_columns: NDArray[np.int32]
-    "Of every corner, (n,)."
+    "Columns of the corners, (n,)."
     corner_rows: NDArray[np.int32]
-    "Of every corner, (n,)."
+    "Rows of the corners, (n,)."
     blocked_columns: NDArray[np.int32]
-    "On which side of a corner its blocked cell is, -1 or 1, (n,)."
+    "Side of a corner on which its blocked cell is, left (-1) or right (1), (n,)."
     blocked_rows: NDArray[np.int32]
-    "Above (-1) or below (1) the corner, (n,)."
+    "Side of a corner on which its blocked cell is, above (-1) or below (1), (n,)."
 
 
 def make_sight_grid(blocked: NDArray[np.bool_]) -> SightGrid:
@@ -79,7 +81,7 @@ def make_sight_grid(blocked: NDArray[np.bool_]) -> SightGrid:
 
 
 class Sight(NamedTuple):
-    """Where the kernels below put what is seen, and work."""
+    """Results and scratch arrays of the kernels below."""
 
     corners: NDArray[np.int64]
     "Numbers of corners, (n,)."
@@ -88,7 +90,7 @@ class Sight(NamedTuple):
 
 
 def make_sight(grid: SightGrid) -> Sight:
-    """Allocate for a grid."""
+    """Allocate the arrays for a grid."""
     return Sight(np.zeros(grid.corner_columns.size, np.int64), np.zeros((2, grid.blocked.shape[1] + 1, 2)))
 
 
@@ -100,13 +102,13 @@ def see_from_point(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
     corner's blocked cell straight on.
 
     Args:
-        grid: the grid.
+        grid: the grid with its corners.
         x: shifted column of a point that touches a free cell.
-        y: its shifted row.
-        sight: changed in place.
+        y: shifted row of that point.
+        sight: arrays for the result; `corners` is set in place.
 
     Returns:
-        How many corners were found.
+        The number of corners that were found.
     """
     # A point beside a grid line by a rounding error would see nothing along that line.
     if abs(x - round(x)) <= TOLERANCE:
@@ -182,7 +184,7 @@ def _see_rows(
 
 @kernel
 def _free_run(grid: SightGrid, row: int, x: float) -> int:
-    """A column of the run of free cells of a row that a point lies in or touches; -1: there is none."""
+    """Return a column of the run of free cells in a row that a point is in or touches, or -1."""
     column = math.floor(x)
     if not grid.blocked[row, column]:
         return column

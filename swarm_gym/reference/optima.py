@@ -22,25 +22,25 @@ from swarm_gym.problem import Problem
 
 
 def digest(problem: Problem) -> str:
-    """Name a problem: equally for equal geometry, encoding and weight, whatever it is called."""
+    """Return a name of a problem that is equal for equal geometry, encoding and weight."""
     return hashlib.sha256(repr(problem.identity).encode()).hexdigest()[:16]
 
 
 @cache
 def shipped_optima() -> dict[str, float]:
-    """Least fitness by digest of the problem, in map units."""
+    """Return the least fitness of the problems that ship with the package, by digest, in map units."""
     found = {entry["digest"]: entry["fitness"] for entry in shipped("optima.json")}
     found.update((digest, fitness) for digest, fitness, _ in shipped("random_fields.json").values())
     return found
 
 
 def shipped(file: str) -> Any:
-    """The content of a JSON file that ships with the package."""
+    """Return the content of a JSON file that ships with the package."""
     return json.loads(resources.files("swarm_gym.reference").joinpath(file).read_text())
 
 
 def known_optimum(problem: Problem) -> float:
-    """Least fitness of a problem if it is known, ships with the package or was stored, else NaN."""
+    """Return the least fitness of a problem if it is given, shipped or stored, else NaN."""
     if problem.least_fitness is not None:
         return problem.least_fitness
     name = digest(problem)
@@ -53,7 +53,7 @@ def known_optimum(problem: Problem) -> float:
 
 
 def gap_to_optimum(fitness: ArrayLike, optimum: ArrayLike) -> NDArray[np.float64]:
-    """Fitness above the optimum, relative to it; absolute where that is 0; NaN where it is NaN."""
+    """Return the fitness above the optimum, relative to it; absolute if that is 0; NaN if it is NaN."""
     unit = np.where(np.equal(optimum, 0.0), 1.0, optimum)
     return np.subtract(fitness, optimum) / unit
 
@@ -69,5 +69,5 @@ def _stored(name: str) -> Path:
 
 @cache
 def _definition() -> str:
-    """Names what a fitness is: an optimum that was stored under other sources is not known."""
+    """Return a digest of the sources that define fitness; optima stored under other sources do not count."""
     return digest_of_sources(Path(swarm_gym.problem.__file__).parent)

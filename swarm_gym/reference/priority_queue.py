@@ -1,6 +1,6 @@
 """An indexed binary heap for the searches on grids, in kernels: one entry per node, cheaper ones rise.
 
-Nodes are numbers from 0. The least cost comes first; among equal costs the larger way behind it, which is
+Nodes are numbers from 0. The least cost comes first; among equal costs the longer path behind it, which is
 nearer to the goal, and then the smaller number, so that the order is the same everywhere.
 """
 
@@ -15,17 +15,17 @@ from swarm_gym.compiler.jit import kernel
 class PriorityQueue(NamedTuple):
     """Arrays of the queue; the caller keeps how many entries it has.
 
-    `cost` and `way`, (n,), are the caller's too: it sets them before it enters or raises a node.
+    `cost` and `length`, (n,), are the caller's too: it sets them before it enters or raises a node.
     """
 
     entries: NDArray[np.int64]
     "Nodes in heap order, (n,)."
     places: NDArray[np.int64]
-    "Where a node is among the entries, (n,); -1: it is not."
+    "Place of a node among the entries, (n,); -1: it is not there."
     cost: NDArray[np.float64]
-    "Way so far and estimate of the rest (f), of every node."
-    way: NDArray[np.float64]
-    "Way so far (g), of every node; infinite: not reached yet."
+    "Length so far and estimate of the rest (f), of every node, (n,)."
+    length: NDArray[np.float64]
+    "Length so far (g), of every node, (n,); infinite: not reached yet."
 
 
 def make_queue(num_nodes: int) -> PriorityQueue:
@@ -40,17 +40,17 @@ def make_queue(num_nodes: int) -> PriorityQueue:
 
 @kernel
 def comes_before(queue: PriorityQueue, a: int, b: int) -> bool:
-    """Whether node a leaves the queue before node b."""
+    """Return whether node a leaves the queue before node b."""
     if queue.cost[a] != queue.cost[b]:
         return queue.cost[a] < queue.cost[b]
-    if queue.way[a] != queue.way[b]:
-        return queue.way[a] > queue.way[b]
+    if queue.length[a] != queue.length[b]:
+        return queue.length[a] > queue.length[b]
     return a < b
 
 
 @kernel
 def enter(queue: PriorityQueue, size: int, node: int) -> int:
-    """Enter a node, or let it rise after it became cheaper; returns the new size."""
+    """Enter a node, or let it rise after it became cheaper; return the new size."""
     place = queue.places[node]
     if place < 0:
         place = size

@@ -12,12 +12,12 @@ from swarm_gym.scenarios import AnyScenario, DynamicScenario, FunctionScenario, 
 
 
 def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
-    """Shortest path from start to target that does not enter an obstacle or a blocked cell.
+    """Return the shortest path from start to target that does not enter an obstacle or a blocked cell.
 
     It may touch them. On maps of circles and polygons it may leave the workspace, on grid maps not.
 
     Returns:
-        Its length in map units, and the path as a polyline in map coordinates, shape (k, 2).
+        The length in map units, and the path as a polyline in map coordinates, shape (k, 2).
 
     Raises:
         ScenarioError: if there is none, or no map.

@@ -25,18 +25,18 @@ from swarm_gym.scenarios import Circle, Polygon, Scenario
 # How deep a path may enter an obstacle, relative to the extent of the scenario: well above the
 # rounding errors of tangent points, well below anything that matters.
 RELATIVE_TOLERANCE = 1e-12
-# Between two points of an arc in the polyline that is returned.
+# Angle between two points of an arc in the polyline that is returned.
 SAMPLING_ANGLE = math.radians(1.0)
 
 
 def shortest_path(scenario: Scenario) -> tuple[float, NDArray[np.float64]]:
-    """Shortest path from start to target that does not enter the interior of any obstacle.
+    """Return the shortest path from start to target that does not enter the interior of any obstacle.
 
     It may touch obstacles, pass between two that only touch each other, and leave the workspace. To
     enter by no more than `RELATIVE_TOLERANCE` times the extent of the scenario counts as touching.
 
     Returns:
-        Its length in map units, and the path as a polyline in map coordinates, shape (k, 2). The
+        The length in map units, and the path as a polyline in map coordinates, shape (k, 2). The
         length is that of the path itself; the points lie on the path, and between two points of an
         arc the polyline cuts the corner.
 
@@ -73,18 +73,18 @@ class _Disc(NamedTuple):
     radius: float
 
     def depth(self, point: complex) -> float:
-        """Distance from a point to the outside; negative at a point outside."""
+        """Return the distance of a point from the outside; negative at a point outside."""
         return self.radius - abs(point - self.centre)
 
     def is_entered(self, p: complex, q: complex, tolerance: float) -> bool:
-        """Whether the segment p q comes deeper than the tolerance."""
+        """Return whether the segment p q comes deeper than the tolerance."""
         along = q - p
         square = abs(along) ** 2
         t = ((self.centre - p) * along.conjugate()).real / square if square > 0.0 else 0.0
         return self.depth(p + min(max(t, 0.0), 1.0) * along) > tolerance
 
     def chords(self, disc: "_Disc") -> list[_Chord]:
-        """Lines through all points where the outline of this obstacle crosses that of a disc."""
+        """Return lines through all points where the outline of this obstacle crosses that of a disc."""
         between = self.centre - disc.centre
         gap = abs(between)
         if gap == 0.0:
@@ -106,11 +106,11 @@ class _HalfPlanes(NamedTuple):
         return cls(normals, offsets)
 
     def depth(self, point: complex) -> float:
-        """Distance from a point inside to the outside; negative at a point outside."""
+        """Return the distance of a point from the outside; negative at a point outside."""
         return min(_dot(n, point) - o for n, o in zip(self.normals, self.offsets, strict=True))
 
     def is_entered(self, p: complex, q: complex, tolerance: float) -> bool:
-        """Whether the segment p q comes deeper than the tolerance: clipped edge by edge."""
+        """Return whether the segment p q, clipped edge by edge, comes deeper than the tolerance."""
         begin, end = 0.0, 1.0
         for normal, offset in zip(self.normals, self.offsets, strict=True):
             depth = _dot(normal, p) - offset - tolerance
@@ -124,7 +124,7 @@ class _HalfPlanes(NamedTuple):
         return begin < end
 
     def chords(self, disc: _Disc) -> list[_Chord]:
-        """Lines through all points where the outline of this obstacle crosses that of a disc."""
+        """Return lines through all points where the outline of this obstacle crosses that of a disc."""
         return [
             _Chord(normal, offset - _dot(normal, disc.centre))
             for normal, offset in zip(self.normals, self.offsets, strict=True)

@@ -56,11 +56,11 @@ Progress = Callable[[int, int], None]
 
 
 def optimum(problem: AnalyticProblem, coarse_step: float = 1.0) -> tuple[float, Floats]:
-    """Least fitness in the workspace, and a decision vector that has it, shape (num_waypoints,).
+    """Return the least fitness in the workspace, and a decision vector that has it, (num_waypoints,).
 
     Args:
-        problem: what is to be solved; time grows with (extent of the workspace / coarse_step)^2.
-        coarse_step: of the grid over the whole workspace, in map units. The result is a local
+        problem: the problem; time grows with (extent of the workspace / coarse_step)^2.
+        coarse_step: step of the grid over the whole workspace, in map units. The result is a local
             optimum, and the global one unless the best path of this grid is in another corridor.
     """
     lower, upper = problem.bounds
@@ -79,7 +79,7 @@ def optimum(problem: AnalyticProblem, coarse_step: float = 1.0) -> tuple[float, 
 
 
 def _best_on_grid(problem: AnalyticProblem, middle: Floats, step: float, reach: int) -> Floats:
-    """Best decision vector with offsets `middle` (n,) plus -reach .. reach steps, in the bounds."""
+    """Return the best decision vector in the bounds with offsets `middle` (n,) plus -reach .. reach steps."""
     lower, upper = problem.bounds
     grid = middle[:, np.newaxis] + step * np.arange(-reach, reach + 1)
     grid = np.clip(grid, lower[:, np.newaxis], upper[:, np.newaxis])
@@ -91,8 +91,8 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
     """Find the path of least fitness, shape (n + 2,), among all of given candidate offsets.
 
     Args:
-        table: the problem, with n waypoints.
-        candidates: shape (n + 2, K), offsets that each waypoint can have; 0 for start and target.
+        table: the problem table, with n waypoints.
+        candidates: (n + 2, K) offsets that each waypoint can have; 0 for start and target.
     """
     stations, columns = candidates.shape
     spacing = table.spacing
@@ -124,14 +124,14 @@ def best_path(table: WaypointTable, candidates: Floats) -> Floats:
 def ensure_optima(
     problems: Sequence[Problem], num_threads: int = 1, progress: Progress | None = None
 ) -> list[float]:
-    """Least fitness of each problem, in map units; what is not known yet is computed and stored.
+    """Return the least fitness of each problem, in map units; unknown ones are computed and stored.
 
     On a grid map that is the length of the shortest path at any angle, which a curve may not reach. That of a
     test function is known.
 
     Args:
         problems: any number; about a fifth of a second for each that is not known.
-        num_threads: over which the computation is spread.
+        num_threads: number of threads that share the computation.
         progress: is called with the number of problems done and the number of all.
 
     Raises:
@@ -194,12 +194,12 @@ def write_field_optima(file: Path, names: Sequence[str], progress: Progress) -> 
 
 
 def _solve(problem: AnalyticProblem) -> tuple[str, float, float]:
-    """Digest, least fitness and shortest path of a problem."""
+    """Return digest, least fitness and length of the shortest path of a problem."""
     return digest(problem), round(optimum(problem)[0], 6), round(shortest_path(problem.scenario)[0], 6)
 
 
 def main() -> None:
-    """Compute optima as the command line says."""
+    """Compute the optima that the command line names."""
     parser = argparse.ArgumentParser(
         prog="python -m swarm_gym.reference.waypoint_optimum",
         description="Compute the true optima of scenarios and store them in the user's cache.",
@@ -229,7 +229,7 @@ def main() -> None:
 
 
 class _ProgressBar:
-    """Shows how far it is, and how long it will take, on one line of the error output."""
+    """A progress bar with the remaining time, on one line of the error output."""
 
     WIDTH = 40
 

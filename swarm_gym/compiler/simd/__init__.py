@@ -1,13 +1,13 @@
-"""Eight numbers at once: what lets kernels use the vector instructions of a processor.
+"""SIMD lanes: kernels compute with eight numbers at once, by the vector instructions of the processor.
 
-A value of lanes holds eight float64 ("floats"), uint64 ("words") or truth values (a "mask"). Arithmetic and
-comparisons are written as for plain numbers (`left + rise * share`, also with a number on one side) and act
-on each lane alone. Lanes are values: `a = a + b`, not `a += b`. LLVM turns them into vector instructions of
-whatever width the processor has. Since nothing is left to a vectorising compiler, the bits are the same on
-all of them, and sums have the order of `total`.
+A value of type `Lanes` holds eight float64 ("floats"), uint64 ("words") or truth values (a "mask"), one in
+each lane. Arithmetic and comparisons are written as for plain numbers (`left + rise * share`, also with a
+number on one side) and act on each lane alone. Lanes are values: `a = a + b`, not `a += b`. LLVM turns them
+into vector instructions of whatever width the processor has. Since nothing is left to a vectorising compiler,
+the bits are the same on all of them, and sums have the order of `total`.
 
-Inside kernels only. Arrays that are padded to a multiple of eight need no loops over a remainder. With the
-JIT off, lanes are NumPy arrays of length eight and each function is what `functions` says in Python;
+Lanes exist inside kernels only. Arrays that are padded to a multiple of eight need no loops over a remainder.
+With the JIT off, lanes are NumPy arrays of length eight and each function is that of `functions`, in Python;
 `compiled` registers its compiled form.
 """
 

@@ -1,18 +1,21 @@
 """The compiled forms of `functions` and of operators on lanes: a value of lanes is one LLVM vector.
 
 A function is registered for exactly those types for which its compiled form does what the Python form does.
+Functions of lanes emit their instructions into their callers, as Numba's own operators do: none of them is
+compiled as a function of its own, which would take most of the time that a small kernel takes.
 """
 
 import operator
 from collections.abc import Callable
-from functools import partial
+from functools import partial, wraps
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import infer, infer_global, make_intrinsic_template
+from numba.extending import models, overload, register_model
 
 from swarm_gym.compiler.simd.functions import (
     NUM_LANES,
@@ -69,8 +72,26 @@ def _splat(builder: Any, value: Any, lanes: LanesType) -> Any:
     return builder.shuffle_vector(one, one, _lane_numbers(*[0] * NUM_LANES))
 
 
+def _emit(function: Callable, definition: Callable, accepts: Callable[..., bool]) -> None:
+    """Have a function emit instructions into its callers, for the types that `accepts` accepts.
+
+    Args:
+        function: the Python form.
+        definition: returns the signature and the generator of the instructions, as of `extending.intrinsic`.
+        accepts: whether the compiled form exists, by the types of the arguments.
+    """
+
+    @wraps(definition)
+    def define(context: Any, *kinds: Any) -> Any:
+        return definition(context, *kinds) if accepts(*kinds) else None
+
+    template = make_intrinsic_template(function, define, function.__name__)
+    infer(template)
+    infer_global(function, types.Function(template))
+
+
 def _compile(function: Callable, compiled: Callable, accepts: Callable[..., bool]) -> None:
-    """Register the compiled form of a function for the types that it accepts."""
+    """Register the compiled form of a function on numbers for the types that `accepts` accepts."""
     overload(function, strict=False, jit_options={"forceinline": True})(
         lambda *kinds: compiled if accepts(*kinds) else None
     )
@@ -85,7 +106,7 @@ def _is_number(kind: Any) -> bool:
 
 
 def _goes_with(lanes: LanesType, other: Any) -> bool:
-    """Whether an operand can stand beside lanes: lanes of the same kind, or a number that can be one."""
+    """Return whether an operand can stand beside lanes: lanes of that kind, or a number that can be one."""
     if other == lanes:
         return True
     return _is_number(other) if lanes == FLOATS else lanes == WORDS and other == types.uint64
@@ -106,10 +127,9 @@ def _as_lanes(context: Any, builder: Any, value: Any, kind: Any, lanes: LanesTyp
 
 
 def _binary(emit: Callable[[Any, bool], Callable], result: LanesType | None = None) -> Any:
-    """The intrinsic of an operator; `emit(builder, is_float)` is the instruction."""
+    """Return the definition of an operator; `emit(builder, is_float)` returns its instruction."""
 
-    @intrinsic
-    def instruction(context: Any, a: Any, b: Any) -> Any:
+    def definition(context: Any, a: Any, b: Any) -> Any:
         lanes = a if isinstance(a, LanesType) else b
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -121,7 +141,7 @@ def _binary(emit: Callable[[Any, bool], Callable], result: LanesType | None = No
 
         return (result or lanes)(a, b), generate
 
-    return lambda a, b: instruction(a, b)
+    return definition
 
 
 def _arithmetic(of_floats: str, of_words: str) -> Callable[[Any, bool], Callable]:
@@ -134,28 +154,28 @@ def _comparison(sign: str) -> Callable[[Any, bool], Callable]:
     )
 
 
-_compile(operator.truediv, _binary(_arithmetic("fdiv", "")), _operands(FLOATS))
+_emit(operator.truediv, _binary(_arithmetic("fdiv", "")), _operands(FLOATS))
 for _operator, _names in (
     (operator.add, ("fadd", "add")),
     (operator.sub, ("fsub", "sub")),
     (operator.mul, ("fmul", "mul")),
 ):
-    _compile(_operator, _binary(_arithmetic(*_names)), _operands(FLOATS, WORDS))
+    _emit(_operator, _binary(_arithmetic(*_names)), _operands(FLOATS, WORDS))
 for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operator.xor, "xor")):
-    _compile(_operator, _binary(_arithmetic("", _name)), _operands(WORDS, MASK))
+    _emit(_operator, _binary(_arithmetic("", _name)), _operands(WORDS, MASK))
 for _operator, _name in ((operator.lshift, "shl"), (operator.rshift, "lshr")):
-    _compile(_operator, _binary(_arithmetic("", _name)), _operands(WORDS))
+    _emit(_operator, _binary(_arithmetic("", _name)), _operands(WORDS))
 for _operator, _name in (
     (operator.lt, "<"),
     (operator.le, "<="),
     (operator.gt, ">"),
     (operator.ge, ">="),
 ):
-    _compile(_operator, _binary(_comparison(_name), MASK), _operands(FLOATS, WORDS))
+    _emit(_operator, _binary(_comparison(_name), MASK), _operands(FLOATS, WORDS))
 
 
 def _pointer(context: Any, builder: Any, kind: Any, array: Any, index: Any, lanes: LanesType) -> Any:
-    """Where the eight elements of `load` and `store` begin; checked where bounds checks are on."""
+    """Return a pointer to the eight elements of `load` and `store`, checked if bounds checks are on."""
     struct = context.make_array(kind)(context, builder, array)
     if context.enable_boundscheck:
         length = builder.extract_value(struct.shape, 0)
@@ -179,7 +199,6 @@ def _holds_lanes(array: Any, *_: Any) -> bool:
     )
 
 
-@intrinsic
 def _load(context: Any, array: Any, index: Any) -> Any:
     lanes = LanesType(array.dtype)
 
@@ -192,12 +211,15 @@ def _load(context: Any, array: Any, index: Any) -> Any:
     return lanes(array, types.intp), generate
 
 
-_compile(load, lambda array, index: _load(array, index), _holds_lanes)
-_compile(
-    read,
-    lambda rows, row, lane: _load(rows, row),
-    lambda rows, row, lane: _holds_lanes(rows) and rows.ndim == 2 and lane == types.none,
-)
+_emit(load, _load, _holds_lanes)
+
+
+def _read(context: Any, rows: Any, row: Any, lane: Any) -> Any:
+    signature, generate = _load(context, rows, row)
+    return signature.return_type(*signature.args, lane), generate
+
+
+_emit(read, _read, lambda rows, row, lane: _holds_lanes(rows) and rows.ndim == 2 and lane == types.none)
 _compile(
     read,
     lambda rows, row, lane: rows[row, lane],
@@ -205,7 +227,6 @@ _compile(
 )
 
 
-@intrinsic
 def _store(context: Any, array: Any, index: Any, lanes: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         pointer = _pointer(context, builder, array, arguments[0], arguments[1], lanes)
@@ -215,14 +236,13 @@ def _store(context: Any, array: Any, index: Any, lanes: Any) -> Any:
     return types.void(array, types.intp, lanes), generate
 
 
-_compile(
+_emit(
     store,
-    lambda array, index, lanes: _store(array, index, lanes),
+    _store,
     lambda array, index, lanes: _holds_lanes(array) and array.mutable and lanes == LanesType(array.dtype),
 )
 
 
-@intrinsic
 def _broadcast(context: Any, value: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return _splat(builder, arguments[0], FLOATS)
@@ -230,10 +250,9 @@ def _broadcast(context: Any, value: Any) -> Any:
     return FLOATS(types.float64), generate
 
 
-_compile(broadcast, lambda value: _broadcast(value), _is_number)
+_emit(broadcast, _broadcast, _is_number)
 
 
-@intrinsic
 def _where(context: Any, mask: Any, yes: Any, no: Any) -> Any:
     lanes = next((kind for kind in (yes, no) if isinstance(kind, LanesType)), FLOATS)
 
@@ -256,19 +275,37 @@ def _can_choose(mask: Any, yes: Any, no: Any) -> bool:
     return mask == MASK and lanes != MASK and _goes_with(lanes, yes) and _goes_with(lanes, no)
 
 
-_compile(where, lambda mask, yes, no: _where(mask, yes, no), _can_choose)
-for _function, _choose in (
-    (maximum, lambda a, b: where(a > b, a, b)),
-    (minimum, lambda a, b: where(a < b, a, b)),
+_emit(where, _where, _can_choose)
+
+
+def _larger(sign: str) -> Callable:
+    """Return the definition of the larger (">") or smaller ("<") of two; the second where they are equal."""
+
+    def definition(context: Any, a: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            first, second = (
+                _as_lanes(context, builder, value, kind, FLOATS)
+                for value, kind in zip(arguments, signature.args, strict=True)
+            )
+            return builder.select(builder.fcmp_ordered(sign, first, second), first, second)
+
+        return FLOATS(a, b), generate
+
+    return definition
+
+
+for _function, _sign, _choose in (
+    (maximum, ">", lambda a, b: where(a > b, a, b)),
+    (minimum, "<", lambda a, b: where(a < b, a, b)),
 ):
-    _compile(_function, _choose, lambda a, b: _operands(FLOATS)(a, b) or (_is_number(a) and _is_number(b)))
+    _emit(_function, _larger(_sign), _operands(FLOATS))
+    _compile(_function, _choose, lambda a, b: _is_number(a) and _is_number(b))
 
 
 def _of_floats(name: str) -> Any:
-    """LLVM's intrinsic of that name, from floats to floats."""
+    """Return the definition of LLVM's intrinsic of a name, from floats to floats."""
 
-    @intrinsic
-    def function(context: Any, lanes: Any) -> Any:
+    def definition(context: Any, lanes: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             vector = _vector(FLOATS)
             callee = cgutils.get_or_insert_function(
@@ -278,15 +315,14 @@ def _of_floats(name: str) -> Any:
 
         return lanes(lanes), generate
 
-    return lambda lanes: function(lanes)
+    return definition
 
 
-_compile(square_root, _of_floats("sqrt"), _are(FLOATS))
-_compile(floor, _of_floats("floor"), _are(FLOATS))
+_emit(square_root, _of_floats("sqrt"), _are(FLOATS))
+_emit(floor, _of_floats("floor"), _are(FLOATS))
 _compile(floor, lambda values: np.floor(values), lambda kind: kind == types.float64)
 
 
-@intrinsic
 def _look_up(context: Any, values: Any, indices: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         struct = context.make_array(values)(context, builder, arguments[0])
@@ -303,9 +339,9 @@ def _look_up(context: Any, values: Any, indices: Any) -> Any:
     return FLOATS(values, indices), generate
 
 
-_compile(
+_emit(
     look_up,
-    lambda values, indices: _look_up(values, indices),
+    _look_up,
     lambda values, indices: (
         isinstance(values, types.Array)
         and (values.ndim, values.layout, values.dtype) == (1, "C", types.uint8)
@@ -314,19 +350,17 @@ _compile(
 )
 
 
-@intrinsic
 def _as_float(context: Any, words: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        # Signed, for which some processors have one instruction for all lanes.
+        # The conversion is signed: some processors have one instruction for that on all lanes.
         return builder.sitofp(arguments[0], _vector(FLOATS))
 
     return FLOATS(words), generate
 
 
-_compile(as_float, lambda words: _as_float(words), _are(WORDS))
+_emit(as_float, _as_float, _are(WORDS))
 
 
-@intrinsic
 def _total(context: Any, lanes: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         vector, half = arguments[0], NUM_LANES // 2
@@ -339,10 +373,9 @@ def _total(context: Any, lanes: Any) -> Any:
     return types.float64(lanes), generate
 
 
-_compile(total, lambda lanes: _total(lanes), _are(FLOATS))
+_emit(total, _total, _are(FLOATS))
 
 
-@intrinsic
 def _bits(context: Any, mask: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         byte = builder.bitcast(arguments[0], ir.IntType(NUM_LANES))
@@ -351,4 +384,4 @@ def _bits(context: Any, mask: Any) -> Any:
     return types.int64(mask), generate
 
 
-_compile(bits, lambda mask: _bits(mask), _are(MASK))
+_emit(bits, _bits, _are(MASK))

@@ -1,12 +1,12 @@
-"""How far the segments of a path must be shifted along y' to clear obstacles.
+"""Shifts along y' by which the segments of a path clear obstacles.
 
 Source: SPSFA paper, section II; closed forms and the reading of the degree of collision in docs/readings.md.
 
-A block of eight segments is treated at once, one per lane (`swarm_gym.compiler.simd`; `lane` is None), or a
-single one (`lane` is its number in the block): `left` is y' of the left end, `rise` the difference to the
-right end, `length` the length. Shifts are the smallest of the whole segment along +y' and along -y', in map
-units: segment and obstacle are in contact if and only if both are positive; where one is not, neither has a
-meaning.
+The functions treat eight segments of a block at once, one per SIMD lane (`swarm_gym.compiler.simd`; `lane` is
+None), or a single one (`lane` is its number in the block). `left` is y' of the left end, `rise` the
+difference to the right end, and `length` the length. The two shifts are the smallest movements of the whole
+segment along +y' and along -y', in map units. Segment and obstacle are in contact if and only if both are
+positive; if one is not, neither has a meaning.
 """
 
 from typing import Any
@@ -48,7 +48,7 @@ Floats = NDArray[np.float64]
 
 @kernel(inline="late")
 def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, Lanes, Lanes]:
-    """`left`, `rise` and `length` of the segments of a block; `path` as in `cost.evaluate`."""
+    """Return `left`, `rise` and `length` of the segments of a block; `path` is that of `cost.evaluate`."""
     first = block * NUM_LANES
     left = load(path, first)
     rise = load(path, first + 1) - left
@@ -59,10 +59,11 @@ def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, 
 def circle_shifts(
     rows: Floats, row: int, lane: int | None, left: Any, rise: Any, length: Any
 ) -> tuple[Any, Any]:
-    """Shifts that clear circles; their rows begin at `row`.
+    """Return the shifts that clear circles, whose rows begin at `row`.
 
     The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
-    of the line: at -r sin from the centre. That tangent passes r / cos above the centre: no root is needed.
+    of the line: at -r sin from the centre. That tangent passes r / cos above the centre, so that no root is
+    needed.
     """
     from_centre = left - read(rows, row + CENTRE_Y, lane)
     begin = from_centre + rise * read(rows, row + BEGIN_SHARE, lane)
@@ -86,7 +87,7 @@ def circle_shifts(
 def polygon_shifts(
     rows: Floats, row: int, num_corners: int, lane: int | None, left: Any, rise: Any
 ) -> tuple[Any, Any]:
-    """Shifts that clear convex polygons; the rows of their corners begin at `row`.
+    """Return the shifts that clear convex polygons, whose corners' rows begin at `row`.
 
     The top of a polygon is concave and its bottom convex, so each differs most from a line at a corner or at
     an end of the overlap.
@@ -104,7 +105,7 @@ def polygon_shifts(
 def clearing_shifts(
     table: WaypointTable, tile: int, lane: int | None, left: Any, rise: Any, length: Any
 ) -> tuple[Any, Any]:
-    """Shifts that clear the obstacles of a tile."""
+    """Return the shifts that clear the obstacles of a tile."""
     if table.num_corners[tile] > 0:
         return polygon_shifts(table.rows, table.first_row[tile], table.num_corners[tile], lane, left, rise)
     return circle_shifts(table.rows, table.first_row[tile], lane, left, rise, length)
@@ -112,10 +113,10 @@ def clearing_shifts(
 
 @kernel(inline="late")
 def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, length: Lanes) -> Lanes:
-    """For each segment of a block, the sum of its smaller shifts over all obstacles in contact.
+    """Return, for each segment of a block, the sum of its smaller shifts over all obstacles in contact.
 
-    Times the cosine of its slope it is the segment's degree of collision: for each obstacle the distance
-    between the segment and its nearer cleared parallel.
+    This sum times the cosine of the slope is the segment's degree of collision: for each obstacle the
+    distance between the segment and its nearer cleared parallel.
     """
     shifts = broadcast(0.0)
     for tile in range(table.first_tile[block], table.first_tile[block + 1]):
@@ -126,14 +127,14 @@ def smaller_shifts(table: WaypointTable, block: int, left: Lanes, rise: Lanes, l
 
 @kernel(inline="late")
 def segment_collision(table: WaypointTable, segment: int, left: float, right: float, length: float) -> float:
-    """Degree of collision of one segment, 0 to n, with all obstacles, in map units.
+    """Return the degree of collision of one segment with all obstacles, in map units.
 
     Args:
-        table: the problem.
-        segment: its number.
-        left: y' of its left end.
-        right: y' of its right end.
-        length: its length.
+        table: the problem table, with n waypoints.
+        segment: number of the segment, 0 to n.
+        left: y' of the left end.
+        right: y' of the right end.
+        length: length of the segment.
     """
     block, lane = segment // NUM_LANES, segment % NUM_LANES
     shifts = 0.0

@@ -18,11 +18,11 @@ FEASIBILITY_TOLERANCE = 1e-9
 
 @kernel(inline="late")
 def evaluate(table: WaypointTable, path: NDArray[np.float64]) -> tuple[float, float]:
-    """Fitness (minimised) and degree of collision of a path, both in map units.
+    """Return the fitness (minimised) and the degree of collision of a path, both in map units.
 
     Args:
-        table: the problem, with n waypoints and C columns.
-        path: shape (C + 1,), a zero for the start, the offsets, and zeros from the target on.
+        table: the problem table, with n waypoints and C columns.
+        path: (C + 1,) a zero for the start, the offsets, and zeros from the target on.
     """
     lengths, cleared = broadcast(0.0), broadcast(0.0)
     for block in range(table.squared_spacing.shape[0] // NUM_LANES):

@@ -1,22 +1,22 @@
-"""Which obstacle can touch which segment of a waypoint path, and the geometry of each such pair.
+"""Pairs of a segment of a waypoint path and an obstacle that it can touch, and their geometry.
 
 Source: SPSFA paper, section II. Waypoints are evenly spaced on the x' axis, so the x' extent of a segment
-never changes: the pairs whose extents overlap are known beforehand.
+never changes, and the pairs whose extents overlap are known beforehand.
 """
 
 import math
 from itertools import pairwise
 from typing import NamedTuple
 
-from swarm_gym.problem.geometry.rotation import Frame
+from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario
 
 # Extents in x' that overlap by no more (map units) only touch: an edge on the line of a waypoint stays there
 # when the rotation rounds.
 OVERLAP_TOLERANCE = 1e-9
 
-# An obstacle in the frame: a circle, or the vertices of a polygon. The latter need not be strictly convex any
-# more, since the rotation rounds.
+# An obstacle in coordinates (x', y'): a circle, or the vertices of a polygon. Since the rotation rounds, the
+# polygon need not be strictly convex any more.
 Shape = Circle | list[Point]
 
 
@@ -26,18 +26,19 @@ class Pair(NamedTuple):
     segment: int
     bottom: float  # extent in y' of the obstacle over the overlap
     top: float
-    circle: tuple[float, float, float, float, float] | None  # centre x', y', radius, overlap less the centre
-    corners: tuple[tuple[float, float, float], ...]  # of a polygon: x', top and bottom there
+    # x' and y' of the centre, radius, and x' of both ends of the overlap, less that of the centre.
+    circle: tuple[float, float, float, float, float] | None
+    corners: tuple[tuple[float, float, float], ...]  # x', top and bottom of a polygon's corners
 
 
-def shapes_in_frame(scenario: Scenario) -> list[Shape]:
-    """The obstacles of a scenario in its frame."""
-    frame = Frame.of(scenario)
-    return [_in_frame(obstacle, frame) for obstacle in scenario.obstacles]
+def rotated_shapes(scenario: Scenario) -> list[Shape]:
+    """Return the obstacles of a scenario in coordinates (x', y')."""
+    axes = RotatedAxes.of(scenario)
+    return [_rotated(obstacle, axes) for obstacle in scenario.obstacles]
 
 
 def extent_of_all(shapes: list[Shape]) -> tuple[float, float]:
-    """The extent in y' of all shapes; unbounded without any."""
+    """Return the least and the largest y' of all shapes; unbounded without any."""
     lows, highs = [], []
     for shape in shapes:
         if isinstance(shape, Circle):
@@ -50,7 +51,7 @@ def extent_of_all(shapes: list[Shape]) -> tuple[float, float]:
 
 
 def list_pairs(shapes: list[Shape], num_segments: int, spacing: float) -> list[Pair]:
-    """All pairs, by segment and then in the order of the shapes."""
+    """Return all pairs, ordered by segment and then as the shapes."""
     pairs = []
     for segment in range(num_segments):
         left, right = segment * spacing, (segment + 1) * spacing
@@ -65,10 +66,10 @@ def list_pairs(shapes: list[Shape], num_segments: int, spacing: float) -> list[P
     return pairs
 
 
-def _in_frame(obstacle: Obstacle, frame: Frame) -> Shape:
+def _rotated(obstacle: Obstacle, axes: RotatedAxes) -> Shape:
     if isinstance(obstacle, Circle):
-        return Circle(*frame.from_map((obstacle.x, obstacle.y)), obstacle.radius)
-    return [frame.from_map(vertex) for vertex in obstacle.vertices]
+        return Circle(*axes.from_map((obstacle.x, obstacle.y)), obstacle.radius)
+    return [axes.from_map(vertex) for vertex in obstacle.vertices]
 
 
 def _with_circle(circle: Circle, segment: int, left: float, right: float) -> Pair | None:
@@ -96,7 +97,7 @@ def _with_polygon(vertices: list[Point], segment: int, left: float, right: float
 
 
 def _top_and_bottom(vertices: list[Point], x: float) -> tuple[float, float]:
-    """Largest and smallest y of a polygon at x inside its x extent."""
+    """Return the largest and the smallest y of a polygon at an x inside its extent."""
     heights = []
     for (x0, y0), (x1, y1) in pairwise([*vertices, vertices[0]]):
         if x0 == x1:

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.problem.analytic.pairs import Pair, list_pairs, shapes_in_frame
-from swarm_gym.problem.analytic.table import WaypointTable, points_beside, spacing_of, tabulate
+from swarm_gym.problem.analytic.pairs import Pair, list_pairs, rotated_shapes
+from swarm_gym.problem.analytic.table import WaypointTable, points_beside, tabulate
 from swarm_gym.problem.geometry.clear_line import is_clear
-from swarm_gym.problem.geometry.resampling import resampled
-from swarm_gym.problem.geometry.rotation import Frame
+from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, resampled, spacing_of
 from swarm_gym.problem.map_problem import MapProblem
 from swarm_gym.problem.problem import Problem
 from swarm_gym.scenarios import Circle, Obstacle, Point, Scenario, require_analytic
@@ -52,23 +51,23 @@ class AnalyticProblem(MapProblem):
 
     @cached_property
     def pairs(self) -> list[Pair]:
-        """Segments of a path and the obstacles over them."""
+        """The pairs of a segment of a path and an obstacle over it."""
         spacing = spacing_of(self.scenario, self.num_waypoints)
-        return list_pairs(shapes_in_frame(self.scenario), self.num_waypoints + 1, spacing)
+        return list_pairs(rotated_shapes(self.scenario), self.num_waypoints + 1, spacing)
 
     @cached_property
-    def frame(self) -> Frame:
-        """The coordinates in which the start-target line is the x' axis."""
-        return Frame.of(self.scenario)
+    def axes(self) -> RotatedAxes:
+        """The axes along and across the start-target line."""
+        return RotatedAxes.of(self.scenario)
 
     @property
     def lower_bound(self) -> float:
-        """A fitness that no path can be below: mu times the straight line."""
+        """A lower bound of the fitness: mu times the straight line."""
         return self.length_weight * self.scenario.straight_line
 
     @property
     def collision_bound(self) -> float:
-        """A degree of collision that no path inside the workspace can exceed."""
+        """An upper bound of the degree of collision of paths inside the workspace, in map units."""
         lower, upper = self.bounds
         # The smaller of two shifts is at most half their sum, which the heights bound.
         reach = float(upper.max() - lower.min())
@@ -76,27 +75,27 @@ class AnalyticProblem(MapProblem):
 
     @property
     def collision_bound_anywhere(self) -> float:
-        """The same wherever in the workspace the start is."""
+        """An upper bound of the degree of collision for any start in the workspace, in map units."""
         x_min, y_min, x_max, y_max = self.scenario.workspace
         reach = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
         shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.obstacles]
         return (self.num_waypoints + 1) * math.fsum(shifts)
 
     def begun_at(self, start: Point) -> "AnalyticProblem":
-        """The same problem from another start."""
+        """Return the same problem from another start."""
         return replace(self, scenario=replace(self.scenario, start=start, initial_range=None))
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
-        """Offsets at which the same paths pass beside the new line, inside the workspace."""
+        """Return the offsets at which the same paths pass beside the new line, inside the workspace."""
         return np.clip(resampled(before.points(vectors), self.scenario, self.num_waypoints), *self.bounds)
 
     def is_clear(self, path: Floats) -> bool:
-        """Whether a polyline enters no obstacle."""
+        """Return whether a polyline enters no obstacle."""
         return is_clear(path, self.scenario.obstacles)
 
     @property
     def identity(self) -> tuple[Any, ...]:
-        """What fitness depends on."""
+        """The numbers and obstacles that the fitness depends on."""
         scenario = self.scenario
         numbers = (
             *scenario.start,
@@ -109,18 +108,18 @@ class AnalyticProblem(MapProblem):
         return [float(number) for number in numbers], [_plain(o) for o in scenario.obstacles]
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """Decision vectors (..., n) as paths in map coordinates, shape (..., n + 2, 2)."""
-        return points_beside(self.line, self.frame.across, np.asarray(vectors, dtype=np.float64))
+        """Return the paths, (..., n + 2, 2) in map coordinates, of decision vectors (..., n)."""
+        return points_beside(self.line, self.axes.across, np.asarray(vectors, dtype=np.float64))
 
     @cached_property
     def line(self) -> Floats:
         """Map coordinates of start, waypoints of offset 0, and target, shape (num_waypoints + 2, 2)."""
         x = self.table.spacing * np.arange(self.num_waypoints + 2)
-        return self.frame.to_map(x, np.zeros_like(x))
+        return self.axes.to_map(x, np.zeros_like(x))
 
 
 def _extent(obstacle: Obstacle) -> float:
-    """A length that no two points of an obstacle are farther apart than."""
+    """Return an upper bound of the distance between two points of an obstacle."""
     if isinstance(obstacle, Circle):
         return 2.0 * obstacle.radius
     low, high = np.min(obstacle.vertices, axis=0), np.max(obstacle.vertices, axis=0)

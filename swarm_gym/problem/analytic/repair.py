@@ -1,8 +1,8 @@
-"""Treatment of infeasible paths: colliding segments are pushed out of obstacles, by a degree phi.
+"""Repair of infeasible paths: colliding segments are pushed out of obstacles, by a degree phi.
 
 Source: SPSFA paper, section III, "treatment for infeasible path": a parallel movement of the segment by
-phi times its degree of collision. The order (segments from the start, obstacles as listed, each seeing what
-the ones before did) and what happens to shared waypoints are readings, see docs/readings.md.
+phi times its degree of collision. The order (segments from the start, obstacles as listed, each after the
+changes of those before it) and what happens to shared waypoints are readings, see docs/readings.md.
 """
 
 import math
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 @kernel(inline="late")
 def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degree: float) -> bool:
-    """Push one segment out of one obstacle after the other; returns whether its right end moved."""
+    """Push one segment out of one obstacle after the other; return whether its right end moved."""
     block, lane = segment // NUM_LANES, segment % NUM_LANES
     left, right = path[segment], path[segment + 1]
     before = right
@@ -42,7 +42,9 @@ def repair_segment(table: WaypointTable, segment: int, path: Floats, repair_degr
 
 @kernel(inline="late")
 def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
-    """One pass over all segments; changes `path` as in `cost.evaluate`, in place, but not its ends.
+    """Repair all segments of a path once, from the start on.
+
+    `path` is that of `cost.evaluate`; it is changed in place, but for its ends.
 
     A segment in contact moves along y' by `repair_degree` (phi in [0, 1]) times the smaller of its two
     clearing shifts, to that side, and not out of the workspace.
@@ -54,6 +56,6 @@ def repair(table: WaypointTable, path: Floats, repair_degree: float) -> None:
             continue
         moved = False
         for lane in range(NUM_LANES):
-            # What was seen of a segment holds as long as the one before it stays.
+            # What was computed for a segment holds as long as the segment before it stays.
             if moved or (contacts >> lane) & 1:
                 moved = repair_segment(table, block * NUM_LANES + lane, path, repair_degree)

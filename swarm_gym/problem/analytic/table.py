@@ -4,8 +4,8 @@ Source: SPSFA paper, section II, eq. 1. The map is rotated so that the start is 
 the target the x' axis. `num_waypoints` waypoints stand evenly spaced on that axis; a decision vector holds
 their offsets y'.
 
-Eight segments are one block, and kernels work on a block at once. What the obstacles over a block look like
-is laid out in tiles: a tile holds at most one obstacle for each of the eight segments, all circles or all
+Eight segments are one block, and kernels work on a block at once. The obstacles over a block
+are laid out in tiles: a tile holds at most one obstacle for each of the eight segments, all circles or all
 polygons.
 
 `num_waypoints` is not printed in the paper; see docs/readings.md.
@@ -20,18 +20,18 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.errors import ScenarioError
-from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, shapes_in_frame
-from swarm_gym.problem.geometry.rotation import Frame
+from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, rotated_shapes
+from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
 from swarm_gym.problem.layout import columns, pad
 from swarm_gym.scenarios import MapScenario, Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Rows of a tile of circles. A share is a part of the segment, from its left end on; the chords are half those
-# of the circle at both ends of its overlap with the segment. A sine is the rise of a segment over its length:
-# between the lowest and the highest, the tangent at the top touches over the overlap (for the one at the
-# bottom, that of the mirrored segment).
+# Rows of a tile of circles. A share is a part of the segment, from its left end on. The chords are half the
+# chords of the circle at both ends of its overlap with the segment. A sine is the rise of a segment over its
+# length. Between the lowest and the highest sine, the tangent at the top touches the circle over the overlap;
+# for the tangent at the bottom, this holds for the sine of the mirrored segment.
 CENTRE_Y, BEGIN_CHORD, BEGIN_SHARE, END_SHARE, END_CHORD = range(5)
 CENTRE_SHARE, RADIUS_SHARE, LOWEST_SINE, HIGHEST_SINE = range(5, 9)
 CIRCLE_ROWS = 9
@@ -44,29 +44,29 @@ assert PRESENCE == CORNER_TOP
 
 
 class WaypointTable(NamedTuple):
-    """What the kernels need of one problem, with n waypoints, C = `columns(n)`, T tiles and R rows.
+    """The problem table of the waypoint encoding, with n waypoints, C = `columns(n)`, T tiles and R rows.
 
     Entries beyond n waypoints or n + 1 segments are such that they change nothing. In a stacked table every
     field has a leading problem axis.
     """
 
     dimension: Any  # n: a number, in a stacked table an array
-    spacing: Any  # x' distance between waypoints, likewise
-    length_weight: Any  # mu, likewise
+    spacing: Any  # x' distance between waypoints; in a stacked table an array
+    length_weight: Any  # mu; in a stacked table an array
     lower: Floats  # (C,) bounds of the offsets: the workspace
     upper: Floats  # (C,)
-    initial_lower: Floats  # (C,) where the first population is drawn
+    initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
-    squared_spacing: Floats  # (C,) of segments; next to nothing beyond them
+    squared_spacing: Floats  # (C,) squared x' length of the segments; tiny beyond them
     first_tile: Integers  # (C / 8 + 1,) tiles of block b: first_tile[b] .. first_tile[b + 1] - 1
-    first_row: Integers  # (T,) where the rows of a tile begin
-    num_corners: Integers  # (T,) of polygons; 0 for circles
+    first_row: Integers  # (T,) first row of a tile
+    num_corners: Integers  # (T,) corners of the polygons of a tile; 0 for circles
     rows: Floats  # (R, 8) tiles: CIRCLE_ROWS, or num_corners times CORNER_ROWS
 
 
 @kernel
 def select(tables: WaypointTable, index: int) -> WaypointTable:
-    """One problem out of stacked tables, as views."""
+    """Return one problem table out of stacked ones, as views."""
     return WaypointTable(
         tables.dimension[index],
         tables.spacing[index],
@@ -84,11 +84,11 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
 
 
 def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
-    """Paths (..., n + 2, 2) in map coordinates.
+    """Return paths in map coordinates, (..., n + 2, 2).
 
     Args:
-        line: (n + 2, 2) start, waypoints of offset 0, and target.
-        across: (2,) by how much a waypoint moves with its offset.
+        line: (n + 2, 2) the start, the waypoints of offset 0, and the target.
+        across: (2,) movement of a waypoint per unit of its offset.
         offsets: decision vectors, shape (..., n).
     """
     y = np.zeros((*offsets.shape[:-1], len(line), 1))
@@ -96,20 +96,15 @@ def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
     return line + y * across
 
 
-def spacing_of(scenario: MapScenario, num_waypoints: int) -> float:
-    """The x' distance between waypoints."""
-    return scenario.straight_line / (num_waypoints + 1)
-
-
 def tabulate(
     scenario: Scenario, pairs: list[Pair], num_waypoints: int, length_weight: float
 ) -> WaypointTable:
-    """The table of a scenario, with its pairs, for a number of waypoints and a weight mu of the length."""
+    """Return the problem table of a scenario and its pairs; `length_weight` is mu."""
     spacing = spacing_of(scenario, num_waypoints)
-    shapes = shapes_in_frame(scenario)
+    shapes = rotated_shapes(scenario)
     lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1), scenario.workspace)
     initial_lower, initial_upper = _initial_range(scenario, shapes, lower, upper)
-    # Beyond the path a length is not 0 but 1.5e-154: lost in the sum, and can be divided by.
+    # Beyond the path a length is not 0 but 1.5e-154, which is lost in the sum, but can be divided by.
     squared_spacing = np.full(columns(num_waypoints), np.finfo(np.float64).tiny)
     squared_spacing[: num_waypoints + 1] = spacing**2
     first_tile, first_row, num_corners, rows = _lay_out(pairs, columns(num_waypoints) // NUM_LANES, spacing)
@@ -132,13 +127,16 @@ def tabulate(
 def offset_bounds(
     scenario: MapScenario, x: Floats, workspace: tuple[float, float, float, float]
 ) -> tuple[Floats, Floats]:
-    """The interval of y' inside (x_min, y_min, x_max, y_max), on the line of each waypoint; 0 is in it."""
-    frame = Frame.of(scenario)
+    """Return the least and the largest offset, (n,) each, of waypoints at `x` that is inside the workspace.
+
+    The workspace is (x_min, y_min, x_max, y_max). Offset 0 is always allowed.
+    """
+    axes = RotatedAxes.of(scenario)
     x_min, y_min, x_max, y_max = workspace
     lower, upper = np.full(len(x), -np.inf), np.full(len(x), np.inf)
-    foot = frame.to_map(x, np.zeros_like(x))
-    # Along a line the map coordinates change with y' at these rates.
-    for axis, rate, low, high in ((0, -frame.sine, x_min, x_max), (1, frame.cosine, y_min, y_max)):
+    foot = axes.to_map(x, np.zeros_like(x))
+    # Across the start-target line, the map coordinates change with y' at these rates.
+    for axis, rate, low, high in ((0, -axes.sine, x_min, x_max), (1, axes.cosine, y_min, y_max)):
         if rate != 0.0:
             ends = np.stack([(low - foot[:, axis]) / rate, (high - foot[:, axis]) / rate])
             lower = np.maximum(lower, ends.min(axis=0))
@@ -164,7 +162,7 @@ def _initial_range(
 
 
 class _Tile:
-    """Pairs of one block, at most one for each lane, of one kind."""
+    """Pairs of one block and one kind of obstacle, at most one pair for each lane."""
 
     def __init__(self, is_circle: bool) -> None:
         self.is_circle = is_circle
@@ -209,9 +207,9 @@ def _circle_column(pair: Pair, spacing: float) -> tuple[float, ...]:
 def _lay_out(
     pairs: list[Pair], num_blocks: int, spacing: float
 ) -> tuple[Integers, Integers, Integers, Floats]:
-    """`first_tile`, `first_row`, `num_corners` and `rows`; the pairs of a segment keep their order."""
+    """Return `first_tile`, `first_row`, `num_corners` and `rows`; the pairs of a segment keep their order."""
     blocks: list[list[_Tile]] = [[] for _ in range(num_blocks)]
-    next_tile = [0] * (num_blocks * NUM_LANES)  # of each segment
+    next_tile = [0] * (num_blocks * NUM_LANES)  # for each segment
     for pair in pairs:
         tiles, lane = blocks[pair.segment // NUM_LANES], pair.segment % NUM_LANES
         is_circle = pair.circle is not None

@@ -36,26 +36,26 @@ class FunctionProblem(Problem):
 
     @property
     def lower_bound(self) -> float:
-        """A value that none can be below: the least one."""
+        """A lower bound of the fitness: the least value, 0."""
         return 0.0
 
     @property
     def least_fitness(self) -> float:
-        """The least value."""
+        """The least value, which is 0."""
         return 0.0
 
     @property
     def collision_bound(self) -> float:
-        """Positive, so that the bounds of observations are apart; the degree of collision is always 0."""
+        """A positive upper bound, so that observations have a range; the degree of collision is always 0."""
         return 1.0
 
     @property
     def identity(self) -> tuple[Any, ...]:
-        """What fitness depends on."""
+        """The function and its optimum, on which the fitness depends."""
         return self.scenario.function, list(self.scenario.optimum)
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """Decision vectors (..., D) in parallel coordinates, (..., D, 2): number from 1, and value."""
+        """Return decision vectors (..., D) in parallel coordinates, (..., D, 2): number from 1, and value."""
         values = np.asarray(vectors, dtype=np.float64)
         numbers = np.broadcast_to(np.arange(1.0, self.dimension + 1), values.shape)
         return np.stack([numbers, values], axis=-1)

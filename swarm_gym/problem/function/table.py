@@ -1,4 +1,4 @@
-"""Test functions as the kernels read them, see `tables`; formulas are in `scenarios.function_scenario`."""
+"""The problem table of test functions, see `tables`; formulas are in `scenarios.function_scenario`."""
 
 import math
 from typing import Any, NamedTuple
@@ -24,19 +24,19 @@ NUMBERS = {
 
 
 class FunctionTable(NamedTuple):
-    """What the kernels need of one problem; in a stacked table every field has a leading problem axis."""
+    """The problem table of a test function; in a stacked table every field has a leading problem axis."""
 
     dimension: Any  # D: a number, in a stacked table an array
-    function: Any  # which one, of `NUMBERS`, likewise
+    function: Any  # one of `NUMBERS`; in a stacked table an array
     lower: Floats  # (C,) bounds of decision vectors: the domain
     upper: Floats  # (C,)
-    initial_lower: Floats  # (C,) where the first population is drawn: the domain
+    initial_lower: Floats  # (C,) bounds of the first population: the domain
     initial_upper: Floats  # (C,)
-    optimum: Floats  # (C,) where the function is 0
+    optimum: Floats  # (C,) vector at which the function is 0
 
 
 def tabulate(scenario: FunctionScenario) -> FunctionTable:
-    """The table of a scenario."""
+    """Return the problem table of a scenario."""
     low, high = (pad(np.full(scenario.dimension, bound)) for bound in scenario.domain)
     optimum = pad(np.array(scenario.optimum))
     return FunctionTable(scenario.dimension, NUMBERS[scenario.function], low, high, low, high, optimum)
@@ -44,7 +44,7 @@ def tabulate(scenario: FunctionScenario) -> FunctionTable:
 
 @kernel
 def select(tables: FunctionTable, index: int) -> FunctionTable:
-    """One problem out of stacked tables, as views."""
+    """Return one problem table out of stacked ones, as views."""
     return FunctionTable(
         tables.dimension[index],
         tables.function[index],
@@ -58,18 +58,18 @@ def select(tables: FunctionTable, index: int) -> FunctionTable:
 
 @kernel(inline="late")
 def evaluate(table: FunctionTable, path: Floats) -> tuple[float, float]:
-    """The value, and no collision; see `tables`."""
+    """Return the value of the function, and 0 as degree of collision; see `tables`."""
     return value(table.function, table.dimension, table.optimum, path), 0.0
 
 
 @kernel(inline="late")
 def repair(table: FunctionTable, path: Floats, repair_degree: float) -> None:
-    """Nothing to repair; see `tables`."""
+    """Do nothing, since there are no obstacles; see `tables`."""
 
 
 @kernel(inline="late")
 def value(function: int, dimension: int, optimum: Floats, path: Floats) -> float:
-    """The value of a function at `path`, (C + 1,), whose first entry does not count; never below 0."""
+    """Return the value, at least 0, of a function at `path`, (C + 1,), whose first entry does not count."""
     if function == RASTRIGIN:
         return _rastrigin(optimum, path)
     if function == SUM_SQUARES:
@@ -130,12 +130,12 @@ def _bohachevsky(dimension: int, optimum: Floats, path: Floats) -> float:
 
 @kernel(inline="late")
 def squared_sine(half_turns: Any) -> Any:
-    """sin(pi x)^2 of lanes or a number, (1 - cos(2 pi x)) / 2 without cancellation where it is small.
+    """Return sin(pi x)^2 of lanes or a number: (1 - cos(2 pi x)) / 2, without cancellation where it is small.
 
-    Our own, since the sine of the C library knows no lanes, and took two thirds of the time of a fish swarm
-    on Rastrigin's function. An angle in half turns is reduced exactly: the square repeats itself after one,
-    and beyond a quarter it is one less that of the complement. The polynomial is that of the kernel sine of
-    Sun's fdlibm (k_sin.c), for angles up to pi / 4; the result is exact to a few last bits.
+    The sine of the C library knows no lanes, and took two thirds of the time of a fish swarm on Rastrigin's
+    function. An angle in half turns is reduced exactly: the square repeats itself after one half turn, and
+    beyond a quarter of it, the square is 1 less that of the complement. The polynomial is that of the kernel
+    sine of Sun's fdlibm (k_sin.c), for angles up to pi / 4; the result is exact to a few last bits.
     """
     turned = half_turns - floor(half_turns + 0.5)  # from -1/2 to 1/2
     turned = maximum(turned, 0.0 - turned)
@@ -153,15 +153,15 @@ def squared_sine(half_turns: Any) -> Any:
 
 @entry
 def values_in_plane(table: FunctionTable, first: Floats, second: Floats) -> Floats:
-    """Values over a plane, with the optimum's components where none are given.
+    """Return the values over a plane; components beyond the first two are those of the optimum.
 
     Args:
-        table: the problem.
+        table: the problem table.
         first: (n,) values of the first component.
-        second: (m,) of the second, where there is one.
+        second: (m,) values of the second component, where there is one.
 
     Returns:
-        Shape (m, n).
+        An array of shape (m, n).
     """
     path = np.zeros(table.optimum.shape[0] + 1)
     path[1:] = table.optimum

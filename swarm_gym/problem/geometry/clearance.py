@@ -1,6 +1,6 @@
-"""How close a polyline comes to the blocked cells of an occupancy grid, exactly.
+"""The exact distance of a polyline from the blocked cells of an occupancy grid.
 
-Points are (column, row) in cells, as in `traversal`; what lies outside the grid is no obstacle here.
+Points are (column, row) in cells, as in `traversal`. Unlike there, the outside of the grid is no obstacle.
 """
 
 import math
@@ -13,7 +13,7 @@ from swarm_gym.compiler.jit import entry, kernel
 
 @entry
 def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
-    """Least distance of a polyline, (k, 2), from the areas of blocked cells, in cells.
+    """Return the least distance of a polyline, (k, 2), from the areas of blocked cells, in cells.
 
     It is 0 for a path that enters one or touches it, and infinite where no cell is blocked.
     """
@@ -23,7 +23,7 @@ def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
     for k in range(max(last, 1)):
         x0, y0 = points[k]
         x1, y1 = points[min(k + 1, last)]
-        # Cells whose areas may be closer than the closest so far.
+        # Only cells in this range may be closer than the closest so far.
         reach = least + 0.5
         left, right = _within(min(x0, x1) - reach, width), _within(max(x0, x1) + reach, width)
         top, bottom = _within(min(y0, y1) - reach, height), _within(max(y0, y1) + reach, height)
@@ -36,13 +36,13 @@ def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
 
 @kernel(inline="late")
 def _within(position: float, number: int) -> int:
-    """The index of 0 to `number` - 1 that is nearest."""
+    """Return the nearest index from 0 to `number` - 1."""
     return int(min(max(np.floor(position + 0.5), 0.0), number - 1.0))
 
 
 @kernel
 def _to_cell(x0: float, y0: float, x1: float, y1: float) -> float:
-    """Distance of a segment from the unit square around the origin."""
+    """Return the distance of a segment from the unit square around the origin."""
     if _enters(x0, y0, x1, y1):
         return 0.0
     # Of two convex polygons that are apart, a vertex of one is among the closest points.
@@ -54,7 +54,10 @@ def _to_cell(x0: float, y0: float, x1: float, y1: float) -> float:
 
 @kernel(inline="late")
 def _enters(x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether a segment meets the unit square around the origin: its shares in both stripes overlap."""
+    """Return whether a segment meets the unit square around the origin.
+
+    It does if the parts of it that lie in the square's column and in its row overlap.
+    """
     begin, end = 0.0, 1.0
     for start, change in ((x0, x1 - x0), (y0, y1 - y0)):
         if change == 0.0:

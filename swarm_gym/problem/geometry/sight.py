@@ -1,8 +1,8 @@
-"""What a straight way meets on a grid map: as `traversal` says, many times faster where there is room.
+"""Tests of straight segments on a grid map that agree with `traversal`, but are many times faster.
 
-Swarms of points ask who sees whom for hundreds of thousands of pairs. Where all cells around a point are of
-one kind, free or blocked, a segment leaves them somewhere and has met nothing else; only what of it is close
-to where cells of both kinds meet is looked at in earnest.
+Swarms of points test hundreds of thousands of pairs. Where all cells around a point are of one kind, free or
+blocked, a segment can be followed to the last of these cells in one jump. Only near the edges between free
+and blocked cells is it examined as in `traversal`.
 
 Points are finite and, as in `traversal`, (column, row) in cells.
 """
@@ -21,22 +21,24 @@ Floats = NDArray[np.float64]
 
 # How far inside the cells of one kind, in cells, a jump ends: clear of the edges and corners that decide.
 CLEAR = 0.25
-# From this depth on, in cells, a point is in a blocked cell whatever `traversal.TOLERANCE` and rounding do.
+# A point deeper than this, in cells, is in a blocked cell in spite of `traversal.TOLERANCE` and rounding.
 DEEP = 1e-6
-# Of steps, in cells, where cells of both kinds meet.
+# Length of steps, in cells, where cells of both kinds meet.
 STEP = 0.5
-# Points of a segment that are looked at first: what hides one end from the other is often broad.
+# Points of a segment that are examined first, since an obstacle between its ends is often broad.
 PROBES = 7
 
 
 def tabulate_rooms(blocked: Flags) -> Rooms:
-    """How many cells are free around a free cell on all sides; of a blocked one -1 - how many are blocked.
+    """Return, for each cell, how many cells around it on all sides are of its kind.
+
+    For a free cell this is the number r of free cells in every direction; for a blocked one, -1 - r.
 
     Args:
-        blocked: a grid, (height, width), with a free cell. Everything outside is blocked.
+        blocked: (height, width) the grid, with at least one free cell. Everything outside is blocked.
 
     Returns:
-        (height, width)
+        An array of shape (height, width).
     """
     from scipy.ndimage import distance_transform_cdt
 
@@ -47,24 +49,24 @@ def tabulate_rooms(blocked: Flags) -> Rooms:
 
 @kernel
 def sees(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether a segment is free: `traversal.segment_is_free`.
+    """Return whether a segment is free, as `traversal.segment_is_free` does.
 
     Args:
-        blocked: the grid, (height, width).
-        rooms: of its cells, see `tabulate_rooms`.
+        blocked: (height, width) the grid.
+        rooms: (height, width) the array of `tabulate_rooms`.
         x0: column of one end.
-        y0: its row.
+        y0: row of that end.
         x1: column of the other end.
-        y1: its row.
+        y1: row of the other end.
     """
     return hidden_at(blocked, rooms, x0, y0, x1, y1) < 0.0
 
 
 @kernel
 def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> float:
-    """Where a segment is in a blocked cell, or about to enter one, as a share of it; -1 if it is free.
+    """Return a place where a segment is in a blocked cell or about to enter one; -1 if it is free.
 
-    The arguments are those of `sees`.
+    The place is a share of the segment, from its first end on. The arguments are those of `sees`.
     """
     dx, dy = x1 - x0, y1 - y0
     broadest, found = -1, -1.0
@@ -76,7 +78,8 @@ def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1:
     if found > 0.0:
         return found
     per_column, per_row, step = _paces(dx, dy)
-    # Shares of the segment: how far it is known, and from where on it is near blocked cells, if it is now.
+    # Shares of the segment: it is examined up to `share`, but for the part from `near` on, near cells of both
+    # kinds, if `near` is not negative.
     share, near = 0.0, -1.0
     while share < 1.0:
         x, y = x0 + share * dx, y0 + share * dy
@@ -101,14 +104,14 @@ def hidden_at(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1:
 
 @kernel(inline="late")
 def cast_shadow(rooms: Rooms, x: float, y: float, shadow: Floats) -> None:
-    """Find a square of blocked cells around a point: whoever looks through it sees nothing.
+    """Find a square of blocked cells around a point, which hides what is behind it.
 
     Args:
-        rooms: of the cells of the grid.
+        rooms: (height, width) the array of `tabulate_rooms`.
         x: column of the point.
-        y: its row.
-        shadow: (3,) becomes column and row of the middle and half the side of the square. It is a little
-            smaller, clear of the edges; half the side is negative where the point is in a free cell.
+        y: row of the point.
+        shadow: (3,) is set to column and row of the middle and half the side of the square. The square is a
+            little smaller than the cells. Half the side is negative if the point is in a free cell.
     """
     column, row = _cell(x, rooms.shape[1]), _cell(y, rooms.shape[0])
     shadow[0], shadow[1], shadow[2] = column, row, -0.5 - DEEP - rooms[row, column]
@@ -116,9 +119,9 @@ def cast_shadow(rooms: Rooms, x: float, y: float, shadow: Floats) -> None:
 
 @kernel(inline="late")
 def is_in_shadow(shadow: Floats, x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether the point of a segment that is closest to the middle of such a square is in it.
+    """Return whether the point of a segment closest to the middle of the square `shadow` lies in the square.
 
-    Then the segment is not free; else it may be or not.
+    If so, the segment is not free. If not, it may be free or not.
     """
     column, row = shadow[0], shadow[1]
     dx, dy = x1 - x0, y1 - y0
@@ -129,15 +132,15 @@ def is_in_shadow(shadow: Floats, x0: float, y0: float, x1: float, y1: float) -> 
 
 @kernel
 def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float, y1: float) -> float:
-    """Share of a segment that is blocked, from 0 to 1: `traversal.blocked_share`, but for rounding.
+    """Return the share of a segment that is blocked, 0 to 1: `traversal.blocked_share`, but for rounding.
 
     Args:
-        blocked: the grid, (height, width).
-        rooms: of its cells, see `tabulate_rooms`.
+        blocked: (height, width) the grid.
+        rooms: (height, width) the array of `tabulate_rooms`.
         x0: column of one end.
-        y0: its row.
+        y0: row of that end.
         x1: column of the other end.
-        y1: its row.
+        y1: row of the other end.
     """
     dx, dy = x1 - x0, y1 - y0
     per_column, per_row, step = _paces(dx, dy)
@@ -146,7 +149,7 @@ def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float,
         x, y = x0 + share * dx, y0 + share * dy
         column, row = _cell(x, rooms.shape[1]), _cell(y, rooms.shape[0])
         room = rooms[row, column]
-        # Beside the map, the cell is only the next one.
+        # For a point beside the map, the cell is only the nearest one.
         is_inside = abs(x - column) < 1.0 and abs(y - row) < 1.0
         if room > 0 or (room < -1 and is_inside):
             if near >= 0.0:
@@ -169,7 +172,7 @@ def share_blocked(blocked: Flags, rooms: Rooms, x0: float, y0: float, x1: float,
 
 @kernel(inline="late")
 def _paces(dx: float, dy: float) -> tuple[float, float, float]:
-    """Shares of a segment per column and per row, and of a step near blocked cells."""
+    """Return the shares of a segment per column, per row, and per step near blocked cells."""
     per_column = 1.0 / dx if dx != 0.0 else math.copysign(math.inf, dx)
     per_row = 1.0 / dy if dy != 0.0 else math.copysign(math.inf, dy)
     return per_column, per_row, STEP / max(abs(dx), abs(dy), STEP)
@@ -177,7 +180,7 @@ def _paces(dx: float, dy: float) -> tuple[float, float, float]:
 
 @kernel(inline="late")
 def _cell(position: float, number: int) -> int:
-    """The cell of 0 to `number` - 1 that a coordinate is in, or next to."""
+    """Return the cell, 0 to `number` - 1, that a coordinate lies in or is nearest to."""
     return min(max(int(position + 0.5), 0), number - 1)
 
 
@@ -193,7 +196,7 @@ def _leave(
     per_column: float,
     per_row: float,
 ) -> float:
-    """From which share on a segment that comes through a cell is no more safely among those around it."""
+    """Return the share at which a segment through a cell safely leaves the cells of one kind around it."""
     reach = around + 0.5 - CLEAR
     to_column = (column + math.copysign(reach, dx) - x0) * per_column
     to_row = (row + math.copysign(reach, dy) - y0) * per_row

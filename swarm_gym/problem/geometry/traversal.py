@@ -1,4 +1,4 @@
-"""What a polyline meets on an occupancy grid, exactly: whether it is free, how much of it is blocked.
+"""Exact tests of a polyline on an occupancy grid: whether it is free, and how much of it is blocked.
 
 Points are (column, row) in cells: cell (c, r) is the square c ± 0.5, r ± 0.5, row 0 on top, and grid line
 k lies at k - 0.5. Everything outside the grid is blocked. Blocked cells are open sets: a path may touch
@@ -23,17 +23,17 @@ TOLERANCE = 1e-9
 
 @entry
 def segment_is_free(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether a segment enters no blocked cell, stays on the grid and passes no closed gap.
+    """Return whether a segment enters no blocked cell, stays on the grid and passes no closed gap.
 
-    It may end in a gap: of a path that turns there only `path_is_free` tells whether it passes. A segment of
+    It may end in a gap: whether a path that turns there passes it, only `path_is_free` tells. A segment of
     length zero is free where it touches a free cell.
 
     Args:
-        blocked: the grid, (height, width).
+        blocked: (height, width) the grid.
         x0: column of one end.
-        y0: its row.
+        y0: row of that end.
         x1: column of the other end.
-        y1: its row.
+        y1: row of the other end.
     """
     if not (math.isfinite(x0) and math.isfinite(y0) and math.isfinite(x1) and math.isfinite(y1)):
         return False
@@ -42,7 +42,7 @@ def segment_is_free(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float,
 
 @entry
 def path_is_free(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> bool:
-    """Whether all segments of a polyline, (k, 2), are free, and it passes no gap by turning in it."""
+    """Return whether all segments of a polyline, (k, 2), are free, and it passes no gap by turning in it."""
     side = 0.0
     for k in range(points.shape[0]):
         x, y = points[k]
@@ -64,9 +64,9 @@ def path_is_free(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> boo
 
 @entry
 def blocked_length(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
-    """Length of a polyline, (k, 2), in blocked cells and outside the grid, in cells.
+    """Return the length of a polyline, (k, 2), in blocked cells and outside the grid, in cells.
 
-    An edge between two blocked cells is blocked, one of a free cell is not. The length is infinite if a
+    An edge between two blocked cells is blocked; an edge of a free cell is not. The length is infinite if a
     point is not finite.
     """
     length = 0.0
@@ -84,7 +84,7 @@ def blocked_length(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> f
 def blocked_share(
     blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float, enough: float
 ) -> float:
-    """Share of a segment that is blocked, from 0 to 1; counting ends once it is more than `enough`."""
+    """Return the share of a segment that is blocked, 0 to 1; counting ends once it exceeds `enough`."""
     height, width = blocked.shape
     dx, dy = x1 - x0, y1 - y0
     vertical, horizontal = _first_line(x0, dx, width), _first_line(y0, dy, height)
@@ -107,9 +107,9 @@ def blocked_share(
 
 @kernel
 def is_gap(blocked: NDArray[np.bool_], i: int, j: int) -> bool:
-    """Whether the crossing of the grid lines i (vertical) and j (horizontal) is a closed gap.
+    """Return whether the crossing of the grid lines i (vertical) and j (horizontal) is a closed gap.
 
-    None lies on the border of the grid, where two neighbours are blocked.
+    There is none on the border of the grid, since everything outside is blocked.
     """
     height, width = blocked.shape
     if i < 1 or j < 1 or i >= width or j >= height:
@@ -121,8 +121,8 @@ def is_gap(blocked: NDArray[np.bool_], i: int, j: int) -> bool:
 
 @kernel(inline="late")
 def _first_line(position: float, change: float, number: int) -> int:
-    """The grid line 0 to `number` that comes next after a coordinate, or one that does not exist."""
-    # Kept as floats, which far lines need, until they are limited.
+    """Return the grid line, 0 to `number`, that comes next after a coordinate, or one that does not exist."""
+    # These stay floats until they are limited, since far lines do not fit into integers.
     if change > 0.0:
         return int(min(max(np.floor(position + 0.5) + 1.0, 0.0), number + 1.0))
     return int(min(max(np.ceil(position + 0.5) - 1.0, -1.0), float(number)))
@@ -130,7 +130,7 @@ def _first_line(position: float, change: float, number: int) -> int:
 
 @kernel(inline="late")
 def _crossing(line: int, position: float, change: float, number: int) -> float:
-    """Where a segment crosses a grid line, as a share of its length; infinite if there is no such line."""
+    """Return the share of a segment at which it crosses a grid line; infinite if there is no such line."""
     if change == 0.0 or line < 0 or line > number:
         return math.inf
     return (line - 0.5 - position) / change
@@ -139,7 +139,7 @@ def _crossing(line: int, position: float, change: float, number: int) -> float:
 @kernel
 def _touches_free(blocked: NDArray[np.bool_], x: float, y: float) -> bool:
     height, width = blocked.shape
-    # Compared before they become integers, which far points do not.
+    # These are compared before they become integers, into which far points do not fit.
     if not (-1.0 < x < width and -1.0 < y < height):
         return False
     left = max(math.floor(x + 0.5 - TOLERANCE), 0)
@@ -155,7 +155,7 @@ def _touches_free(blocked: NDArray[np.bool_], x: float, y: float) -> bool:
 
 @kernel
 def _passes_gap(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether there is a closed gap on a segment, not at its ends."""
+    """Return whether a closed gap lies on a segment, but not at its ends."""
     height, width = blocked.shape
     steep = abs(y1 - y0) > abs(x1 - x0)
     if steep:
@@ -177,7 +177,7 @@ def _passes_gap(blocked: NDArray[np.bool_], x0: float, y0: float, x1: float, y1:
 
 @kernel
 def _side_of_gap(blocked: NDArray[np.bool_], x: float, y: float, to_x: float, to_y: float) -> float:
-    """On which side of the gap at a point another point lies, as a sign; 0 if there is no gap."""
+    """Return, by its sign, the side of the gap at a point on which another lies; 0 if there is no gap."""
     i, j = round(x + 0.5), round(y + 0.5)
     if max(abs(x + 0.5 - i), abs(y + 0.5 - j)) > TOLERANCE or not is_gap(blocked, i, j):
         return 0.0

@@ -45,7 +45,7 @@ def samples_of(
 
 @kernel(inline="late")
 def evaluate(table: GridTable, path: NDArray[np.float64]) -> tuple[float, float]:
-    """Fitness (minimised) and degree of collision of a path, both in map units; see `tables`."""
+    """Return fitness (minimised) and degree of collision of a path, both in map units; see `tables`."""
     lengths, counts = broadcast(0.0), broadcast(0.0)
     for block in range(table.first.shape[0]):
         _, _, dx, dy, infeasible = samples_of(table, path, block)

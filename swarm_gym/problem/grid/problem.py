@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import look_up, require_integer, require_number
-from swarm_gym.problem.geometry.resampling import resampled
+from swarm_gym.problem.geometry.rotated_axes import resampled
 from swarm_gym.problem.grid import encoding
 from swarm_gym.problem.grid.encoding import Encoding
 from swarm_gym.problem.grid.table import GridTable, tabulate
@@ -19,10 +19,10 @@ from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
 
-# Of a curve or path; binomial coefficients of more do not fit into double precision.
+# Most control points or waypoints: binomial coefficients of more do not fit into double precision.
 MAX_POINTS = 1000
 
-# How decision vectors are read, by name.
+# Encodings by name.
 ENCODINGS = {"bezier": encoding.bezier, "waypoints": encoding.waypoints}
 
 
@@ -54,7 +54,7 @@ class GridProblem(GridMapProblem):
 
     @cached_property
     def curve(self) -> Encoding:
-        """How a decision vector becomes a path."""
+        """The encoding, which turns decision vectors into paths."""
         return ENCODINGS[self.encoding](self.scenario, self.num_points)
 
     @cached_property
@@ -64,12 +64,12 @@ class GridProblem(GridMapProblem):
 
     @property
     def lower_bound(self) -> float:
-        """A fitness that no path can be below: the straight line."""
+        """A lower bound of the fitness: the straight line."""
         return self.scenario.straight_line
 
     @property
     def collision_bound(self) -> float:
-        """A degree of collision that no path inside the bounds can exceed: the longest path."""
+        """An upper bound of the degree of collision: the length of the longest path inside the bounds."""
         low, high = (self.curve.control_points(bound) for bound in self.bounds)
         # No curve is longer than the polygon of its control points.
         extent = np.linalg.norm(np.maximum(low, high).max(axis=0) - np.minimum(low, high).min(axis=0))
@@ -77,24 +77,24 @@ class GridProblem(GridMapProblem):
 
     @property
     def collision_bound_anywhere(self) -> float:
-        """The same wherever on the map the start is."""
+        """An upper bound of the degree of collision for any start on the map, in map units."""
         x_min, y_min, x_max, y_max = self.scenario.workspace
         num_legs = len(self.curve.base) - 1
         return math.hypot(x_max - x_min, y_max - y_min) * num_legs * (1.0 + 1.0 / self.table.num_pieces)
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
-        """Offsets at which the same paths pass beside the new line; control points stay where they are."""
+        """Return offsets at which the same paths pass beside the new line; control points stay in place."""
         if self.encoding != "waypoints":
             return vectors
         return np.clip(resampled(before.points(vectors), self.scenario, self.num_points), *self.bounds)
 
     @property
     def identity(self) -> tuple[Any, ...]:
-        """What fitness depends on."""
+        """The map, the ends and the parameters that the fitness depends on."""
         scenario = self.scenario
         ends = [float(number) for number in (*scenario.start, *scenario.target)]
         return scenario.map.digest, ends, self.encoding, int(self.num_points), float(self.penalty)
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """Decision vectors (..., dimension) as polylines in map coordinates, shape (..., k, 2)."""
+        """Return the paths, (..., k, 2) in map coordinates, of decision vectors (..., dimension)."""
         return self.curve.points(vectors)

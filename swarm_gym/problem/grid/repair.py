@@ -1,9 +1,9 @@
-"""Treatment of infeasible paths on grid maps: control points are pulled towards free cells, by a degree phi.
+"""Repair of infeasible paths on grid maps: control points are pulled towards free cells, by a degree phi.
 
-A reading (docs/readings.md): no paper says how a curve is repaired. Of every run of consecutive infeasible
-samples, the mean way to the nearest free cells is taken, and the free control point that weighs most in the
-run moves phi times as far as takes the run there, at most three times the mean way. All runs are those of the
-path as it came.
+This is a reading (docs/readings.md): no paper says how a curve is repaired. Each run of consecutive
+infeasible samples has a mean vector to the nearest free cells. The free control point with the largest weight
+in the run moves by phi times the vector that takes the run there, at most three times the mean one. All runs
+are found before the path changes.
 """
 
 import numpy as np
@@ -16,17 +16,17 @@ from swarm_gym.problem.grid.table import GridTable
 
 Floats = NDArray[np.float64]
 
-# A control point that weighs less in a run is not moved further for it.
+# A control point with a smaller weight in a run moves no further than with this one.
 LEAST_WEIGHT = 1.0 / 3.0
 
 
 @kernel(inline="late")
 def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
-    """One pass over all samples; changes `path` in place, inside the bounds; see `tables`."""
+    """Repair a path once, in place and inside the bounds; see `tables`."""
     num_blocks, num_points = table.first.shape[0], table.base.shape[0]
     width = table.weights.shape[0] // num_blocks
     moves = np.zeros((num_points, 2))
-    weights = np.zeros(num_points)  # of the control points, summed over the run
+    weights = np.zeros(num_points)  # weights of the control points, summed over the run
     x, y, infeasible = np.empty(NUM_LANES), np.empty(NUM_LANES), np.empty(NUM_LANES)
     count, away_x, away_y = 0, 0.0, 0.0
     for block in range(num_blocks):
@@ -50,7 +50,7 @@ def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
                 _pull(moves, weights, count, away_x, away_y)
                 weights[:] = 0.0
                 count, away_x, away_y = 0, 0.0, 0.0
-    # The last sample is the target, which is free: no run is open.
+    # No run is open, since the last sample is the target, which is free.
     for point in range(1, num_points - 1):
         if moves[point, 0] != 0.0 or moves[point, 1] != 0.0:
             _move(table, path, point, repair_degree * moves[point, 0], repair_degree * moves[point, 1])
@@ -58,7 +58,7 @@ def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
 
 @kernel
 def _pull(moves: Floats, weights: Floats, count: int, away_x: float, away_y: float) -> None:
-    """Add to the moves (P, 2) what one run asks of the control point that weighs most in it."""
+    """Add the move for one run, of the control point with the largest weight in it, to the moves (P, 2)."""
     heaviest = 1
     for point in range(2, weights.shape[0] - 1):
         if weights[point] > weights[heaviest]:
@@ -70,7 +70,7 @@ def _pull(moves: Floats, weights: Floats, count: int, away_x: float, away_y: flo
 
 @kernel
 def _move(table: GridTable, path: Floats, point: int, columns: float, rows: float) -> None:
-    """Move a control point that far, or as far as its freedom to move goes that way."""
+    """Move a control point by a vector, as far as its encoding and the bounds let it."""
     k, m = table.source[point, 0], table.source[point, 1]
     gain_x, gain_y = table.gain[point, 0], table.gain[point, 1]
     if k == m:  # along a line

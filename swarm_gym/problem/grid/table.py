@@ -1,7 +1,7 @@
-"""A problem on a grid map as the kernels read it; see `tables`.
+"""The problem table of a grid map; see `tables`.
 
 Kernels work in cells: (column, row), cell centres at whole numbers. The map has a border of blocked cells
-around it, for which everything outside stands.
+around it, which stands for everything outside.
 """
 
 from functools import lru_cache
@@ -21,35 +21,35 @@ Integers = NDArray[np.int64]
 
 
 class GridTable(NamedTuple):
-    """What the kernels need of one problem, with P control points and S blocks of eight samples.
+    """The problem table of a path on a grid map, with P control points and S blocks of eight samples.
 
     Samples beyond the last stand still at the target, which is free. In a stacked table every field has a
     leading problem axis.
     """
 
-    dimension: Any  # of decision vectors: a number, in a stacked table an array
-    resolution: Any  # map units per cell, likewise
-    penalty: Any  # lambda, fitness per infeasible sample, likewise
-    num_pieces: Any  # pieces between samples, likewise
-    num_columns: Any  # of the map with its border, likewise
-    num_rows: Any  # likewise
+    dimension: Any  # length of decision vectors; this and the next five: arrays in a stacked table
+    resolution: Any  # map units per cell
+    penalty: Any  # lambda, fitness per infeasible sample
+    num_pieces: Any  # number of pieces between samples
+    num_columns: Any  # columns of the map with its border
+    num_rows: Any  # rows of the map with its border
     lower: Floats  # (C,) bounds of decision vectors
     upper: Floats  # (C,)
-    initial_lower: Floats  # (C,) where the first population is drawn
+    initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
     base: Floats  # (P, 2) control points of the zero vector
-    gain: Floats  # (P, 2) by how much a coordinate changes with its component
-    source: Integers  # (P, 2) where in a path that component is
+    gain: Floats  # (P, 2) change of a coordinate per unit of its component
+    source: Integers  # (P, 2) place of that component in a path
     first: Integers  # (S,) first control point of the samples of a block
-    weights: Floats  # (S width, 8) of that and the next control points, sample by sample
-    steps: Floats  # (S width, 8) the same of the way to the next sample
+    weights: Floats  # (S width, 8) weights of that and the next control points, for each sample
+    steps: Floats  # (S width, 8) change of these weights to the next sample
     blocked: NDArray[np.uint8]  # (cells,) 1 where blocked, row by row with the border
     nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
 
 
 @kernel
 def select(tables: GridTable, index: int) -> GridTable:
-    """One problem out of stacked tables, as views."""
+    """Return one problem table out of stacked ones, as views."""
     return GridTable(
         tables.dimension[index],
         tables.resolution[index],
@@ -73,7 +73,7 @@ def select(tables: GridTable, index: int) -> GridTable:
 
 
 def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
-    """The table of a map and an encoding, with lambda fitness per infeasible sample."""
+    """Return the problem table of a map and an encoding, with lambda fitness per infeasible sample."""
     blocked, nearest = _cells(grid)
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
@@ -101,7 +101,7 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
 
 @lru_cache(maxsize=8)
 def _cells(grid: GridMap) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """What is blocked, (rows, columns) with the border, and the nearest free cell of every cell."""
+    """Return the blocked cells, (rows, columns) with the border, and the nearest free cell of every cell."""
     from scipy.ndimage import distance_transform_edt
 
     blocked = np.pad(grid.blocked, 1, constant_values=True)
@@ -111,12 +111,12 @@ def _cells(grid: GridMap) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
 
 
 def _in_blocks(encoding: Encoding) -> tuple[Integers, Floats, Floats]:
-    """`first`, `weights` and `steps` of all samples in blocks of eight."""
+    """Return `first`, `weights` and `steps` of all samples in blocks of eight."""
     first, weights = encoding.first, encoding.weights
     num_points, width = len(encoding.base), weights.shape[1]
     num_blocks = -(-len(first) // NUM_LANES)
     block_first = first[::NUM_LANES]
-    # Of every sample and of the one after it, the weights of all control points.
+    # The weights of all control points, for every sample and the one after the last.
     every = np.zeros((num_blocks * NUM_LANES + 1, num_points))
     every[len(first) :, -1] = 1.0
     every[np.arange(len(first))[:, None], first[:, None] + np.arange(width)] = weights
@@ -129,6 +129,6 @@ def _in_blocks(encoding: Encoding) -> tuple[Integers, Floats, Floats]:
 
 
 def _lanes_last(values: Floats) -> Floats:
-    """(S 8, width) as (S width, 8)."""
+    """Rearrange (S 8, width) as (S width, 8)."""
     blocks = values.reshape(-1, NUM_LANES, values.shape[1]).transpose(0, 2, 1)
     return np.ascontiguousarray(blocks.reshape(-1, NUM_LANES))

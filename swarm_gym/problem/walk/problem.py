@@ -23,7 +23,7 @@ class WalkProblem(GridMapProblem):
 
     Attributes:
         scenario: the map and the task.
-        penalty: lambda, the fitness that each cell's length of a blocked way costs.
+        penalty: lambda, the fitness of each cell's length of blocked line.
     """
 
     scenario: GridScenario
@@ -34,7 +34,7 @@ class WalkProblem(GridMapProblem):
 
     @property
     def dimension(self) -> int:
-        """Of a member, which is a point (x, y)."""
+        """Length of a decision vector: a member is a point (x, y)."""
         return 2
 
     @cached_property
@@ -44,32 +44,32 @@ class WalkProblem(GridMapProblem):
 
     @property
     def lower_bound(self) -> float:
-        """A fitness that no walk can be below: the straight line."""
+        """A lower bound of the fitness: the straight line."""
         return self.scenario.straight_line
 
     @property
     def collision_bound(self) -> float:
-        """A degree of collision that no point on the map can exceed: the diagonal."""
+        """An upper bound of the degree of collision, in map units: the diagonal of the map."""
         x_min, y_min, x_max, y_max = self.scenario.workspace
         return math.hypot(x_max - x_min, y_max - y_min)
 
     @property
     def collision_bound_anywhere(self) -> float:
-        """The same."""
+        """An upper bound of the degree of collision for any start: again the diagonal of the map."""
         return self.collision_bound
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:  # noqa: ARG002
-        """Points stay where they are."""
+        """Return the points as they are."""
         return vectors
 
     @property
     def identity(self) -> tuple[Any, ...]:
-        """What fitness depends on."""
+        """The map, the ends and the penalty that the fitness depends on."""
         scenario = self.scenario
         ends = [float(number) for number in (*scenario.start, *scenario.target)]
         return scenario.map.digest, ends, "walk", float(self.penalty)
 
     def points(self, vectors: ArrayLike) -> Floats:
-        """Points (..., 2) and the straight way from there to the target, shape (..., 2, 2)."""
+        """Return the straight lines, (..., 2, 2), from points (..., 2) to the target."""
         here = np.asarray(vectors, dtype=np.float64)
         return np.stack([here, np.broadcast_to(self.scenario.target, here.shape)], axis=-2)

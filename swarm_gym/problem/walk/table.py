@@ -1,8 +1,8 @@
-"""Walks on a grid map as the kernels read them; see `tables`.
+"""The problem table of walks on a grid map; see `tables`.
 
-A member is a point that a walk from the start has come to, and what is left to do is to go straight on to the
-target. Its fitness is the length of that way, and a penalty for what of it lies in blocked cells; its degree
-of collision is the blocked length, in map units.
+A member is a point that a walk from the start has come to; a straight line leads on to the target. The
+fitness is the length of that line, and a penalty for the length of it that lies in blocked cells. That
+blocked length, in map units, is the degree of collision.
 
 Points are in map units, which kernels turn into cells, (column, row), cell centres at whole numbers.
 """
@@ -22,34 +22,34 @@ Floats = NDArray[np.float64]
 
 
 class WalkTable(NamedTuple):
-    """What the kernels need of one problem on a map of H x W cells, F of which are free.
+    """The problem table of walks on a map of H x W cells, F of which are free.
 
     In a stacked table every field has a leading problem axis, and maps are those of the largest one.
     """
 
-    dimension: Any  # of members: 2; in a stacked table an array
-    resolution: Any  # map units per cell, likewise
-    penalty: Any  # lambda, fitness per cell's length of a blocked way, likewise
-    num_columns: Any  # W, likewise
-    num_rows: Any  # H, likewise
-    num_free: Any  # F, likewise
+    dimension: Any  # length of decision vectors, 2; this and the next five: arrays in a stacked table
+    resolution: Any  # map units per cell
+    penalty: Any  # lambda, fitness per cell's length of blocked line
+    num_columns: Any  # W
+    num_rows: Any  # H
+    num_free: Any  # F
     lower: Floats  # (C,) bounds of points: the map
     upper: Floats  # (C,)
-    initial_lower: Floats  # (C,) the same
+    initial_lower: Floats  # (C,) bounds of the first population: the map
     initial_upper: Floats  # (C,)
-    origin: Floats  # (2,) the centre of cell (0, 0)
+    origin: Floats  # (2,) centre of cell (0, 0)
     scale: Floats  # (2,) columns per x, rows per y
     start: Floats  # (2,)
     target: Floats  # (2,)
     blocked: NDArray[np.bool_]  # (H, W)
-    rooms: NDArray[np.int16]  # (H, W) how many cells around are like a cell, see `sight.tabulate_rooms`
+    rooms: NDArray[np.int16]  # (H, W) see `sight.tabulate_rooms`
     nearest: NDArray[np.int16]  # (H, W, 2) column and row of the nearest free cell
     free: NDArray[np.int16]  # (F, 2) column and row of the free cells, row by row
 
 
 @kernel
 def select(tables: WalkTable, index: int) -> WalkTable:
-    """One problem out of stacked tables, as views."""
+    """Return one problem table out of stacked ones, as views."""
     height, width = tables.num_rows[index], tables.num_columns[index]
     return WalkTable(
         tables.dimension[index],
@@ -74,7 +74,7 @@ def select(tables: WalkTable, index: int) -> WalkTable:
 
 
 def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
-    """The table of a map, with lambda fitness per cell's length of a blocked way."""
+    """Return the problem table of a map, with lambda fitness per cell's length of blocked line."""
     from scipy.ndimage import distance_transform_edt
 
     grid = scenario.map
@@ -106,19 +106,19 @@ def tabulate(scenario: GridScenario, penalty: float) -> WalkTable:
 
 @kernel(inline="late")
 def to_cells(table: WalkTable, x: float, y: float) -> tuple[float, float]:
-    """Column and row of a point in map units."""
+    """Return column and row, as real numbers, of a point in map units."""
     return (x - table.origin[0]) * table.scale[0], (y - table.origin[1]) * table.scale[1]
 
 
 @kernel(inline="late")
 def to_map(table: WalkTable, column: float, row: float) -> tuple[float, float]:
-    """The point, in map units, of a column and a row."""
+    """Return the point, in map units, of a column and a row."""
     return table.origin[0] + column / table.scale[0], table.origin[1] + row / table.scale[1]
 
 
 @kernel(inline="late")
 def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
-    """Column and row of the cell that a point of the map, in map units, lies in."""
+    """Return column and row of the cell in which a point of the map, in map units, lies."""
     column, row = to_cells(table, x, y)
     return (
         int(min(max(np.floor(column + 0.5), 0.0), table.num_columns - 1.0)),
@@ -128,7 +128,7 @@ def cell_of(table: WalkTable, x: float, y: float) -> tuple[int, int]:
 
 @kernel
 def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> bool:
-    """Whether two points, in map units, see each other; see `sight.sees`."""
+    """Return whether two points, in map units, see each other; see `sight.sees`."""
     column, row = to_cells(table, x, y)
     to_column, to_row = to_cells(table, to_x, to_y)
     return sees(table.blocked, table.rooms, column, row, to_column, to_row)
@@ -136,7 +136,7 @@ def is_visible(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -
 
 @kernel
 def share_blocked_between(table: WalkTable, x: float, y: float, to_x: float, to_y: float) -> float:
-    """Share of the straight way between two points, in map units, that is blocked; see `sight`."""
+    """Return the blocked share of the straight line between two points, in map units; see `sight`."""
     column, row = to_cells(table, x, y)
     to_column, to_row = to_cells(table, to_x, to_y)
     return share_blocked(table.blocked, table.rooms, column, row, to_column, to_row)
@@ -144,16 +144,16 @@ def share_blocked_between(table: WalkTable, x: float, y: float, to_x: float, to_
 
 @kernel
 def evaluate(table: WalkTable, path: Floats) -> tuple[float, float]:
-    """Fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
+    """Return fitness and degree of collision of the point `path[1:3]`, both in map units; see `tables`."""
     x, y = path[1], path[2]
-    way = math.hypot(table.target[0] - x, table.target[1] - y)
-    collision = way * share_blocked_between(table, x, y, table.target[0], table.target[1])
-    return way + table.penalty * collision / table.resolution, collision
+    length = math.hypot(table.target[0] - x, table.target[1] - y)
+    collision = length * share_blocked_between(table, x, y, table.target[0], table.target[1])
+    return length + table.penalty * collision / table.resolution, collision
 
 
 @kernel(inline="late")
 def repair(table: WalkTable, path: Floats, repair_degree: float) -> None:
-    """Move the point `path[1:3]`, where it lies in a blocked cell, that share of the way to a free one."""
+    """Move the point `path[1:3]`, if its cell is blocked, by that share towards the nearest free cell."""
     column, row = cell_of(table, path[1], path[2])
     if table.blocked[row, column]:
         x, y = to_map(table, float(table.nearest[row, column, 0]), float(table.nearest[row, column, 1]))

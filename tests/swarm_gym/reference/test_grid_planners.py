@@ -409,10 +409,10 @@ def test_the_queue_gives_the_cheapest_first_and_of_these_the_longest_way(seed):
         else:
             node = int(rng.integers(num_nodes))
             cost = min(float(rng.integers(20)), expected[node][0] if node in expected else math.inf)
-            queue.cost[node], queue.way[node] = cost, float(rng.integers(3))
+            queue.cost[node], queue.length[node] = cost, float(rng.integers(3))
             if node in expected:
-                queue.way[node] = -expected[node][1]
-            expected[node] = (cost, -queue.way[node], node)
+                queue.length[node] = -expected[node][1]
+            expected[node] = (cost, -queue.length[node], node)
             size = compiled(enter)(queue, size, node)
     heap = list(expected.values())
     heapq.heapify(heap)
