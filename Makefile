@@ -97,11 +97,12 @@ fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are 
 	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(if $(filter fuzz,$*),maps$(comma))$*]')
 	@touch $@
 
-check: $(INSTALLED) ## lint, formatting, types, layers
+check: $(INSTALLED) ## lint, formatting, types, layers, language
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tests/language.py swarm_gym agents experiments
 
 format: $(INSTALLED) ## format the sources
 	$(BIN)/ruff check --fix .
