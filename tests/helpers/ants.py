@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from helpers.builders import walk_problem
+from helpers.builders import METRES, walk_problem
 from helpers.compiled import compiled
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.problem import WalkProblem
@@ -10,10 +10,7 @@ from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario
 
 NAME = "ant-colony"
-MAPS = {
-    "open": walk_problem("random", 4),
-    "metres": walk_problem("random", 5, resolution=0.05, origin=(-1.0, 2.0), y_up=True),
-}
+MAPS = {"open": walk_problem("random", 4), "metres": walk_problem("random", 5, **METRES)}
 
 
 def problem_of(picture, resolution=1.0):

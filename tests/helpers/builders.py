@@ -19,6 +19,7 @@ from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario
 CASES = ("case1", "case2", "case3")
 MEAN_WEIGHT = 0.1
 UNLIMITED = 10**9
+METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}  # geometry of a grid map
 COARSE = 20.0  # cells of the analytic cases for walks: fifty columns
 
 
@@ -42,14 +43,8 @@ def random_scenario(rng, num_obstacles=12):
         obstacle = make(rng, centre, rng.uniform(10.0, 80.0))
         if not obstacle.contains(start) and not obstacle.contains(target):
             obstacles.append(obstacle)
-    return Scenario(
-        "random",
-        tuple(start.tolist()),
-        tuple(target.tolist()),
-        tuple(obstacles),
-        (0.0, 0.0, 1000.0, 1000.0),
-        (-90.0, 90.0),
-    )
+    ends = tuple(start.tolist()), tuple(target.tolist())
+    return Scenario("random", *ends, tuple(obstacles), (0.0, 0.0, 1000.0, 1000.0), (-90.0, 90.0))
 
 
 def random_grid_scenario(seed, shape=(19, 26), rock=0.15, **geometry):
@@ -122,14 +117,8 @@ def turned(scenario, angle, shift=(0.0, 0.0)):
         else Polygon(tuple(turn(vertex) for vertex in obstacle.vertices))
         for obstacle in scenario.obstacles
     ]
-    return Scenario(
-        "turned",
-        turn(scenario.start),
-        turn(scenario.target),
-        tuple(obstacles),
-        (-1e4, -1e4, 1e4, 1e4),
-        scenario.initial_range,
-    )
+    ends, workspace = map(turn, (scenario.start, scenario.target)), (-1e4, -1e4, 1e4, 1e4)
+    return Scenario("turned", *ends, tuple(obstacles), workspace, scenario.initial_range)
 
 
 def random_path(rng, problem):
@@ -268,11 +257,11 @@ def along(way, num_points=200):
     return np.stack([np.interp(at, lengths, coordinates) for coordinates in points.T], axis=-1)
 
 
-def problem_of(source, num_waypoints, seed=3):
+def problem_of(source, num_waypoints, seed=3, length_weight=0.3):
     """A case of the paper by name, or a random one."""
     if source == "random":
-        return AnalyticProblem(random_scenario(np.random.default_rng(seed)), num_waypoints)
-    return make_problem(source, num_waypoints)
+        source = random_scenario(np.random.default_rng(seed))
+    return make_problem(source, num_waypoints, length_weight)
 
 
 def make_twins(problem, population, seed, budget=UNLIMITED):

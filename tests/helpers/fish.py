@@ -5,7 +5,6 @@ waypoints a range of 600. Lengths are in ranges, of paths the root mean square o
 """
 
 import numpy as np
-import pytest
 
 from helpers.builders import advance, begin, make_problem
 from swarm_gym.problem import AnalyticProblem
@@ -89,11 +88,3 @@ def repairs_in_place(optimizer, parameters, most):
             place = tuple(problem.repaired(place, repair_degree))
             places.add(place)
     return [place in places for place, places in zip(found, expected, strict=True)]
-
-
-def bad_values(*names):
-    """Return bad values, (name, value), of parameters that are numbers and cannot be negative."""
-    return [pytest.param(name, value, id=f"{name}={value}") for name in names for value in BAD]
-
-
-BAD = (-0.5, float("nan"), "0.5", True)

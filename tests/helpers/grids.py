@@ -1,6 +1,7 @@
 """Occupancy grids: drawn by hand, and of any kind for Hypothesis."""
 
 import numpy as np
+import shapely
 from hypothesis import strategies as st
 
 from swarm_gym.problem import WalkProblem
@@ -16,6 +17,12 @@ def frozen(blocked):
 def grid(*rows):
     """Return the blocked cells of a map drawn in rows of characters, in which # is blocked."""
     return frozen(np.array([[character == "#" for character in row] for row in rows]))
+
+
+def area_of(cells):
+    """Return the area, in cells, of those that are True."""
+    rows, columns = np.nonzero(cells)
+    return shapely.union_all(shapely.box(columns - 0.5, rows - 0.5, columns + 0.5, rows + 0.5))
 
 
 def drawn_problem(*rows, start, target, **geometry):

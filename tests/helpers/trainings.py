@@ -10,17 +10,10 @@ from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.observation import OBSERVATIONS
 
 TINY = {
-    "num_swarms": 4,
-    "scenarios": ("case3",),
-    "initial_population_size": 4,
-    "max_population_size": 12,
-    "batch_size": 100,
-    "epochs": 2,
-    "rollouts_per_chunk": 1,
-    "validation_seeds": 2,
-    "hidden_layers": (8,),
+    "num_swarms": 4, "scenarios": ("case3",), "initial_population_size": 4, "max_population_size": 12,
+    "batch_size": 100, "epochs": 2, "rollouts_per_chunk": 1, "validation_seeds": 2, "hidden_layers": (8,),
     "lstm_size": 5,
-}
+}  # fmt: skip
 STEPS = 4 * 100  # one rollout of one episode per swarm
 
 
@@ -52,6 +45,16 @@ def run_whole_and_stopped(folder, stop, total, **options):
     return whole, resumed
 
 
+def untrained_manifest(observation, **changes):
+    """Return the manifest of a policy file."""
+    return {
+        "action": "normalised", "base": "none", "config": {}, "corrected_from": 0, "hidden_layers": [8],
+        "initial_population_size": 80, "max_population_size": 200, "min_population_size": 2,
+        "lstm_size": None, "max_evaluations": None, "network": "feedforward", "num_decisions": 2,
+        "observation": observation, "optimizer": "firefly", "price": None, **changes,
+    }  # fmt: skip
+
+
 def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     """Write a policy file with random weights and return its path."""
     features = [feature.name for feature in OBSERVATIONS[observation].features]
@@ -60,25 +63,7 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     for number, (out, into) in enumerate(zip(sizes[1:], sizes, strict=False)):
         weights[f"{number}.weight"] = rng.normal(size=(out, into)).astype(np.float32)
         weights[f"{number}.bias"] = rng.normal(size=out).astype(np.float32)
-    manifest = {
-        "action": "normalised",
-        "base": "none",
-        "config": {},
-        "corrected_from": 0,
-        "features": features,
-        "hidden_layers": [8],
-        "initial_population_size": 80,
-        "lstm_size": None,
-        "max_evaluations": None,
-        "max_population_size": 200,
-        "min_population_size": 2,
-        "network": "feedforward",
-        "num_decisions": 2,
-        "observation": observation,
-        "optimizer": "firefly",
-        "price": None,
-        **changes,
-    }
+    manifest = untrained_manifest(observation, **{"features": features, **changes})
     save_policy(path, weights, manifest)
     return path
 
@@ -116,3 +101,17 @@ def random_observations(layout, rng, count):
     observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
     observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
     return observations.astype(OBSERVATIONS[layout].dtype)
+
+
+def assert_decides_alike_at_any_width(make, rng, seed):
+    """Check that decisions do not depend on how many swarms are decided for."""
+    wide = make()
+    observations = [random_observations(wide.observation, rng, 64) for _ in range(4)]
+    observations[0][:, 3] = 0
+    wide.reset(64, seed=seed)
+    together = [wide.act(step) for step in observations]
+    for rows in ([0], [63], [5, 6], [17, 18, 19]):
+        narrow = make()
+        narrow.reset(len(rows), seed=seed + rows[0])
+        for step, decided in zip(observations, together, strict=True):
+            np.testing.assert_array_equal(narrow.act(step[rows]), decided[rows])

@@ -184,10 +184,7 @@ def map_points(scenario, offsets):
     """Return the map coordinates of start, waypoints and target."""
     (sx, sy), (tx, ty) = scenario.start, scenario.target
     length = straight_line(scenario)
-    along, left = (
-        ((tx - sx) / length, (ty - sy) / length),
-        (-(ty - sy) / length, (tx - sx) / length),
-    )
+    along, left = (((tx - sx) / length, (ty - sy) / length), (-(ty - sy) / length, (tx - sx) / length))
     return [
         (sx + x * along[0] + y * left[0], sy + x * along[1] + y * left[1])
         for x, y in waypoints(scenario, offsets)

@@ -60,11 +60,7 @@ class Bezier:
 
     def control_points(self, vector):
         d = self.num_points
-        return [
-            self.scenario.start,
-            *((vector[i], vector[d + i]) for i in range(d)),
-            self.scenario.target,
-        ]
+        return [self.scenario.start, *((vector[i], vector[d + i]) for i in range(d)), self.scenario.target]
 
     def samples(self, vector):
         points = self.control_points(vector)

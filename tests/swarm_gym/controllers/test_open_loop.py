@@ -18,6 +18,7 @@ from swarm_gym.controllers.open_loop import (
 from swarm_gym.optimizers.firefly import Firefly
 
 KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]
+ONE = [0], [9.0], [0.5]
 KNOBS = {"noise": [0.2, 5.0, 1.0], "attractiveness": [0.1, 0.4, 0.2]}
 
 
@@ -87,6 +88,11 @@ def test_knobs_at_their_bounds_stay_inside():
         ((KNOTS, SIZES, DEGREES, {"noise": [1.0, -1.0, 1.0]}), "positive"),
         ((KNOTS, SIZES, [0.0, 1.1, 0.0]), "phi"),
         ((KNOTS, SIZES, [0.0, math.nan, 0.0]), "phi"),
+        # Further decisions are those of the extended action.
+        ((*ONE, {"attractiveness": [0.1], "noise": [1.0]}), "noise, attractiveness, in this order"),
+        ((*ONE, {"nois": [1.0], "attractiveness": [0.1]}), "nois"),
+        ((*ONE, {"noise": [1.0]}), "got noise"),
+        ((*ONE, {"noise": [1e4], "attractiveness": [0.1]}), r"noise must lie in \[0.02, 100\]"),
     ],
 )
 def test_impossible_knots_are_refused(arguments, message):
@@ -118,17 +124,3 @@ def test_a_file_that_is_no_open_loop_is_refused_by_name(tmp_path, content):
 def test_a_missing_file_names_the_packaged_ones():
     with pytest.raises(OpenLoopFileError, match=f"nowhere.*{packaged_open_loops()[0]}"):
         load_open_loop("nowhere")
-
-
-@pytest.mark.parametrize(
-    ("knobs", "message"),
-    [
-        ({"attractiveness": [0.1], "noise": [1.0]}, "noise, attractiveness, in this order"),
-        ({"nois": [1.0], "attractiveness": [0.1]}, "nois"),
-        ({"noise": [1.0]}, "got noise"),
-        ({"noise": [1e4], "attractiveness": [0.1]}, r"noise must lie in \[0.02, 100\]"),
-    ],
-)
-def test_further_decisions_are_those_of_the_extended_action(knobs, message):
-    with pytest.raises(ValueError, match=message):
-        OpenLoop(60, [0], [9.0], [0.5], knobs)

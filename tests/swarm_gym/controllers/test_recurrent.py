@@ -13,6 +13,7 @@ from agents.training.learners.recurrent import SequencePolicy
 from helpers.trainings import (
     STEPS,
     add_memory,
+    assert_decides_alike_at_any_width,
     change_policy,
     make_policy,
     random_observations,
@@ -68,15 +69,7 @@ def test_the_file_decides_as_the_torch_policy_over_several_episodes(tmp_path, ba
 
 
 def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(policy):
-    rng, wide = np.random.default_rng(2), load_learned(policy)
-    observations = [random_observations(wide.observation, rng, 64) for _ in range(4)]
-    wide.reset(64)
-    together = [wide.act(step) for step in observations]
-    for rows in ([0], [63], [5, 6], [17, 18, 19]):
-        narrow = load_learned(policy)
-        narrow.reset(len(rows))
-        for step, decided in zip(observations, together, strict=True):
-            np.testing.assert_array_equal(narrow.act(step[rows]), decided[rows])
+    assert_decides_alike_at_any_width(lambda: load_learned(policy), np.random.default_rng(2), seed=0)
 
 
 def test_it_remembers_within_an_episode_and_forgets_between_two(policy):
@@ -110,7 +103,6 @@ def test_every_layout_tells_the_beginning_of_an_episode(layout):
         ({"network": "transformer"}, "network must be one of feedforward, lstm.*transformer"),
         ({"network": ["lstm"]}, "network must be one of"),
         ({"lstm_size": 7}, "tensor 'lstm.weight'"),
-        ({"lstm_size": None}, "lstm_size"),
         ({"network": "feedforward"}, "tensor '0.weight'"),
         ({"weights": {"lstm.bias": np.zeros(3, np.float32)}}, "tensor 'lstm.bias'"),
         ({"weights": {"0.weight": np.zeros((8, 9), np.float32)}}, "tensor '0.weight'"),

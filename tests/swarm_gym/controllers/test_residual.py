@@ -7,7 +7,7 @@ from gymnasium.vector import AutoresetMode
 from agents import Controller, SizeLimits, make_controller
 from agents.evaluation.rollout import run_episodes
 from agents.training.sb3_vec_env import SB3VecEnv
-from helpers.trainings import make_rule
+from helpers.trainings import make_rule, untrained_manifest
 from swarm_gym.action import make_action
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy
 from swarm_gym.controllers.learned.residual import Base
@@ -58,13 +58,10 @@ def silent_policy(path, base, base_name, action, last=0.0, corrected_from=0, bud
         "1.weight": np.zeros((decisions, 8), np.float32),
         "1.bias": np.full(decisions, last, np.float32),
     }
-    manifest = {
-        "action": action, "base": base_name, "config": {}, "corrected_from": corrected_from,
-        "features": features, "hidden_layers": [8], "lstm_size": None, "network": "feedforward",
-        "initial_population_size": 6, "max_population_size": 20, "min_population_size": 2,
-        "max_evaluations": budget, "num_decisions": decisions, "observation": "extended",
-        "optimizer": "firefly", "price": None,
-    }  # fmt: skip
+    manifest = untrained_manifest(
+        "extended", action=action, base=base_name, corrected_from=corrected_from, features=features,
+        initial_population_size=6, max_population_size=20, max_evaluations=budget, num_decisions=decisions,
+    )  # fmt: skip
     save_policy(path, weights, manifest)
     return load_learned(path, LIMITS)
 
@@ -168,23 +165,17 @@ def test_a_base_is_corrected_from_the_same_iteration_whatever_it_sees(observatio
 def test_layouts_that_are_not_scaled_cannot_be_corrected(action):
     with pytest.raises(ValueError, match=f"cannot be corrected in the layout '{action}'"):
         make_base("spsfa", action)
-
-
-def test_a_paced_layout_cannot_be_corrected():
-    settings = Settings(action="paced", max_evaluations=1000)
+    paced = make_action(Settings(action="paced", max_evaluations=1000), Firefly)
     with pytest.raises(ValueError, match="'paced'"):
-        Base(make_controller("spsfa"), make_action(settings, Firefly))
+        Base(make_controller("spsfa"), paced)
 
 
-def test_a_controller_of_more_decisions_than_the_layout_is_refused():
+def test_controllers_whose_decisions_the_layout_does_not_take_are_refused():
     loop = OpenLoop(9, [0], [9.0], [0.5], {"noise": [1.0], "attractiveness": [0.5]})
-    with pytest.raises(ValueError, match="'extended' cannot be corrected in the layout 'normalised'"):
-        Base(loop, make_layout("normalised"))
-
-
-def test_a_controller_that_answers_scaled_is_refused():
-    with pytest.raises(ValueError, match="'normalised' cannot be corrected"):
-        Base(Encoded(make_controller("fixed:9"), make_layout("normalised")), make_layout("normalised"))
+    scaled = Encoded(make_controller("fixed:9"), make_layout("normalised"))
+    for controller, action in ((loop, "extended"), (scaled, "normalised")):
+        with pytest.raises(ValueError, match=f"'{action}' cannot be corrected in the layout 'normalised'"):
+            Base(controller, make_layout("normalised"))
 
 
 def test_a_base_that_needs_a_budget_decides_in_episodes_of_that_budget_only(tmp_path):
@@ -200,8 +191,8 @@ def test_a_base_that_needs_a_budget_decides_in_episodes_of_that_budget_only(tmp_
 
 
 def test_any_base_may_decide_under_the_budget_of_the_policy(tmp_path):
-    path = tmp_path / "p.safetensors"
-    policy = silent_policy(path, make_base("spsfa"), "spsfa", "normalised", budget=900)
+    base = make_base("spsfa")
+    policy = silent_policy(tmp_path / "p.safetensors", base, "spsfa", "normalised", budget=900)
     assert policy.env_options()["max_evaluations"] == 900
 
 

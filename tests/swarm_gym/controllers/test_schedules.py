@@ -255,23 +255,6 @@ def test_parameters_out_of_range_are_refused(name, value):
         SelfAdaptiveSchedule(**{name: value})
 
 
-def test_swarms_are_independent_and_restart_at_iteration_0():
-    generator = np.random.default_rng(0)
-    observations = generator.uniform(0, 80, (30, 5, 4))
-    observations[..., 3] = 1
-    observations[0, :, 3] = 0
-    observations[12, 1, 3] = 0  # swarm 1 begins anew
-    together = make_controller("spsfa-tip")
-    together.reset(5)
-    decisions = np.stack([together.act(step) for step in observations])
-    for row in range(5):
-        single = make_controller("spsfa-tip")
-        single.reset(1)
-        expected = np.stack([single.act(step[row : row + 1])[0] for step in observations])
-        np.testing.assert_array_equal(decisions[:, row], expected)
-    np.testing.assert_array_equal(decisions[12, 1], [80, 0])
-
-
 def test_population_first_rises_then_falls():
     sizes = run_through_environment("spsfa", "case1", 0, 60, 80)[:, 1]
     peak = int(np.argmax(sizes))

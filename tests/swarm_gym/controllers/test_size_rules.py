@@ -92,11 +92,12 @@ def test_defaults_give_way_to_the_limits_and_given_values_do_not(name):
         make_controller(f"{name}:start=60", SizeLimits(20, 50))
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", [*FAMILIES, "spsfa", "spsfa-tip"])
 def test_swarms_are_independent_and_restart_at_iteration_0(name):
     together = make_controller(name)
     generator = np.random.default_rng(0)
-    observations = generator.random((30, 5, 20))
+    observations = generator.random((30, 5, 4 if name.startswith("spsfa") else 20))
+    observations[..., :3] *= 80.0
     observations[[0, 12, 20], :, 3] = [[0.0] * 5, [0, 1, 0, 0, 1], [1, 0, 1, 1, 1]]
     together.reset(5)
     decisions = np.stack([together.act(step) for step in observations])
@@ -106,6 +107,7 @@ def test_swarms_are_independent_and_restart_at_iteration_0(name):
         begin = 12 if observations[12, row, 3] == 0 else 0
         expected = np.stack([single.act(step[row : row + 1])[0] for step in observations[begin:]])
         np.testing.assert_array_equal(decisions[begin:, row], expected)
+        assert decisions[begin, row].tolist() == [together.initial_population_size, 0.0]
 
 
 def test_a_population_without_diversity_goes_up_while_diversity_is_wanted():

@@ -12,6 +12,7 @@ from test_optimizers import run
 
 from helpers.ants import MAPS, NAME, length_of, optimum_of, path_of, problem_of, trails_of
 from helpers.builders import (
+    METRES,
     UNLIMITED,
     advance,
     assert_same_as_oracle,
@@ -30,7 +31,6 @@ from swarm_gym.problem.tables import stack
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 
-METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
 PARAMETERS = [
     {},
     {"trail_weight": 0.0},

@@ -7,25 +7,15 @@ import pytest
 from test_optimizers import PLAN, problems, run
 
 from helpers.builders import advance, begin, make_problem
-from swarm_gym.optimizers.elite_genetic import EliteGenetic, _spin, _wheel
+from swarm_gym.optimizers.elite_genetic import _spin, _wheel
 
 NAME = "elite-genetic"
 
 
-def test_the_defaults_are_the_printed_parameters():
-    assert EliteGenetic.parameter_values({})._asdict() == {"crossover": 0.2, "mutation": 0.01}
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"crossover": 1.0, "mutation": 0.0},
-        {"crossover": 0.0, "mutation": 0.5},
-        {"crossover": 0.5, "mutation": 0.2},
-    ],
-)
+@pytest.mark.parametrize(("crossover", "mutation"), [(1.0, 0.0), (0.0, 0.5), (0.5, 0.2)])
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
-def test_episodes_with_other_parameters_are_the_naive_ones(kind, parameters):
+def test_episodes_with_other_parameters_are_the_naive_ones(kind, crossover, mutation):
+    parameters = {"crossover": crossover, "mutation": mutation}
     run(NAME, problems(NAME)[kind], PLAN[:6], parameters, size=7)
 
 
@@ -41,9 +31,6 @@ def test_the_best_member_survives_every_generation(kind):
 def test_the_wheel_is_windowed_and_gives_the_worst_a_hundredth_of_the_spread():
     wheel = _wheel(np.array([10.0, 30.0, 20.0]))
     np.testing.assert_allclose(np.diff(wheel, prepend=0.0), np.array([20.2, 0.2, 10.2]) / 30.6)
-
-
-def test_the_wheel_of_equals_is_even():
     np.testing.assert_allclose(_wheel(np.full(4, 7.0)), [0.25, 0.5, 0.75, 1.0])
 
 

@@ -3,37 +3,12 @@
 import pytest
 from test_optimizers import problems, run
 
+from helpers import fish
 from helpers.builders import advance, begin
-from helpers.fish import (
-    assert_up_to,
-    bad_values,
-    components_along,
-    displacements,
-    lengths,
-    repairs_in_place,
-    spent,
-    zigzags,
-)
-from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 
 STANDARD, IMPROVED, HYBRID = "fish-swarm", "improved-fish-swarm", "hybrid-fish-swarm"
-SMALLEST = {"smallest_visual": 0.01, "smallest_step": 0.01}
-# The printed parameters, five tries, and no pull of the origin.
-DEFAULTS = {
-    STANDARD: {"visual": 0.3, "step": 0.1, "crowding": 0.6, "tries": 5.0},
-    IMPROVED: {
-        "visual": 0.3,
-        "step": 0.1,
-        **SMALLEST,
-        "first_beta": 0.9,
-        "last_beta": 0.2,
-        "crowding": 0.6,
-        "tries": 5.0,
-        "origin_pull": 0.0,
-    },
-    HYBRID: {"visual": 0.3, "step": 0.1, **SMALLEST, "crowding": 0.6, "tries": 5.0},
-}
+FISH = (STANDARD, IMPROVED, HYBRID)
 OTHERS = {
     STANDARD: [
         {"tries": 1.0, "visual": 1.0, "crowding": 1.0},
@@ -60,26 +35,6 @@ PLANS = {name: [(6, 0.0), (9, 0.7), (4, 1.0)] for name in (STANDARD, IMPROVED)} 
 }
 
 
-@pytest.mark.parametrize("name", DEFAULTS)
-def test_the_defaults_are_the_printed_parameters(name):
-    cls = get_optimizer(name)
-    assert list(cls.parameters) == list(DEFAULTS[name])
-    assert cls.parameter_values({})._asdict() == DEFAULTS[name]
-
-
-@pytest.mark.parametrize(
-    ("optimizer", "name", "value"),
-    [
-        *((optimizer, *bad.values) for optimizer in DEFAULTS for bad in bad_values(*DEFAULTS[optimizer])),
-        (IMPROVED, "origin_pull", 1.1),
-        (HYBRID, "tries", 0.0),
-    ],
-)
-def test_a_bad_parameter_is_refused_with_its_name(optimizer, name, value):
-    with pytest.raises(SettingError, match=name):
-        get_optimizer(optimizer).parameter_values({name: value})
-
-
 @pytest.mark.parametrize("kind", ["analytic", "one waypoint", "polyline"])
 @pytest.mark.parametrize(("name", "parameters"), [(name, each) for name in OTHERS for each in OTHERS[name]])
 def test_episodes_with_other_parameters_are_the_naive_ones(kind, name, parameters):
@@ -89,12 +44,12 @@ def test_episodes_with_other_parameters_are_the_naive_ones(kind, name, parameter
 
 @pytest.mark.parametrize("name", [STANDARD, HYBRID])
 def test_a_fish_steps_straight_to_a_better_companion(name):
-    here = zigzags(1)[0] * 3.0
-    ways = displacements(name, [here, 0.0 * here], {"visual": 0.9, "crowding": 1.0}, num=60)[:, 0]
-    along, is_all = components_along(ways, -here)
+    here = fish.zigzags(1)[0] * 3.0
+    ways = fish.displacements(name, [here, 0.0 * here], {"visual": 0.9, "crowding": 1.0}, num=60)[:, 0]
+    along, is_all = fish.components_along(ways, -here)
     assert is_all.all()
     assert (along > 0).all()
-    assert_up_to(lengths(ways), 0.1)
+    fish.assert_up_to(fish.lengths(ways), 0.1)
 
 
 @pytest.mark.parametrize("name", [STANDARD, HYBRID])
@@ -105,7 +60,7 @@ def test_as_many_companions_as_the_crowding_allows_are_too_many(name, crowding, 
     One try from the best place fails, so that prey costs 2; that of the other fish of the hybrid may cost 3.
     """
     parameters = {"visual": 0.9, "crowding": crowding, "tries": 1.0}
-    found = spent(name, [[60.0] * 9, [0.0] * 9], parameters)
+    found = fish.spent(name, [[60.0] * 9, [0.0] * 9], parameters)
     assert count <= found <= count + (2 if (name, crowding) == (HYBRID, 0.5) else 0)
 
 
@@ -116,7 +71,7 @@ def test_where_fish_come_to_is_repaired(name):
         for parameter in get_optimizer(name).parameters
         if "visual" in parameter or "step" in parameter
     }
-    assert all(repairs_in_place(name, still, 1))
+    assert all(fish.repairs_in_place(name, still, 1))
 
 
 def bounds_of(name, tries, iteration):
@@ -132,7 +87,7 @@ def bounds_of(name, tries, iteration):
 
 @pytest.mark.parametrize("few", [True, False])
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
-@pytest.mark.parametrize("name", DEFAULTS)
+@pytest.mark.parametrize("name", FISH)
 def test_evaluations_of_an_iteration_lie_between_what_the_rules_give(name, kind, few):
     tries = 1 if few else 4 if name == HYBRID else 5
     degrees = (0.0, 1.0, 0.0) if name == HYBRID else (0.0, 0.0, 1.0, 1.0)

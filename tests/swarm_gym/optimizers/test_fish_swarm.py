@@ -4,18 +4,8 @@ import numpy as np
 import pytest
 from test_optimizers import run
 
+from helpers import fish
 from helpers.builders import advance, begin, make_problem
-from helpers.fish import (
-    assert_up_to,
-    begun,
-    components_along,
-    displacements,
-    lengths,
-    open_problem,
-    spent,
-    straight,
-    zigzags,
-)
 
 NAME = "fish-swarm"
 
@@ -28,20 +18,16 @@ def test_paths_of_another_dimension_see_and_step_as_far():
 # Prey.
 
 
-@pytest.mark.parametrize("tries", [1, 2, 7])
-def test_a_lone_fish_preys_twice_and_leaps_where_all_tries_fail(tries):
-    assert spent(NAME, straight(1), {"tries": float(tries)}) == 2 * (tries + 1)
-
-
-def test_tries_are_whole():
-    assert spent(NAME, straight(1), {"tries": 3.9}) == 2 * (3 + 1)
+@pytest.mark.parametrize(("tries", "whole"), [(1.0, 1), (2.0, 2), (7.0, 7), (3.9, 3)])
+def test_a_lone_fish_preys_twice_and_leaps_where_all_tries_fail(tries, whole):
+    assert fish.spent(NAME, fish.straight(1), {"tries": tries}) == 2 * (whole + 1)
 
 
 def test_the_first_try_that_is_better_ends_prey():
     """One try and one step, or a leap, cost the same; with many tries hardly any fish leaps."""
-    population = zigzags(12)
-    few = spent(NAME, population, {"tries": 1.0, "visual": 0.001})
-    many = spent(NAME, population, {"tries": 20.0, "visual": 0.001})
+    population = fish.zigzags(12)
+    few = fish.spent(NAME, population, {"tries": 1.0, "visual": 0.001})
+    many = fish.spent(NAME, population, {"tries": 20.0, "visual": 0.001})
     assert few == 12 * 2 * 2
     assert few < many < 12 * 2 * 5
 
@@ -49,9 +35,9 @@ def test_the_first_try_that_is_better_ends_prey():
 @pytest.mark.parametrize("visual", [0.05, 0.3])
 @pytest.mark.parametrize("iteration", [0, 5, 9])
 def test_leaps_are_as_long_as_the_visual_at_any_time(iteration, visual):
-    ways = displacements(NAME, straight(32), {"visual": visual}, iteration=iteration)
-    assert (lengths(ways) > 0).all()
-    assert_up_to(np.abs(ways), visual)
+    ways = fish.displacements(NAME, fish.straight(32), {"visual": visual}, iteration=iteration)
+    assert (fish.lengths(ways) > 0).all()
+    fish.assert_up_to(np.abs(ways), visual)
     assert ways.min() < -0.9 * visual
 
 
@@ -59,11 +45,13 @@ def test_leaps_are_as_long_as_the_visual_at_any_time(iteration, visual):
 @pytest.mark.parametrize("iteration", [0, 5, 9])
 def test_steps_are_as_long_as_the_parameter_at_any_time_however_near_what_was_seen_is(iteration, step):
     parameters = {"visual": 0.01, "step": step, "crowding": 0.0, "tries": 20.0}
-    assert_up_to(lengths(displacements(NAME, zigzags(32), parameters, iteration=iteration)), step)
+    fish.assert_up_to(
+        fish.lengths(fish.displacements(NAME, fish.zigzags(32), parameters, iteration=iteration)), step
+    )
 
 
 def test_a_fish_leaves_the_best_place_and_the_swarm_remembers_it():
-    swarms, tables = begun(NAME, straight(1))
+    swarms, tables = fish.begun(NAME, fish.straight(1))
     best = swarms.best_fitness[0]
     assert best == pytest.approx(0.3 * 960.0)
     advance(NAME, swarms, tables, 1, 0.0)
@@ -82,11 +70,11 @@ def test_a_fish_leaves_the_best_place_and_the_swarm_remembers_it():
 )
 def test_fish_prey_without_companions_and_in_a_crowd(parameters, each):
     """Prey of one try costs two evaluations, and the centre of companions one, if there are any."""
-    assert spent(NAME, zigzags(12), {"tries": 1.0, **parameters}) == 12 * each
+    assert fish.spent(NAME, fish.zigzags(12), {"tries": 1.0, **parameters}) == 12 * each
 
 
 def test_fish_that_are_not_crowded_swarm_and_follow_at_one_evaluation_each():
-    count = spent(NAME, zigzags(12), {"tries": 1.0, "visual": 1.0, "crowding": 1.0})
+    count = fish.spent(NAME, fish.zigzags(12), {"tries": 1.0, "visual": 1.0, "crowding": 1.0})
     assert 12 * 3 <= count < 12 * 4
 
 
@@ -94,7 +82,7 @@ def test_fish_that_are_not_crowded_swarm_and_follow_at_one_evaluation_each():
 @pytest.mark.parametrize(("visual", "sees"), [(0.19, False), (0.21, True)])
 def test_fish_see_as_far_as_the_visual_whatever_the_number_of_waypoints(visual, sees, dimension):
     """The fish are a fifth of the range apart. One that sees evaluates the centre first, without a draw."""
-    swarms, tables = begun(NAME, [[120.0] * dimension, [0.0] * dimension])
+    swarms, tables = fish.begun(NAME, [[120.0] * dimension, [0.0] * dimension])
     swarms.budget[0] = swarms.evaluations[0] + 1
     before = swarms.stream.copy()
     advance(NAME, swarms, tables, 2, 0.0, {"visual": visual})
@@ -104,22 +92,22 @@ def test_fish_see_as_far_as_the_visual_whatever_the_number_of_waypoints(visual, 
 
 def test_a_leader_in_a_crowd_is_not_followed_though_the_fish_sees_nobody_else():
     """The first fish has one companion, which has three: the fish swarms, but preys instead of following."""
-    side = zigzags(1)[0]
+    side = fish.zigzags(1)[0]
     side *= 60.0 / np.sqrt((side**2).mean())
     population = [2.0 * side, 1.0 * side, 0.1 * side, 0.0 * side]
     for crowding, follows in ((0.5, False), (1.0, True)):
-        ways = displacements(NAME, population, {"visual": 0.12, "crowding": crowding}, num=60)[:, 0]
-        _, is_all = components_along(ways, -side)
+        ways = fish.displacements(NAME, population, {"visual": 0.12, "crowding": crowding}, num=60)[:, 0]
+        _, is_all = fish.components_along(ways, -side)
         assert is_all.all() == follows
         assert is_all.any()
 
 
 def test_a_centre_that_is_better_than_every_fish_counts_but_is_not_the_best_so_far():
     """The centre of the first fish is evaluated first; the bulletin lists only fish."""
-    side = zigzags(1)[0]
+    side = fish.zigzags(1)[0]
     population = [3.0 * side, side, -0.5 * side]
-    assert open_problem().evaluate(0.25 * side)[0] < open_problem().evaluate(population[2])[0]
-    swarms, tables = begun(NAME, population)
+    assert fish.open_problem().evaluate(0.25 * side)[0] < fish.open_problem().evaluate(population[2])[0]
+    swarms, tables = fish.begun(NAME, population)
     swarms.budget[0], before = 3 + 1, swarms.positions.copy()
     advance(NAME, swarms, tables, 3, 1.0, {"visual": 1.0})
     assert swarms.evaluations[0] == 3 + 1
@@ -128,7 +116,7 @@ def test_a_centre_that_is_better_than_every_fish_counts_but_is_not_the_best_so_f
 
 
 def test_fish_stay_where_they_are_when_the_budget_ends_before_their_turn():
-    swarms, tables = begin(NAME, [open_problem()], size=10, budget=10 + 20)
+    swarms, tables = begin(NAME, [fish.open_problem()], size=10, budget=10 + 20)
     before = swarms.positions[0, :10].copy()
     advance(NAME, swarms, tables, 10, 0.0)
     moved = (swarms.positions[0, :10] != before).any(axis=1).tolist()

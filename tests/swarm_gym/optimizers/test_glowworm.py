@@ -7,6 +7,7 @@ from test_optimizers import run
 from test_re_evaluation import change
 
 from helpers.builders import (
+    METRES,
     advance,
     assert_same_as_oracle,
     begin,
@@ -25,7 +26,6 @@ from swarm_gym.problem.tables import stack
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.settings import Settings
 
-METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
 OPTIONS = [
     {},
     {"glow": "sight"},

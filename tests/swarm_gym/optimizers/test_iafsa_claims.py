@@ -17,14 +17,8 @@ pytestmark = pytest.mark.slow
 
 def final_values(optimizer, scenario, **options):
     """Return the best fitness of every run."""
-    envs = gymnasium.make_vec(
-        f"swarm_gym/{optimizer}-v0",
-        num_envs=NUM_SEEDS,
-        scenario=scenario,
-        iterations=ITERATIONS,
-        initial_population_size=FISH,
-        **options,
-    )
+    sizes = {"num_envs": NUM_SEEDS, "iterations": ITERATIONS, "initial_population_size": FISH}
+    envs = gymnasium.make_vec(f"swarm_gym/{optimizer}-v0", scenario=scenario, **sizes, **options)
     envs.reset(seed=0)
     actions = np.tile([float(FISH), 0.0], (NUM_SEEDS, 1))
     for _ in range(ITERATIONS):

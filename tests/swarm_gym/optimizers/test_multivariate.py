@@ -6,11 +6,13 @@ import gymnasium
 import numpy as np
 import pytest
 from test_optimizers import PLAN, problems, run
+from test_re_evaluation import change
+from test_re_evaluation import problems as alternating
 
 from helpers.builders import advance, begin, make_problem
 from swarm_gym.errors import SettingError
-from swarm_gym.optimizers.multivariate.multivariate import Multivariate
 from swarm_gym.optimizers.multivariate.regions import num_regions
+from swarm_gym.problem.tables import stack
 
 NAME = "multivariate"
 
@@ -25,8 +27,14 @@ def table_of(swarms):
     return fitness[:n], [fitness[a:b] for a, b in itertools.pairwise(ends)]
 
 
-def test_the_default_is_the_printed_radius():
-    assert Multivariate.parameter_values({})._asdict() == {"radius": 20.0}
+def assert_sorted(swarms, regions):
+    """Check that heads are sorted, none is worse than its list, and lists are sorted and not too long."""
+    heads, lists = table_of(swarms)
+    assert len(heads) == regions
+    assert (np.diff(heads) >= 0).all()
+    for i, (head, values) in enumerate(zip(heads, lists, strict=True)):
+        assert len(values) <= regions - i
+        assert (np.diff(values, prepend=head) >= 0).all()
 
 
 @pytest.mark.parametrize(
@@ -58,15 +66,10 @@ def test_regions_and_lists_are_sorted_and_no_longer_than_their_place_allows(kind
     swarms, tables = begin(NAME, [problems(NAME)[kind]], 20)
     for size, repair_degree in [*PLAN, (32, 0.0), (32, 1.0), (27, 0.0), (4, 0.0), (30, 0.3)]:
         advance(NAME, swarms, tables, size, repair_degree)
-        heads, lists = table_of(swarms)
-        n = len(heads)
-        assert n == num_regions(size)
+        n = num_regions(size)
+        assert_sorted(swarms, n)
         assert swarms.size[0] <= n * (n + 3) // 2 <= size
-        assert (np.diff(heads) >= 0).all()
-        assert swarms.best_fitness[0] <= heads[0]
-        for i, (head, values) in enumerate(zip(heads, lists, strict=True)):
-            assert len(values) <= n - i
-            assert (np.diff(values, prepend=head) >= 0).all()
+        assert swarms.best_fitness[0] <= swarms.fitness[0, 0]
 
 
 @pytest.mark.parametrize("size", [2, 3, 5, 8, 20, 30])
@@ -76,6 +79,16 @@ def test_an_iteration_costs_as_many_evaluations_as_members_were_asked_for(size):
     for count in range(2, 5):
         advance(NAME, swarms, tables, size, 0.0)
         assert swarms.evaluations[0] == count * size
+
+
+def test_regions_stay_sorted_when_the_map_changes():
+    both = alternating(NAME, "analytic")
+    swarms, _ = begin(NAME, both[:1], 20)
+    tables = stack([problem.table for problem in both])
+    for step in range(1, 9):
+        advance(NAME, swarms, tables, 20, 0.0)
+        change(NAME, swarms, tables, step % 2)
+        assert_sorted(swarms, 5)
 
 
 def test_new_regions_are_drawn_between_the_heads():

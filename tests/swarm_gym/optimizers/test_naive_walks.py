@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import shapely
 
-from helpers.builders import random_grid_scenario
-from helpers.grids import drawn_problem
+from helpers.builders import METRES, random_grid_scenario
+from helpers.grids import area_of, drawn_problem
 from oracles import naive, naive_swarm
 from oracles.naive_ants import AntColony
 from oracles.naive_glowworm import Glowworm, relayed
@@ -18,8 +18,6 @@ from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.problem import WalkProblem
 from swarm_gym.reference import shortest_grid_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-
-METRES = {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
 
 
 def twin_of(kind, problem, seed=0, budget=10**9, **parameters):
@@ -59,8 +57,7 @@ def test_a_point_sees_another_where_shapely_covers_the_way_and_no_gap_is_on_it(s
     rng = np.random.default_rng(seed)
     problem = naive_swarm.oracle_of(scattered_problem(rng, **geometry))
     grid = problem.map
-    cells = [shapely.box(c - 0.5, r - 0.5, c + 0.5, r + 0.5) for r, c in np.argwhere(~grid.blocked)]
-    free = shapely.union_all(cells)
+    free = area_of(~grid.blocked)
     gaps = []
     for r, c in itertools.product(range(grid.height - 1), range(grid.width - 1)):
         if grid.blocked[r : r + 2, c : c + 2].tolist() in ([[0, 1], [1, 0]], [[1, 0], [0, 1]]):

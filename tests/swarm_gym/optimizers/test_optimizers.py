@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from helpers.builders import (
+    METRES,
     advance,
     assert_same_as_oracle,
     begin,
@@ -38,16 +39,14 @@ def problems(optimizer):
     if is_walker(optimizer):
         return {
             "cells": walk_problem("random", 4),
-            "metres": walk_problem("random", 5, resolution=0.05, origin=(-1.0, 2.0), y_up=True),
+            "metres": walk_problem("random", 5, **METRES),
             "raster": walk_problem("case1"),
         }
     return {
         "analytic": make_problem("case1", 9),
         "one waypoint": problem_of("random", 1),
         "curve": small_grid_problem("bezier", 3, seed=4),
-        "polyline": small_grid_problem(
-            "waypoints", 5, seed=5, resolution=0.05, origin=(-1.0, 2.0), y_up=True
-        ),
+        "polyline": small_grid_problem("waypoints", 5, seed=5, **METRES),
         "function": function_problem("function:rastrigin-3-shifted:1"),
         "plain": function_problem("function:easom-2"),  # far from the optimum all fitness is 1
     }
@@ -72,13 +71,7 @@ def run(optimizer, problem, plan=PLAN, parameters=None, **options):
     if is_walker(optimizer):
         options["parameters"] = parameters
     swarms, tables = begin(optimizer, [problem], **options)
-    of_twin = ("budget", "iterations", "seed", "parameters")
-    twin = oracle_twin(
-        optimizer,
-        problem,
-        options["size"],
-        **{name: value for name, value in options.items() if name in of_twin},
-    )
+    twin = oracle_twin(optimizer, problem, **options)
     assert_same_as_oracle(swarms, twin)
     for size, repair_degree in plan:
         if swarms.evaluations[0] >= swarms.budget[0]:

@@ -1,14 +1,47 @@
 """The parameters of optimizers: declared once, read by name, chosen and replaced by name."""
 
+import math
+from functools import partial
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
 
+from helpers.refusals import refused
 from swarm_gym.compiler.named_tuples import named_row
+from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, declared_parameters, replaced
+
+# Fish have five tries and no pull of the origin, which are not printed.
+PRINTED = {
+    "firefly": {"noise": 2.0, "attractiveness": 0.1, "absorption": 5e-6},
+    "generational-firefly": {
+        "noise": 0.2, "attractiveness": 1.0, "absorption": 1.0, "least_attractiveness": 0.0,
+    },
+    "particle-swarm": {
+        "first_inertia": 1.4, "last_inertia": 0.5, "cognitive": 1.49445, "social": 1.49445,
+        "velocity_limit": 0.2,
+    },
+    "elite-genetic": {"crossover": 0.2, "mutation": 0.01},
+    "multivariate": {"radius": 20.0},
+    "fish-swarm": {"visual": 0.3, "step": 0.1, "crowding": 0.6, "tries": 5.0},
+    "improved-fish-swarm": {
+        "visual": 0.3, "step": 0.1, "smallest_visual": 0.01, "smallest_step": 0.01, "first_beta": 0.9,
+        "last_beta": 0.2, "crowding": 0.6, "tries": 5.0, "origin_pull": 0.0,
+    },
+    "hybrid-fish-swarm": {
+        "visual": 0.3, "step": 0.1, "smallest_visual": 0.01, "smallest_step": 0.01, "crowding": 0.6,
+        "tries": 5.0,
+    },
+}  # fmt: skip
+NUMBERS = [
+    (optimizer, name)
+    for optimizer in OPTIMIZERS
+    for name, parameter in get_optimizer(optimizer).parameters.items()
+    if not parameter.choices
+]
 
 RATE = Parameter(0.5, 0.0, 1.0, "r", "rate")
 SPEED = Parameter(2.0, 0.0, 9.0, "v", "speed")
@@ -48,6 +81,21 @@ def test_rows_are_read_by_the_names_that_are_chosen(optimizer):
     expected = {**cls.defaults._asdict(), last: chosen[last]}
     assert named_row(cls.defaults, parameters, 2)._asdict() == expected
     assert list(expected) == list(cls.parameters)
+
+
+@pytest.mark.parametrize("optimizer", PRINTED)
+def test_the_defaults_are_the_printed_parameters(optimizer):
+    cls = get_optimizer(optimizer)
+    assert list(cls.parameters) == list(PRINTED[optimizer])
+    assert cls.parameter_values({})._asdict() == PRINTED[optimizer]
+
+
+@pytest.mark.parametrize(("optimizer", "name"), NUMBERS)
+def test_a_value_that_cannot_be_is_refused_with_its_name(optimizer, name):
+    cls = get_optimizer(optimizer)
+    low, high = cls.parameters[name].low, cls.parameters[name].high
+    for value in (low - 1e-9, low - 0.5, 1.01 * high, math.nan, math.inf, "0.5", True):
+        refused(partial(cls.parameter_values, {name: value}), name, repr(value), error=SettingError)
 
 
 def test_new_values_replace_those_of_the_same_name_alone():

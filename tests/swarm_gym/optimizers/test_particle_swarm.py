@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from test_optimizers import PLAN, problems, run
+from test_re_evaluation import assert_same_memory
 
 from helpers.builders import UNLIMITED, advance, begin, make_problem, oracle_twin
-from swarm_gym.optimizers.particle_swarm import ParticleSwarm
 
 NAME = "particle-swarm"
 
@@ -17,46 +17,23 @@ def memory_of(swarms, problem, i):
     return memory[:n], memory[width : width + n], memory[2 * width]
 
 
-def assert_same_memory(swarms, twin, problem):
-    for i, member in enumerate(twin.members):
-        velocity, own_best, own_fitness = memory_of(swarms, problem, i)
-        np.testing.assert_allclose(velocity, member.velocity, rtol=1e-10, atol=1e-9)
-        np.testing.assert_allclose(own_best, member.own_best, rtol=1e-10, atol=1e-9)
-        assert own_fitness == pytest.approx(member.own_fitness, rel=1e-10)
-
-
-def test_the_defaults_are_the_printed_parameters():
-    assert ParticleSwarm.parameter_values({})._asdict() == {
-        "first_inertia": 1.4,
-        "last_inertia": 0.5,
-        "cognitive": 1.49445,
-        "social": 1.49445,
-        "velocity_limit": 0.2,
-    }
-
-
 @pytest.mark.parametrize("kind", ["analytic", "curve"])
 @pytest.mark.parametrize("budget", [UNLIMITED, 30])
 def test_velocities_and_own_bests_are_the_naive_ones(kind, budget):
     problem = problems(NAME)[kind]
     swarms, tables = begin(NAME, [problem], size=7, budget=budget)
     twin = oracle_twin(NAME, problem, 7, budget)
-    assert_same_memory(swarms, twin, problem)
+    assert_same_memory(NAME, swarms, twin)
     for size, repair_degree in PLAN[:6]:
         values = advance(NAME, swarms, tables, size, repair_degree)
         twin.step(size, repair_degree, values)
-        assert_same_memory(swarms, twin, problem)
+        assert_same_memory(NAME, swarms, twin)
 
 
 @pytest.mark.parametrize("iterations", [1, 2, 9])
 def test_episodes_of_any_length_and_parameters_are_the_naive_ones(iterations):
-    parameters = {
-        "first_inertia": 0.9,
-        "last_inertia": 0.4,
-        "cognitive": 0.5,
-        "social": 3.0,
-        "velocity_limit": 1.0,
-    }
+    parameters = {"first_inertia": 0.9, "last_inertia": 0.4, "cognitive": 0.5, "social": 3.0}
+    parameters["velocity_limit"] = 1.0
     plan = [(8, 0.0)] * iterations
     run(NAME, make_problem("case2", 9), plan, parameters, size=8, iterations=iterations)
 

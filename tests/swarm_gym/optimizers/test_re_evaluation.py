@@ -1,11 +1,14 @@
 """Optimizers evaluate anew all that they remember when the map changes, as in plain Python."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from test_optimizers import spent_to_begin, tries
 
 from helpers.builders import (
     MEAN_WEIGHT,
+    METRES,
     UNLIMITED,
     advance,
     assert_same_as_oracle,
@@ -37,21 +40,16 @@ PLAN = [(7, 0.0), (9, 0.5), (9, 0.0), (4, 1.0)]
 def problems(optimizer, kind):
     """Return problems before and after obstacles appear and vanish; walkers have grids of both axes."""
     if is_walker(optimizer):
-        geometry = {} if kind == "grid" else {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True}
-        base = random_grid_scenario(4, **geometry)
+        base = random_grid_scenario(4, **({} if kind == "grid" else METRES))
         x, y = base.map.to_map((13.0, 8.0))
-        event = Appear(1, Circle(x, y, 2.5 * base.map.resolution))
-        return [WalkProblem(world.scenario) for world in worlds_of(DynamicScenario("", base, [event]))]
-    if kind == "analytic":
-        block = Polygon.rectangle(500, 150, 600, 330)
-        events = [Appear(1, block), Disappear(1, 10)]
-        base = make_scenario("case1")
-        return [AnalyticProblem(world.scenario, 9) for world in worlds_of(DynamicScenario("", base, events))]
-    events = [Appear(1, Circle(13.0, 8.0, 2.5))]
-    base = random_grid_scenario(4)
-    return [
-        GridProblem(world.scenario, "bezier", 3) for world in worlds_of(DynamicScenario("", base, events))
-    ]
+        events, make = [Appear(1, Circle(x, y, 2.5 * base.map.resolution))], WalkProblem
+    elif kind == "analytic":
+        base, block = make_scenario("case1"), Polygon.rectangle(500, 150, 600, 330)
+        events, make = [Appear(1, block), Disappear(1, 10)], partial(AnalyticProblem, num_waypoints=9)
+    else:
+        base, events = random_grid_scenario(4), [Appear(1, Circle(13.0, 8.0, 2.5))]
+        make = partial(GridProblem, encoding="bezier", num_points=3)
+    return [make(world.scenario) for world in worlds_of(DynamicScenario("", base, events))]
 
 
 def change(optimizer, swarms, tables, number):
@@ -131,25 +129,3 @@ def test_a_best_so_far_that_no_member_is_at_stays_where_it_is_still_the_best():
     change("firefly", swarms, stack([free.table, blocked.table]), 1)
     assert (swarms.best_position[0, :9] == best).all()
     assert (swarms.best_fitness[0], swarms.best_collision[0]) == blocked.evaluate(best)
-
-
-def test_regions_stay_sorted_when_the_map_changes():
-    """Heads are sorted, none is worse than its list, and lists are sorted and not longer than allowed."""
-    both = problems("multivariate", "analytic")
-    swarms, _ = begin("multivariate", both[:1], 20)
-    tables = stack([problem.table for problem in both])
-    for step in range(1, 9):
-        advance("multivariate", swarms, tables, 20, 0.0)
-        change("multivariate", swarms, tables, step % 2)
-        registers, fitness = swarms.registers[0], swarms.fitness[0]
-        count = registers[0]
-        heads = fitness[:count]
-        assert count == 5
-        assert (np.diff(heads) >= 0).all()
-        row = count
-        for i in range(count):
-            listed = fitness[row : row + registers[1 + i]]
-            assert len(listed) <= count - i
-            assert (np.diff([heads[i], *listed]) >= 0).all()
-            row += len(listed)
-        assert row == swarms.size[0]
