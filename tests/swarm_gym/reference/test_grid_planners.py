@@ -15,11 +15,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from helpers.compiled import compiled
-from helpers.grids import frozen, grid
+from helpers.grids import area_of, frozen, grid
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.traversal import is_gap, path_is_free, segment_is_free
 from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path, smooth
 from swarm_gym.reference.priority_queue import enter, make_queue, take_first
+from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 
 DIAGONAL = math.sqrt(2.0)
 SEEDS = st.integers(0, 2**32 - 1)
@@ -61,20 +62,12 @@ def benchmark_file(name):
     path = Path(os.environ.get("SWARM_GYM_DATA", ""), "movingai", name)
     if "SWARM_GYM_DATA" not in os.environ or not path.exists():
         pytest.skip(f"no {name} of the Moving AI benchmark in SWARM_GYM_DATA")
-    return path.read_text()
+    return path
 
 
-def benchmark_map(name):
-    header, rows = benchmark_file(name).split("map\n", 1)
-    blocked = np.array([[character not in ".GS" for character in row] for row in rows.split()])
-    assert f"height {blocked.shape[0]}\nwidth {blocked.shape[1]}\n" in header
-    return blocked
-
-
-def benchmark_tasks(name):
-    """(start, goal, octile optimum) of every line."""
-    rows = [line.split() for line in benchmark_file(name).splitlines()[1:]]
-    return [((int(f[4]), int(f[5])), (int(f[6]), int(f[7])), float(f[8])) for f in rows if f]
+def benchmark(name):
+    """Return the blocked cells of a map, and its problems."""
+    return read_map(benchmark_file(f"{name}.map")).blocked, read_scenarios(benchmark_file(f"{name}.map.scen"))
 
 
 def dijkstra(num_nodes, begins, ends, lengths, start, goal):
@@ -98,8 +91,7 @@ def octile_optimum(blocked, start, goal):
 
 def shapely_optimum(blocked, start, goal):
     """Dijkstra over all lines between vertices of the free space, whose walls are moved in a little."""
-    squares = [shapely.box(c - 0.5, r - 0.5, c + 0.5, r + 0.5) for r, c in np.argwhere(~blocked)]
-    free = shapely.union_all(squares)
+    free = area_of(~blocked)
     nodes = shapely.get_coordinates(free.buffer(-EROSION, join_style="mitre"))
     nodes = np.vstack([start, goal, nodes])
     begins, ends = np.triu_indices(len(nodes), 1)
@@ -352,46 +344,30 @@ class TestSmoothPath:
 class TestBenchmark:
     """Optima of the Moving AI benchmark (Sturtevant 2012), where its files are there."""
 
-    def check_octile(self, name, every):
-        blocked = benchmark_map(f"{name}.map")
-        for start, goal, optimum in benchmark_tasks(f"{name}.map.scen")[::every]:
-            assert shortest_grid_path(blocked, start, goal).length == pytest.approx(optimum, abs=1e-3)
-
-    @pytest.mark.parametrize(("name", "every"), [("arena", 1), ("den400d", 10)])
-    def test_grid_paths_have_the_published_lengths(self, name, every):
-        self.check_octile(name, every)
-
-    @pytest.mark.slow
-    def test_all_grid_paths_have_the_published_lengths(self):
-        self.check_octile("den400d", 1)
+    @pytest.mark.parametrize(
+        ("name", "every"),
+        [("arena", 1), ("den400d", 10), pytest.param("den400d", 1, marks=pytest.mark.slow)],
+    )
+    def test_grid_paths_have_the_published_lengths_and_any_angle_paths_are_not_longer(self, name, every):
+        blocked, problems = benchmark(name)
+        planner = AnyAnglePlanner(blocked)
+        for problem in problems[::every]:
+            ends = problem.start, problem.goal
+            assert shortest_grid_path(blocked, *ends).length == pytest.approx(problem.length, abs=1e-3)
+            length, points = planner.shortest_path(*ends)
+            assert path_is_free(blocked, points)
+            assert math.dist(*ends) - 1e-9 <= length <= problem.length + 1e-3
 
     def test_any_angle_paths_have_the_known_lengths(self):
-        tasks = json.loads(benchmark_file("den400d_p1_p6.json"))
-        blocked = benchmark_map("den400d.map")
+        tasks = json.loads(benchmark_file("den400d_p1_p6.json").read_text())
+        blocked, _ = benchmark("den400d")
         planner = AnyAnglePlanner(blocked)
         for task in tasks.values():
-            length, points = planner.shortest_path(task["start"], task["goal"])
+            ends = task["start"], task["goal"]
+            length, points = planner.shortest_path(*ends)
             assert length == pytest.approx(task["any_angle"], abs=1e-4)
             assert path_is_free(blocked, points)
-            assert shortest_grid_path(blocked, task["start"], task["goal"]).length == pytest.approx(
-                task["octile"], abs=1e-3
-            )
-
-    def check_any_angle(self, name, every):
-        blocked = benchmark_map(f"{name}.map")
-        planner = AnyAnglePlanner(blocked)
-        for start, goal, octile in benchmark_tasks(f"{name}.map.scen")[::every]:
-            length, points = planner.shortest_path(start, goal)
-            assert path_is_free(blocked, points)
-            assert math.dist(start, goal) - 1e-9 <= length <= octile + 1e-3
-
-    @pytest.mark.parametrize(("name", "every"), [("arena", 1), ("den400d", 10)])
-    def test_any_angle_paths_lie_between_the_line_and_the_grid_path(self, name, every):
-        self.check_any_angle(name, every)
-
-    @pytest.mark.slow
-    def test_all_any_angle_paths_lie_between_the_line_and_the_grid_path(self):
-        self.check_any_angle("den400d", 1)
+            assert shortest_grid_path(blocked, *ends).length == pytest.approx(task["octile"], abs=1e-3)
 
 
 @settings(max_examples=50, deadline=None)

@@ -29,14 +29,7 @@ from swarm_gym.reference.waypoint_optimum import (
     write_field_optima,
     write_optima,
 )
-from swarm_gym.scenarios import (
-    Circle,
-    Polygon,
-    Scenario,
-    expand_name,
-    make_scenario,
-    make_scenarios,
-)
+from swarm_gym.scenarios import Circle, Polygon, Scenario, expand_name, make_scenario, make_scenarios
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -254,12 +247,6 @@ def test_optima_of_the_cases_with_thirty_waypoints(case, fitness):
     assert polyline_length(problem.points(offsets)) > shortest_path(problem.scenario)[0]
 
 
-@pytest.mark.slow
-def test_a_finer_grid_finds_no_better_path():
-    problem = make_problem("case1")
-    assert optimum(problem, coarse_step=0.25)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_a_swarm_that_begins_at_the_optimum_does_not_get_below_it(case):
     problem = make_problem(case)
@@ -321,11 +308,16 @@ def test_the_packaged_optima_of_fields_are_what_is_computed(tmp_path):
         assert lengths == pytest.approx(expected, abs=2e-6)
 
 
+FIELDS = [f"random-fields:{name}:300" for name in ("test", "denser", "narrow", "rotated")]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["test:300", "denser:300", "narrow:300", "rotated:300"])
-def test_a_finer_grid_finds_no_better_path_in_a_field(name):
-    problem = AnalyticProblem(make_scenario(f"random-fields:{name}"), 20)
-    assert optimum(problem, coarse_step=0.5)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
+@pytest.mark.parametrize(
+    ("name", "num_waypoints", "step"), [("case1", 31, 0.25), *((name, 20, 0.5) for name in FIELDS)]
+)
+def test_a_finer_grid_finds_no_better_path(name, num_waypoints, step):
+    problem = AnalyticProblem(make_scenario(name), num_waypoints)
+    assert optimum(problem, coarse_step=step)[0] == pytest.approx(optimum(problem)[0], abs=1e-6)
 
 
 @pytest.fixture

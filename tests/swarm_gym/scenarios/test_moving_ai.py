@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.mutations import fuzzed, mutated
+from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
@@ -48,13 +49,6 @@ def written(folder, content, name="small.map"):
     path = folder / name
     path.write_bytes(content)
     return path
-
-
-def refused(make, *expected):
-    with pytest.raises(ScenarioError) as caught:
-        make()
-    for text in expected:
-        assert text in str(caught.value)
 
 
 # Maps.
@@ -234,49 +228,37 @@ def test_a_map_that_changed_is_read_again(small):
     assert make_scenario("moving-ai:small#0").map != before.map
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "moving-ai",
-        "moving-ai:",
-        "moving-ai:small",
-        "moving-ai:small#",
-        "moving-ai:small#-1",
-        "moving-ai:small#01",
-        "moving-ai:small#2-1",
-        "moving-ai:small#1.0",
-        f"moving-ai:small#{MAX_PROBLEMS}",
-        f"moving-ai:small#0-{MAX_PROBLEMS}",
-        "moving-ai:#0",
-        "moving-ai:small?start=0,0",
-        "moving-ai:small?start=0,0&goal=0.5,1",
-        "moving-ai:small?start=0,0&goal=-1,1",
-        "moving-ai:small?goal=0,1&start=0,0",
-        "moving-ai:/small#0",
-    ],
-)
+NO_NUMBERS = ("", "#", "#-1", "#01", "#2-1", "#1.0", f"#{MAX_PROBLEMS}", f"#0-{MAX_PROBLEMS}")
+NO_CELLS = ("start=0,0", "start=0,0&goal=0.5,1", "start=0,0&goal=-1,1", "goal=0,1&start=0,0")
+NO_NAMES = [
+    *("moving-ai", "moving-ai:", "moving-ai:#0", "moving-ai:/small#0"),
+    *(f"moving-ai:small{end}" for end in NO_NUMBERS),
+    *(f"moving-ai:small?{cells}" for cells in NO_CELLS),
+]
+
+
+@pytest.mark.parametrize("name", NO_NAMES)
 def test_a_name_of_another_form_is_refused(small, name):
     refused(lambda: expand_name(name), repr(name), "expected" if "/" not in name else ".map")
 
 
-def test_a_missing_map_is_reported_with_its_file(small):
+def test_a_missing_file_or_problem_is_reported_with_what_there_is(small):
     refused(lambda: make_scenario("moving-ai:other#0"), "other.map")
+    refused(lambda: make_scenario("moving-ai:small#3"), "moving-ai:small#3", "0 to 2")
     (small / "small.map.scen").unlink()
     refused(lambda: make_scenario("moving-ai:small#0"), "small.map.scen or small.scen")
 
 
-def test_a_problem_that_there_is_not_is_refused_with_how_many_there_are(small):
-    refused(lambda: make_scenario("moving-ai:small#3"), "moving-ai:small#3", "0 to 2")
-
-
-def test_a_problem_of_a_map_of_another_size_is_refused_with_its_line(small):
-    path = written(small, PROBLEMS.replace(b"\t4\t3\t0\t1", b"\t5\t3\t0\t1"), "small.map.scen")
-    refused(lambda: make_scenario("moving-ai:small#1"), f"{path}, line 3:", "5 x 3", "4 x 3")
-
-
-def test_a_problem_in_a_wall_is_refused_with_its_line(small):
-    path = written(small, PROBLEMS.replace(b"\t0\t1\t3\t2", b"\t1\t0\t3\t2"), "small.map.scen")
-    refused(lambda: make_scenario("moving-ai:small#1"), f"{path}, line 3:", "cell (1, 0)", "not free")
+@pytest.mark.parametrize(
+    ("instead", "words"),
+    [
+        (b"\t5\t3\t0\t1\t3\t2", ["5 x 3", "4 x 3"]),  # the size of another map
+        (b"\t4\t3\t1\t0\t3\t2", ["cell (1, 0)", "not free"]),  # in a wall
+    ],
+)
+def test_a_problem_that_does_not_fit_its_map_is_refused_with_its_line(small, instead, words):
+    path = written(small, PROBLEMS.replace(b"\t4\t3\t0\t1\t3\t2", instead), "small.map.scen")
+    refused(lambda: make_scenario("moving-ai:small#1"), f"{path}, line 3:", *words)
 
 
 # Maps of the benchmark, if they have been downloaded.

@@ -11,10 +11,8 @@ from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 
-# Map and problem file.
+# Map and problem file; those of arena and den400d are in test_grid_planners.py.
 BENCHMARKS = (
-    ("arena.map", "arena.map.scen"),
-    ("den400d.map", "den400d.map.scen"),
     ("maze-128-128-10.map", "maze-128-128-10-random-1.scen"),
     ("random-64-64-20.map", "random-64-64-20-random-1.scen"),
     ("room-64-64-8.map", "room-64-64-8-random-1.scen"),
@@ -55,13 +53,8 @@ def test_a_public_map_is_planned_on_and_drawn(name):
     length, points = shortest_path(scenario)
     assert scenario.straight_line <= length + 1e-9
     np.testing.assert_allclose(points[[0, -1]], [scenario.start, scenario.target], atol=1e-9)
-    env = gymnasium.make(
-        "swarm_gym/ParticleSwarm-v0",
-        scenario=name,
-        encoding="bezier",
-        initial_population_size=20,
-        render_mode="rgb_array",
-    )
+    options = {"encoding": "bezier", "initial_population_size": 20, "render_mode": "rgb_array"}
+    env = gymnasium.make("swarm_gym/ParticleSwarm-v0", scenario=name, **options)
     env.reset(seed=0)
     for _ in range(3):
         _, _, _, _, info = env.step(np.array([20.0, 0.5]))

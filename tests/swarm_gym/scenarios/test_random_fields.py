@@ -11,6 +11,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem
@@ -175,34 +176,14 @@ def test_a_range_is_refused_where_one_scenario_is_expected():
         make_scenario("random-fields:train:5-5")
 
 
-@pytest.mark.parametrize(
-    "numbers",
-    [
-        "-1",
-        "9-3",
-        "x",
-        "",
-        "1.0",
-        "1e3",
-        "007",
-        "+1",
-        " 1",
-        "1-",
-        "-",
-        "1-2-3",
-        "0-100000",
-        "100000",
-        "9" * 5000,
-        "٣",
-        "1\n",
-    ],
-)
+NO_NUMBERS = ["-1", "9-3", "x", "", "1.0", "1e3", "007", "+1", " 1", "1-", "-", "1-2-3", "0-100000", "100000"]
+
+
+@pytest.mark.parametrize("numbers", [*NO_NUMBERS, "9" * 5000, "٣", "1\n"])
 @pytest.mark.parametrize("make", [make_scenario, make_scenarios])
 def test_a_number_that_is_not_in_the_split_is_refused_with_what_was_expected(make, numbers):
-    with pytest.raises(ScenarioError) as caught:
-        make(f"random-fields:test:{numbers}")
-    for mention in (shown(f"random-fields:test:{numbers}"), "from 0 to 99999", "0-511", shown(numbers)):
-        assert mention in str(caught.value)
+    name = f"random-fields:test:{numbers}"
+    refused(lambda: make(name), shown(name), "from 0 to 99999", "0-511", shown(numbers))
 
 
 @given(text=st.text(max_size=12))
@@ -217,18 +198,12 @@ def test_any_other_name_is_refused(text):
     "name", ["random-fields", "random-fields:", "random-fields:test", "random-fields:a:b:c"]
 )
 def test_a_name_of_another_form_is_refused_with_the_form(name):
-    with pytest.raises(ScenarioError) as caught:
-        make_scenario(name)
-    for mention in (repr(name), "random-fields:<split>:<number>", "validation"):
-        assert mention in str(caught.value)
+    refused(lambda: make_scenario(name), repr(name), "random-fields:<split>:<number>", "validation")
 
 
-def test_an_unknown_split_is_refused_with_the_valid_ones():
+def test_an_unknown_split_or_scenario_is_refused_with_the_valid_ones():
     with pytest.raises(UnknownNameError, match=r"'foo'.*large-obstacles.*train"):
         make_scenario("random-fields:foo:1")
-
-
-def test_an_unknown_scenario_is_refused_with_the_form_of_families():
     with pytest.raises(UnknownNameError, match=r"case3.*random-fields:<split>:<number>"):
         make_scenario("random")
 
