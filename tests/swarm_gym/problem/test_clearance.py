@@ -8,14 +8,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from helpers.grids import frozen, grids
+from helpers.grids import area_of, frozen, grids
 from swarm_gym.problem.geometry.clearance import clearance
-
-
-def areas(blocked):
-    rows, columns = np.nonzero(blocked)
-    return shapely.union_all(shapely.box(columns - 0.5, rows - 0.5, columns + 0.5, rows + 0.5))
-
 
 HALVES = st.integers(-6, 20).map(lambda number: number / 2)
 COORDINATES = HALVES | st.floats(-3.0, 10.0)
@@ -31,7 +25,7 @@ def test_clearance_is_the_distance_of_the_path_from_the_squares(blocked, path):
         return
     line = shapely.Point(path[0]) if len(path) == 1 else shapely.LineString(path)
     with np.errstate(invalid="ignore"):  # Shapely 2.0 says so of a line without length
-        expected = line.distance(areas(blocked))
+        expected = line.distance(area_of(blocked))
     assert found == pytest.approx(expected, abs=1e-9)
 
 
@@ -42,7 +36,7 @@ def test_a_long_path_is_measured_where_it_is_closest():
     t = np.linspace(0.0, 1.0, 500)
     path = np.stack([59.0 * t, 10.0 + 12.0 * np.sin(6.0 * t)], axis=1)
     assert clearance(blocked, path) == pytest.approx(
-        shapely.LineString(path).distance(areas(blocked)), abs=1e-12
+        shapely.LineString(path).distance(area_of(blocked)), abs=1e-12
     )
     assert clearance(blocked, path) > 0.0
 

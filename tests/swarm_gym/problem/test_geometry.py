@@ -1,6 +1,7 @@
 """The clearing shifts and the table of pairs, against shapely and against plain loops."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -31,17 +32,8 @@ CLOSE = 1e-9
 
 def middle_segment(obstacles):
     """The problem in which segments between (0, y) and (100, y) are the middle ones."""
-    return AnalyticProblem(
-        Scenario(
-            "middle",
-            (-SPACING, 0.0),
-            (2 * SPACING, 0.0),
-            tuple(obstacles),
-            (-1e4, -1e4, 1e4, 1e4),
-            (0.0, 1000.0),
-        ),
-        2,
-    )
+    ends, workspace = ((-SPACING, 0.0), (2 * SPACING, 0.0)), (-1e4, -1e4, 1e4, 1e4)
+    return AnalyticProblem(Scenario("middle", *ends, tuple(obstacles), workspace, (0.0, 1000.0)), 2)
 
 
 def kernel_shifts(problem, y0, y1):
@@ -121,7 +113,12 @@ def random_meetings(kind, seed, num_obstacles, per_obstacle=8):
             yield obstacle, y0, y1, found[0] if found and min(found[0]) > 0 else None
 
 
-def check_contact_and_shifts(kind, seed, num_obstacles):
+@pytest.mark.parametrize(
+    ("seed", "num_obstacles"),
+    [(0, 125), (1, 125), *(pytest.param(seed, 2000, marks=pytest.mark.slow) for seed in range(100, 120))],
+)
+@pytest.mark.parametrize("kind", KINDS)
+def test_contact_and_clearing_shifts_are_those_of_shapely(kind, seed, num_obstacles):
     met = missed = doubtful = 0
     for obstacle, y0, y1, found in random_meetings(kind, seed, num_obstacles):
         clearly = depth(obstacle, segment(y0, y1))
@@ -144,19 +141,6 @@ def check_contact_and_shifts(kind, seed, num_obstacles):
     assert doubtful < 0.01 * total
     assert met > 0.2 * total
     assert missed > 0.1 * total
-
-
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("kind", KINDS)
-def test_contact_and_clearing_shifts_are_those_of_shapely(kind, seed):
-    check_contact_and_shifts(kind, seed, num_obstacles=125)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 120))
-@pytest.mark.parametrize("kind", KINDS)
-def test_contact_and_clearing_shifts_are_those_of_shapely_on_many(kind, seed):
-    check_contact_and_shifts(kind, seed, num_obstacles=2000)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -217,6 +201,7 @@ def test_the_naive_shifts_are_the_largest_gap_over_the_segment(kind, seed):
 
 
 SQUARE = Polygon.rectangle(20, 480, 80, 520)
+DIAMOND = Polygon(((100, 400), (150, 500), (100, 600), (50, 500)))
 
 
 @pytest.mark.parametrize(
@@ -263,14 +248,7 @@ def test_touching_is_no_contact(obstacle, y0, y1):
         pytest.param(Polygon.rectangle(90, 400, 130, 700), 500, 500, 200, 100, id="end inside"),
         pytest.param(Polygon.rectangle(0, 400, 100, 700), 500, 500, 200, 100, id="same extent"),
         pytest.param(Polygon(((20, 400), (80, 400), (50, 500))), 490, 490, 10, 90, id="in an apex"),
-        pytest.param(
-            Polygon(((100, 400), (150, 500), (100, 600), (50, 500))),
-            500,
-            500,
-            100,
-            100,
-            id="diamond",
-        ),
+        pytest.param(DIAMOND, 500, 500, 100, 100, id="diamond"),
     ],
 )
 def test_shifts_known_by_hand(obstacle, y0, y1, up, down):
@@ -319,23 +297,7 @@ def test_the_degree_of_collision_is_the_distance_to_the_cleared_parallel(kind):
         assert collision == pytest.approx(min(up, down) * cosine, rel=1e-9)
 
 
-# The table of pairs loses no contact: the oracle loops over all segments and all obstacles.
-
-
-def assert_fitness_is_naive(problem, offsets):
-    expected = naive.evaluate(problem.scenario, offsets, problem.length_weight)
-    assert problem.evaluate(offsets) == pytest.approx(expected, rel=1e-9, abs=1e-9)
-    return expected[1]
-
-
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("num_waypoints", [1, 7, 31, 40, 51])
-@pytest.mark.parametrize("case", CASES)
-def test_the_table_of_a_case_loses_no_contact(case, num_waypoints, seed):
-    rng = np.random.default_rng(seed)
-    problem = make_problem(case, num_waypoints)
-    paths = [random_path(rng, problem) for _ in range(15)]
-    assert max(assert_fitness_is_naive(problem, path) for path in paths) > 10
+# The table of pairs loses no contact, as test_problem.py shows for the cases.
 
 
 @pytest.mark.parametrize("num_waypoints", range(1, 121))
@@ -358,74 +320,76 @@ def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
     assert found.tolist() == expected
 
 
-def check_random_scenario(seed, num_paths):
+@pytest.mark.parametrize(
+    ("seed", "num_paths"),
+    [
+        *((seed, 6) for seed in range(60)),
+        *(pytest.param(seed, 20, marks=pytest.mark.slow) for seed in range(1000, 3000)),
+    ],
+)
+def test_the_table_of_a_random_scenario_loses_no_contact(seed, num_paths):
+    """The oracle loops over all segments and all obstacles."""
     rng = np.random.default_rng(seed)
     problem = AnalyticProblem(random_scenario(rng), int(rng.choice([1, 2, 5, 13, 31, 40])))
-    paths = [random_path(rng, problem) for _ in range(num_paths)]
-    assert max(assert_fitness_is_naive(problem, path) for path in paths) > 1
-
-
-@pytest.mark.parametrize("seed", range(60))
-def test_the_table_of_a_random_scenario_loses_no_contact(seed):
-    check_random_scenario(seed, num_paths=6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1000, 3000))
-def test_the_table_of_many_random_scenarios_loses_no_contact(seed):
-    check_random_scenario(seed, num_paths=20)
+    deepest = 0.0
+    for _ in range(num_paths):
+        offsets = random_path(rng, problem)
+        expected = naive.evaluate(problem.scenario, offsets, problem.length_weight)
+        assert problem.evaluate(offsets) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        deepest = max(deepest, expected[1])
+    assert deepest > 1
 
 
 # What must not change the fitness.
 
 
-def assert_same_fitness(problem, other, paths, changed=lambda offsets: offsets):
-    for path in paths:
-        expected = problem.evaluate(path)
-        assert other.evaluate(changed(path)) == pytest.approx(expected, rel=1e-9, abs=1e-7)
+def assert_same_fitness(problem, other, rng, changed=lambda offsets: offsets):
+    for _ in range(10):
+        path = random_path(rng, problem)
+        assert other.evaluate(changed(path)) == pytest.approx(problem.evaluate(path), rel=1e-9, abs=1e-7)
+
+
+def scenario_of(source, rng):
+    return random_scenario(rng) if source == "random" else make_scenario(source)
 
 
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("source", [*CASES, "random"])
 def test_turning_and_shifting_the_whole_map_changes_nothing(source, seed):
     rng = np.random.default_rng(seed)
-    scenario = random_scenario(rng) if source == "random" else make_scenario(source)
     # 40 waypoints: in no case does an edge stand exactly on the line of one.
-    problem = AnalyticProblem(scenario, 40)
-    moved = turned(scenario, rng.uniform(0, math.tau), tuple(rng.uniform(-500, 500, 2)))
-    paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, AnalyticProblem(moved, 40), paths)
+    problem = AnalyticProblem(scenario_of(source, rng), 40)
+    moved = turned(problem.scenario, rng.uniform(0, math.tau), tuple(rng.uniform(-500, 500, 2)))
+    assert_same_fitness(problem, AnalyticProblem(moved, 40), rng)
 
 
-@pytest.mark.parametrize("case", ["case2", "case3"])
-def test_turning_a_map_with_edges_on_the_lines_of_waypoints_changes_nothing(case):
-    rng = np.random.default_rng(0)
-    problem = make_problem(case)
-    paths = [random_path(rng, problem) for _ in range(10)]
-    for angle in np.linspace(0.1, 6.2, 20):
-        assert_same_fitness(problem, AnalyticProblem(turned(problem.scenario, angle), 31), paths)
-
-
-@pytest.mark.parametrize("angle", [math.pi / 2, math.pi, -math.pi / 2])
-@pytest.mark.parametrize("case", CASES)
-def test_quarter_turns_keep_rectangles_upright_and_change_nothing(case, angle):
-    rng = np.random.default_rng(0)
-    problem = make_problem(case, 40)
-    paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, AnalyticProblem(turned(problem.scenario, angle), 40), paths)
+@pytest.mark.parametrize(
+    ("case", "num_waypoints", "angles"),
+    [
+        *((case, 40, (math.pi / 2, math.pi, -math.pi / 2)) for case in CASES),  # rectangles stay upright
+        # Edges are on the lines of waypoints.
+        *((case, 31, np.linspace(0.1, 6.2, 20)) for case in ("case2", "case3")),
+    ],
+)
+def test_turning_a_map_by_a_quarter_or_with_edges_on_waypoint_lines_changes_nothing(
+    case, num_waypoints, angles
+):
+    problem = make_problem(case, num_waypoints)
+    for angle in angles:
+        other = AnalyticProblem(turned(problem.scenario, angle), num_waypoints)
+        assert_same_fitness(problem, other, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("source", [*CASES, "random"])
 def test_going_back_from_target_to_start_costs_the_same(source, seed):
     rng = np.random.default_rng(seed)
-    forth = random_scenario(rng) if source == "random" else make_scenario(source)
+    forth = scenario_of(source, rng)
     low, high = forth.initial_range
-    back = Scenario("back", forth.target, forth.start, forth.obstacles, forth.workspace, (-high, -low))
-    problem = AnalyticProblem(forth, 23)
-    paths = [random_path(rng, problem) for _ in range(10)]
+    back = replace(forth, start=forth.target, target=forth.start, initial_range=(-high, -low))
     # Left of the way back is right of the way there.
-    assert_same_fitness(problem, AnalyticProblem(back, 23), paths, lambda offsets: -offsets[::-1])
+    problems = (AnalyticProblem(scenario, 23) for scenario in (forth, back))
+    assert_same_fitness(*problems, rng, lambda offsets: -offsets[::-1])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -433,18 +397,9 @@ def test_going_back_from_target_to_start_costs_the_same(source, seed):
 def test_the_order_of_the_obstacles_does_not_change_the_fitness(case, seed):
     rng = np.random.default_rng(seed)
     problem = make_problem(case)
-    scenario = problem.scenario
-    shuffled = [scenario.obstacles[k] for k in rng.permutation(len(scenario.obstacles))]
-    other = Scenario(
-        "shuffled",
-        scenario.start,
-        scenario.target,
-        tuple(shuffled),
-        scenario.workspace,
-        scenario.initial_range,
-    )
-    paths = [random_path(rng, problem) for _ in range(10)]
-    assert_same_fitness(problem, AnalyticProblem(other), paths)
+    obstacles = problem.scenario.obstacles
+    shuffled = tuple(obstacles[k] for k in rng.permutation(len(obstacles)))
+    assert_same_fitness(problem, AnalyticProblem(replace(problem.scenario, obstacles=shuffled)), rng)
 
 
 def test_a_scenario_that_was_accepted_can_be_turned_into_its_frame():

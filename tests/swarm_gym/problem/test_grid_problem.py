@@ -7,6 +7,7 @@ import pytest
 
 from helpers.builders import random_grid_scenario, small_grid_problem
 from helpers.compiled import compiled
+from helpers.refusals import refused as assert_refused
 from oracles import naive_grid
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers.firefly import Firefly
@@ -51,11 +52,14 @@ def straight(problem):
 
 @all_geometries
 @all_encodings
-def test_fitness_and_collision_are_the_naive_ones(encoding, num_points, geometry):
+def test_fitness_collision_samples_and_bounds_are_the_naive_ones(encoding, num_points, geometry):
     problem = small_grid_problem(encoding, num_points, seed=num_points, **geometry)
     oracle = naive_grid.Problem(problem)
+    assert problem.dimension == oracle.dimension
+    np.testing.assert_allclose(problem.bounds, [oracle.lower, oracle.upper], rtol=1e-10, atol=1e-9)
     for vector in random_vectors(problem, 6):
         assert problem.evaluate(vector) == pytest.approx(oracle.cost(vector), rel=1e-10)
+        np.testing.assert_allclose(problem.curve.samples(vector), oracle.path.samples(vector), rtol=1e-10)
 
 
 @pytest.mark.parametrize("repair_degree", [0.3, 1.0])
@@ -68,16 +72,6 @@ def test_a_repair_is_the_naive_one(encoding, num_points, geometry, repair_degree
         expected = oracle.repaired(vector, repair_degree)
         # Offsets outside the workspace are taken into it where they move.
         np.testing.assert_allclose(problem.repaired(vector, repair_degree), expected, rtol=1e-9, atol=1e-9)
-
-
-@all_geometries
-@all_encodings
-def test_samples_and_bounds_are_the_naive_ones(encoding, num_points, geometry):
-    problem = small_grid_problem(encoding, num_points, **geometry)
-    path, vector = naive_grid.Problem(problem).path, random_vectors(problem, 1)[0]
-    np.testing.assert_allclose(problem.curve.samples(vector), path.samples(vector), rtol=1e-10)
-    np.testing.assert_allclose(problem.bounds, [path.lower, path.upper], rtol=1e-10, atol=1e-9)
-    assert problem.dimension == path.dimension
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -131,10 +125,8 @@ def test_paths_collide_exactly_where_samples_are_infeasible(encoding, num_points
     feasible = 0
     for seed in range(3):
         problem = small_grid_problem(encoding, num_points, seed=seed, rock=0.05)
-        for vector in [
-            straight(problem),
-            *(0.3 * v + 0.7 * straight(problem) for v in random_vectors(problem, 9)),
-        ]:
+        line = straight(problem)
+        for vector in (line, *(0.3 * v + 0.7 * line for v in random_vectors(problem, 9))):
             samples = problem.scenario.map.to_cells(problem.curve.samples(vector))
             columns, rows = np.floor(samples + 0.5).astype(int).T
             free = [problem.scenario.map.is_free(cell) for cell in zip(columns, rows, strict=True)]
@@ -198,18 +190,11 @@ def test_a_target_on_the_edge_of_its_cell_is_free_for_the_kernels_too():
 
 
 @all_encodings
-def test_a_repair_of_degree_zero_changes_nothing(encoding, num_points):
-    problem = small_grid_problem(encoding, num_points)
-    low, high = problem.bounds
-    for vector in np.random.default_rng(0).uniform(low, high, (5, problem.dimension)):
-        assert problem.repaired(vector, 0.0).tolist() == vector.tolist()
-
-
-@all_encodings
-def test_a_repair_stays_inside_the_bounds_and_leaves_feasible_paths_alone(encoding, num_points):
+def test_a_repair_stays_inside_the_bounds_and_leaves_what_needs_none_alone(encoding, num_points):
     problem = small_grid_problem(encoding, num_points, seed=2)
     low, high = problem.bounds
     for vector in np.random.default_rng(0).uniform(low, high, (30, problem.dimension)):
+        assert problem.repaired(vector, 0.0).tolist() == vector.tolist()
         repaired = problem.repaired(vector, 1.0)
         assert (low <= repaired).all()
         assert (repaired <= high).all()
@@ -272,10 +257,7 @@ def settings_of(**options):
 
 
 def refused(*words, error=SettingError, **options):
-    with pytest.raises(error) as caught:
-        settings_of(**options)
-    for word in words:
-        assert word in str(caught.value)
+    assert_refused(lambda: settings_of(**options), *words, error=error)
 
 
 def test_settings_make_the_problems_they_describe():
@@ -286,12 +268,9 @@ def test_settings_make_the_problems_they_describe():
     assert make_problem("rooms:0", encoding="bezier") == GridProblem(make_scenario("rooms:0"))
 
 
-def test_maps_of_two_kinds_in_one_environment_are_refused_by_name():
+def test_maps_of_two_kinds_and_a_curve_on_an_analytic_map_are_refused_by_name():
     refused("'case1'", "'rooms:0'", scenario=["case1", "rooms:0"])
     refused("'rooms:0'", "'case1'", scenario=["rooms:0", "case1"])
-
-
-def test_a_curve_on_an_analytic_map_is_refused():
     refused("'bezier'", "'case1'", scenario="case1", encoding="bezier")
 
 

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from helpers.compiled import compiled
-from helpers.grids import frozen, grid, grids
+from helpers.grids import area_of, frozen, grid, grids
 from swarm_gym.problem.geometry.traversal import (
     TOLERANCE,
     blocked_length,
@@ -73,11 +73,6 @@ def exact_pieces(blocked, p, q):
     return share, passed
 
 
-def free_space(blocked):
-    squares = [shapely.box(c - 0.5, r - 0.5, c + 0.5, r + 0.5) for r, c in np.argwhere(~blocked)]
-    return shapely.union_all(squares)
-
-
 @settings(deadline=None)
 @given(grids(), lattice_points(), lattice_points())
 def test_segments_between_corners_edges_and_centres_are_judged_as_in_fractions(blocked, p, q):
@@ -93,7 +88,7 @@ def test_segments_between_corners_edges_and_centres_are_judged_as_in_fractions(b
 @settings(deadline=None)
 @given(grids(), lattice_points(), lattice_points())
 def test_segments_are_free_where_shapely_covers_them_and_no_gap_is_passed(blocked, p, q):
-    covered = free_space(blocked).covers(shapely.LineString([p, q]) if p != q else shapely.Point(p))
+    covered = area_of(~blocked).covers(shapely.LineString([p, q]) if p != q else shapely.Point(p))
     assert segment_is_free(blocked, *p, *q) == (covered and not exact_pieces(blocked, p, q)[1])
 
 
@@ -101,7 +96,7 @@ def test_segments_are_free_where_shapely_covers_them_and_no_gap_is_passed(blocke
 @given(grids(), st.lists(st.one_of(points_anywhere(), lattice_points()), min_size=2, max_size=5))
 def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(blocked, points):
     """Up to the tolerance, over which a segment that is nearly along a wall may go on for long."""
-    free = free_space(blocked)
+    free = area_of(~blocked)
     least, most = (
         sum(shapely.LineString(ends).difference(room).length for ends in pairwise(points))
         for room in (free.buffer(margin, join_style="mitre") for margin in (2 * TOLERANCE, 1e-3 * TOLERANCE))
@@ -113,7 +108,7 @@ def test_blocked_length_is_that_of_what_shapely_leaves_outside_the_free_cells(bl
 @given(grids(), points_anywhere(), points_anywhere())
 def test_what_enters_blocked_cells_clearly_is_not_free_and_what_stays_off_them_is(blocked, p, q):
     assume(math.dist(p, q) > 1e-9)  # in some versions of GEOS nothing covers a shorter line
-    free, line = free_space(blocked), shapely.LineString([p, q])
+    free, line = area_of(~blocked), shapely.LineString([p, q])
     if free.buffer(-1e-6, join_style="mitre").covers(line):
         assert segment_is_free(blocked, *p, *q)
     if not free.buffer(1e-6, join_style="mitre").covers(line):

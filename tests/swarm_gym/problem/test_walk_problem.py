@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 import shapely
-from test_clearance import areas
 
-from helpers.builders import random_grid_scenario
+from helpers.builders import METRES, random_grid_scenario
 from helpers.compiled import compiled
+from helpers.grids import area_of
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import GridScenario
 from swarm_gym.settings import make_problem
 
-GEOMETRIES = ({}, {"resolution": 0.05, "origin": (-1.0, 2.0), "y_up": True})
+GEOMETRIES = ({}, METRES)
 
 
 def walk_problem(seed, **geometry):
@@ -25,7 +25,7 @@ def walk_problem(seed, **geometry):
 def test_fitness_is_the_way_to_the_target_and_a_penalty_for_what_is_blocked(seed, geometry):
     problem = walk_problem(seed, **geometry)
     grid, rng = problem.scenario.map, np.random.default_rng(seed)
-    obstacles = areas(grid.blocked)
+    obstacles = area_of(grid.blocked)
     target = problem.scenario.target
     for _ in range(30):
         point = rng.uniform(*problem.bounds)
@@ -88,10 +88,7 @@ def test_analytic_maps_are_walked_on_as_cells():
             {"scenario": "case1", "encoding": "bezier"},
             "encoding 'bezier' needs grid maps, but scenario 'case1' is one of the analytic maps",
         ),
-        (
-            {"scenario": "function:booth-2", "encoding": "walk"},
-            "'encoding' has no effect on test functions",
-        ),
+        ({"scenario": "function:booth-2", "encoding": "walk"}, "'encoding' has no effect on test functions"),
         ({"scenario": "case1", "cell_size": 3.0}, "'cell_size' has no effect with encoding 'waypoints'"),
         (
             {"scenario": "block:50", "encoding": "walk", "cell_size": 1.0},
