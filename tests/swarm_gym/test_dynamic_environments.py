@@ -33,18 +33,9 @@ from swarm_gym.vector_env import SwarmVectorEnv
 
 ITERATIONS = 6
 BLOCK = Polygon.rectangle(560, 150, 640, 330)
-BUSY = DynamicScenario(
-    "busy",
-    make_scenario("case1"),
-    [
-        Appear(1, BLOCK),
-        Move(2, 14, (-60, 30)),
-        Appear(3, Circle(250, 300, 60)),
-        Disappear(3, 4),
-        Disappear(4, 14),
-        Disappear(5, 15),
-    ],
-)
+COMING = Appear(1, BLOCK), Move(2, 14, (-60, 30)), Appear(3, Circle(250, 300, 60))
+GOING = Disappear(3, 4), Disappear(4, 14), Disappear(5, 15)
+BUSY = DynamicScenario("busy", make_scenario("case1"), [*COMING, *GOING])
 OPEN = GridScenario("open", GridMap("open", np.zeros((20, 30), dtype=np.bool_)), (2, 9), (27, 11))
 BUSY_GRID = DynamicScenario(
     "busy-grid",
@@ -132,17 +123,50 @@ def walk_cost(problem, path):
     return length + problem.penalty * blocked, blocked * grid.resolution
 
 
-def assert_best_walk_costs_its_way(optimizer, simulation, problem):
-    """Check the cost of the best walk, blocked parts included.
+def assert_what_is_stored_is_true(optimizer, simulation):
+    """Check members and the best so far on the map in force, from where the robot is.
 
-    The part that a robot has walked before an obstacle appears does not count.
+    A best walk costs its way, blocked parts included; the part that a robot has walked before an obstacle
+    appears does not count.
     """
-    path, swarms = simulation.best_paths()[0], simulation.swarms
-    assert swarms.best_fitness[0] >= np.hypot(*np.diff(path, axis=0).T).sum() * (1 - 1e-12)
+    problem, swarms, n = simulation.problem_of(0), simulation.swarms, simulation.dimension
+    members = range(swarms.size[0])
+    assert len(members) >= 1
+    for i in members:
+        found = problem.evaluate(swarms.positions[0, i, :n])
+        assert swarms.collision[0, i] == found[1]
+        assert has_fitness(optimizer, swarms.fitness[0, i], found[0])
+        if optimizer == "particle-swarm":
+            width = swarms.positions.shape[2]
+            own_best = swarms.memory[0, i, width : width + n]
+            assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
+    best = swarms.best_fitness[0], swarms.best_collision[0]
+    if not is_walker(optimizer):
+        assert best == problem.evaluate(swarms.best_position[0, :n])
+        assert best[0] <= swarms.fitness[0, members].min()
+        return
+    path = simulation.best_paths()[0]
+    assert best[0] >= np.hypot(*np.diff(path, axis=0).T).sum() * (1 - 1e-12)
     if not get_optimizer(optimizer).adopts:
-        cost = walk_cost(problem, path)
-        assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(cost, rel=1e-9, abs=1e-9)
-        assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
+        assert best == pytest.approx(walk_cost(problem, path), rel=1e-9, abs=1e-9)
+        assert best[0] <= swarms.fitness[0, members].min() * (1 + 1e-9)
+
+
+def assert_goes_on_alike(env, twin, decisions):
+    """Check that two environments do the same from here to the end."""
+    for action in decisions:
+        one, other = env.step(action), twin.step(action)
+        np.testing.assert_array_equal(one[0], other[0])
+        np.testing.assert_array_equal(one[4].get("robot"), other[4].get("robot"))
+        assert one[1:3] == other[1:3]
+        if one[2]:
+            break
+    np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
+
+
+copied = pytest.mark.parametrize(
+    "duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"]
+)
 
 
 # No stale fitness.
@@ -153,30 +177,13 @@ def test_what_is_stored_is_true_on_the_map_in_force_after_every_step(optimizer):
     for options in on_maps(optimizer):
         env = small(optimizer, **options)
         env.reset(seed=SEED)
-        swarms, n = env.simulation.swarms, env.simulation.dimension
+        swarms, worlds = env.simulation.swarms, options["scenario"].worlds
         for iteration, action in enumerate(actions(SEED), 1):
             env.step(action)
-            problem = env.simulation.problem_of(0)
-            worlds = options["scenario"].worlds
             world = worlds[min(iteration, len(worlds) - 1)].scenario
-            assert problem.scenario == as_the_optimizer_has_it(optimizer, world)
-            collisions = []
-            for i in range(swarms.size[0]):
-                found = problem.evaluate(swarms.positions[0, i, :n])
-                assert swarms.collision[0, i] == found[1]
-                assert has_fitness(optimizer, swarms.fitness[0, i], found[0])
-                collisions.append(found[1])
-                if optimizer == "particle-swarm":
-                    width = swarms.positions.shape[2]
-                    own_best = swarms.memory[0, i, width : width + n]
-                    assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
-            if is_walker(optimizer):
-                assert_best_walk_costs_its_way(optimizer, env.simulation, problem)
-            else:
-                best = problem.evaluate(swarms.best_position[0, :n])
-                assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
-                assert best[0] <= swarms.fitness[0, : swarms.size[0]].min()
-            assert swarms.summary[0, 1] == pytest.approx(np.mean(collisions))
+            assert env.simulation.problem_of(0).scenario == as_the_optimizer_has_it(optimizer, world)
+            assert_what_is_stored_is_true(optimizer, env.simulation)
+            assert swarms.summary[0, 1] == pytest.approx(swarms.collision[0, : swarms.size[0]].mean())
 
 
 @all_optimizers
@@ -229,16 +236,8 @@ def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
         assert env.simulation.swarms.problem[0] == int(happened)
         assert env.simulation.iteration[0] == (2 if left > spent_on(optimizer, size) else 1)
         if env.simulation.iteration[0] == 1:
-            swarms, n = env.simulation.swarms, env.simulation.dimension
-            assert 1 <= swarms.size[0] <= (min(left, size) if happened else size)
-            problem = env.simulation.problem_of(0)
-            if is_walker(optimizer):
-                assert_best_walk_costs_its_way(optimizer, env.simulation, problem)
-            else:
-                assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]
-            for i in range(swarms.size[0]):
-                here = problem.evaluate(swarms.positions[0, i, :n])[0]
-                assert has_fitness(optimizer, swarms.fitness[0, i], here)
+            assert env.simulation.swarms.size[0] <= (min(left, size) if happened else size)
+            assert_what_is_stored_is_true(optimizer, env.simulation)
 
 
 # Same seed, same bits.
@@ -270,22 +269,14 @@ def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
     assert {steps[0][2]["scenario"] for steps in alone} == {scenario.name for scenario in scenarios}
 
 
-@pytest.mark.parametrize(
-    "duplicate",
-    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
-    ids=["deep", "pickle"],
-)
+@copied
 def test_after_copying_between_two_events(duplicate):
     env = small("particle-swarm")
     env.reset(seed=SEED)
     decisions = actions(SEED)
     for action in decisions[:2]:
         env.step(action)
-    twin = duplicate(env)
-    for action in decisions[2:]:
-        one, other = env.step(action), twin.step(action)
-        np.testing.assert_array_equal(one[0], other[0])
-        assert one[1] == other[1]
+    assert_goes_on_alike(env, duplicate(env), decisions[2:])
 
 
 def test_copied_swarms_go_on_in_the_world_of_the_original():

@@ -39,6 +39,14 @@ def finish(env, action=(6, 0.5)):
     return info, rewards
 
 
+def begun(*choices, seed=9):
+    """Return environments with the same first population."""
+    envs = [small(**options) for options in choices]
+    for env in envs:
+        env.reset(seed=seed)
+    return envs
+
+
 def combinations():
     """Return all actions and observations with one optimizer, and each of them with the others."""
     return [
@@ -48,30 +56,27 @@ def combinations():
     ]
 
 
-@pytest.mark.parametrize(("name", "action", "observation"), combinations())
-def test_gymnasium_checker_passes_with_nothing_but_advice(name, action, observation):
+def assert_checked(check, name, action, observation, **options):
+    """Check an environment; only those that are not scaled get advice, and nothing else is warned of."""
     env = gymnasium.make(name, **SMALL, action=action, observation=observation, max_evaluations=10_000)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        # Pictures show neither actions nor observations: once for each optimizer is enough.
-        check_env(env.unwrapped, skip_render_check=(action, observation) != ("natural", "paper"))
-    surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
-    assert surprises == []
-    if action in SCALED_ACTIONS and observation != "paper":
-        assert [str(w.message) for w in caught] == []
+        check(env.unwrapped, **options)
+    advice = () if action in SCALED_ACTIONS and observation != "paper" else ADVICE
+    assert [str(w.message) for w in caught if not any(a in str(w.message) for a in advice)] == []
+
+
+@pytest.mark.parametrize(("name", "action", "observation"), combinations())
+def test_gymnasium_checker_passes_with_nothing_but_advice(name, action, observation):
+    # Pictures show neither actions nor observations: once for each optimizer is enough.
+    skipped = (action, observation) != ("natural", "paper")
+    assert_checked(check_env, name, action, observation, skip_render_check=skipped)
 
 
 @pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize("action", ACTIONS)
 def test_stable_baselines3_checker_passes(name, action):
-    env = gymnasium.make(name, **SMALL, action=action, observation="extended", max_evaluations=10_000)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        check_env_for_sb3(env.unwrapped)
-    surprises = [str(w.message) for w in caught if not any(a in str(w.message) for a in ADVICE)]
-    assert surprises == []
-    if action in SCALED_ACTIONS:
-        assert [str(w.message) for w in caught] == []
+    assert_checked(check_env_for_sb3, name, action, "extended")
 
 
 @pytest.mark.parametrize("scenario", sample_names())
@@ -195,9 +200,7 @@ def test_what_a_layout_cannot_say_is_clipped_or_refused():
 
 
 def test_normalised_actions_ask_for_the_same_as_natural_ones():
-    natural, normalised = small(iterations=6), small(iterations=6, action="normalised")
-    for env in (natural, normalised):
-        env.reset(seed=9)
+    natural, normalised = begun({}, {"action": "normalised"})
     layout = make_action(normalised.settings, Firefly)
     for size, repair in ((2, 0.0), (12, 1.0), (7, 0.5), (5, 0.25)):
         one = natural.step(np.array([size, repair]))
@@ -206,18 +209,8 @@ def test_normalised_actions_ask_for_the_same_as_natural_ones():
         assert one[4]["repair_degree"] == pytest.approx(other[4]["repair_degree"], abs=1e-7)
 
 
-def twins(**options):
-    """Return two environments with the same population."""
-    pair = small(**options), small(**options)
-    for env in pair:
-        env.reset(seed=9)
-    return pair
-
-
 def test_extended_actions_decide_noise_and_attractiveness_of_the_iteration():
-    extended, plain = small(action="extended"), small(noise=7.0, attractiveness=0.4)
-    for env in (extended, plain):
-        env.reset(seed=9)
+    extended, plain = begun({"action": "extended"}, {"noise": 7.0, "attractiveness": 0.4})
     one, other = extended.step(np.array([8, 0.3, 7.0, 0.4])), plain.step(np.array([8, 0.3]))
     np.testing.assert_array_equal(one[0], other[0])
     np.testing.assert_array_equal(extended.simulation.positions(0), plain.simulation.positions(0))
@@ -229,27 +222,21 @@ def test_extended_actions_decide_noise_and_attractiveness_of_the_iteration():
 
 
 def test_scaled_extended_actions_ask_for_the_same_as_natural_ones():
-    natural, scaled = twins(action="extended")[0], twins(action="extended-normalised")[0]
+    natural, scaled = begun({"action": "extended"}, {"action": "extended-normalised"})
     layout = make_action(scaled.settings, Firefly)
     for decided in ([2, 0.0, 0.02, 0.01], [12, 1.0, 100.0, 1.0], [7, 0.5, 3.0, 0.2]):
         natural.step(np.array(decided))
         scaled.step(layout.encode(np.array([decided]))[0])
         step = scaled.simulation.iteration[0]
-        columns = slice(1, 3), slice(5, 7)
-        for part in columns:
-            found, expected = (
-                scaled.simulation.history[0, step, part],
-                natural.simulation.history[0, step, part],
-            )
+        for part in (slice(1, 3), slice(5, 7)):
+            found, expected = (env.simulation.history[0, step, part] for env in (scaled, natural))
             np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
     assert scaled.simulation.swarms.size[0] == 7
 
 
 def test_two_decisions_encode_in_an_extended_layout_with_the_optimizers_own_parameters():
-    settings = small(action="extended-normalised", noise=5.0).settings
-    layout = make_action(settings, Firefly)
-    env = small(action="extended-normalised", noise=5.0)
-    env.reset(seed=1)
+    (env,) = begun({"action": "extended-normalised", "noise": 5.0})
+    layout = make_action(env.settings, Firefly)
     env.step(layout.encode(np.array([[9, 0.25]]))[0])
     names = ("population_size", "repair_degree", "noise", "attractiveness")
     recorded = env.simulation.history[0, 1, [env.simulation.columns.index(name) for name in names]]
@@ -294,11 +281,8 @@ def test_a_range_of_prices_is_drawn_from_by_the_seed_and_seen():
 
 
 def test_the_price_drawn_is_the_price_paid():
-    pair = small(price=(0.1, 10.0), reference_evaluations=100), small(price=0.0)
-    rewards = []
-    for env in pair:
-        env.reset(seed=4)
-        rewards.append(env.step(np.array([9, 0.2]))[1])
+    pair = begun({"price": (0.1, 10.0), "reference_evaluations": 100}, {"price": 0.0}, seed=4)
+    rewards = [env.step(np.array([9, 0.2]))[1] for env in pair]
     spent = pair[0].simulation.history[0, 1, 4] - pair[0].simulation.history[0, 0, 4]
     assert rewards[1] - rewards[0] == pytest.approx(pair[0].simulation.price[0] * spent / 100)
 
@@ -331,8 +315,7 @@ def test_rich_observations_tell_diversity_and_recent_progress():
 
 
 def test_sizes_are_rounded_to_nearest_half_up():
-    env = small(iterations=4)
-    env.reset(seed=10)
+    (env,) = begun({})
     sizes = [env.step(np.array([s, 0.0]))[4]["population_size"] for s in (5.49, 5.5, 6.5, 11.99)]
     assert sizes == [5, 6, 7, 12]
 
@@ -392,10 +375,7 @@ def test_observations_and_infos_are_not_reused():
     ],
 )
 def test_bad_actions_are_refused_and_change_nothing(action, message):
-    env = small()
-    env.reset(seed=14)
-    twin = small()
-    twin.reset(seed=14)
+    env, twin = begun({}, {})
     with pytest.raises(ActionError, match=message):
         env.step(action)
     after, untouched = env.step(np.array([6, 0.1])), twin.step(np.array([6, 0.1]))

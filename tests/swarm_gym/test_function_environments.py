@@ -1,8 +1,6 @@
 """Environments on test functions, where nothing collides and the lower bound is 0."""
 
-import copy
 import math
-import pickle
 import warnings
 
 import gymnasium
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from test_dynamic_environments import copied
 
 from agents import make_controller
 from agents.tuning.config import TuneConfig
@@ -103,21 +102,19 @@ def test_the_schedule_of_the_paper_keeps_its_size(controller):
 
 
 def test_the_repair_degree_changes_nothing():
-    first, second = small(), small()
-    for env in (first, second):
+    paths = []
+    for repair_degree in (0.0, 1.0):
+        env = small()
         env.reset(seed=3)
-    for _ in range(4):
-        np.testing.assert_array_equal(
-            first.step(np.array([8.0, 0.0]))[4]["best_path"],
-            second.step(np.array([8.0, 1.0]))[4]["best_path"],
-        )
+        paths.append([env.step(np.array([8.0, repair_degree]))[4]["best_path"] for _ in range(4)])
+    np.testing.assert_array_equal(*paths)
 
 
 def decisions(seed):
     return np.random.default_rng(seed).integers(2, 13, (5, 1)) * [1.0, 0.0] + [0.0, 0.5]
 
 
-@pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@copied
 def test_same_seed_same_bits_in_a_vector_and_after_copying(duplicate):
     width, scenarios = 4, ["function:rastrigin-3-shifted:0-2", "function:easom-3"]
     vector = SwarmVectorEnv(width, scenario=scenarios, autoreset_mode=AutoresetMode.DISABLED, **SMALL)

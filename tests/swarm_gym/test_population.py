@@ -18,15 +18,7 @@ from helpers.builders import (
 )
 from helpers.compiled import compiled
 from oracles import naive
-from swarm_gym.population import (
-    Swarms,
-    add_members,
-    clear,
-    grow,
-    resize,
-    shrink,
-    summarise,
-)
+from swarm_gym.population import Swarms, add_members, clear, grow, resize, shrink, summarise
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import select
 from swarm_gym.scenarios import Circle, Scenario
@@ -86,36 +78,40 @@ def test_the_summary_is_the_naive_one(collision, mean_weight):
     assert swarms.summary[0, :4].tolist() == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
-def test_the_summary_of_values_known_by_hand():
-    swarms = labelled_swarm([0.0] * 4, [0.0, 0.0, 6.0, 6.0])
+DEVIATION = math.sqrt(12)  # 36 / 3, with the denominator size - 1
+
+
+@pytest.mark.parametrize(
+    ("collision", "size", "expected"),
+    [
+        ([0.0, 0.0, 6.0, 6.0], 4, [0.3 + 0.9 * DEVIATION, 3.0, DEVIATION, 0.5]),
+        ([50.0], 1, [5.0, 50.0, 0.0, 0.0]),
+        ([1.0, 2.0, 700.0, 900.0], 2, [0.15 + 0.9 * math.sqrt(0.5), 1.5, math.sqrt(0.5), 0.0]),  # the living
+    ],
+)
+def test_the_summary_of_values_known_by_hand(collision, size, expected):
+    swarms = labelled_swarm([0.0] * len(collision), collision)
+    swarms.size[0] = size
     compiled(summarise)(swarms, 0, 0.1)
-    deviation = math.sqrt(12)  # 36 / 3, with the denominator size - 1
-    assert swarms.summary[0, :4].tolist() == pytest.approx([0.3 + 0.9 * deviation, 3, deviation, 0.5])
-
-
-def test_the_deviation_of_a_single_member_is_zero():
-    swarms = labelled_swarm([1.0], [50.0])
-    compiled(summarise)(swarms, 0, 0.1)
-    assert swarms.summary[0].tolist() == [5.0, 50.0, 0.0, 0.0, 0.0]
-
-
-def test_the_summary_sees_living_members_only():
-    swarms = labelled_swarm([0.0] * 4, [1.0, 2.0, 700.0, 900.0])
-    swarms.size[0] = 2
-    compiled(summarise)(swarms, 0, 0.5)
-    assert swarms.summary[0, 1] == 1.5
+    assert swarms.summary[0, :4].tolist() == pytest.approx(expected)
+    assert (swarms.summary[0, 4] == 0.0) == (size == 1)
 
 
 # Growing.
 
 
+GROWTHS = [(source, size, size + 9) for source in ("case1", "case3", "random") for size in SIZES]
+SHRINKAGES = [("case3", 12, new_size) for new_size in (1, 2, 7, 11)]
+
+
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("source", ["case1", "case3", "random"])
-def test_growth_is_the_naive_one(source, size, seed):
+@pytest.mark.parametrize(
+    ("source", "size", "new_size"), [*GROWTHS, *SHRINKAGES, ("case1", 5, 5), ("case3", 12, 12)]
+)
+def test_another_size_is_taken_on_as_naive(source, size, new_size, seed):
     swarms, table, work, twin = twins_of(source, size, seed, 7)
-    compiled(resize)(swarms, 0, table, work, size + 9)
-    twin.resize(size + 9)
+    compiled(resize)(swarms, 0, table, work, new_size)
+    twin.resize(new_size)
     assert_same_swarm(swarms, twin)
 
 
@@ -163,22 +159,14 @@ def test_a_single_member_grows_into_the_whole_workspace():
     assert (np.abs(new) <= 300).all()
 
 
-@pytest.mark.parametrize("left", [0, 1, 4, 5, 6])
-def test_growth_ends_exactly_where_the_budget_does(left):
-    swarms, table, work, twin = twins_of("case2", 3, 1, 7, budget=3 + left)
+@pytest.mark.parametrize("left", [-2, 0, 1, 4, 5, 6])
+def test_growth_ends_exactly_where_the_budget_does_or_has_done(left):
+    swarms, table, work, twin = twins_of("case2", 3, 1, 7, budget=3 + max(left, 0))
+    swarms.budget[0] = twin.budget = 3 + left
     compiled(resize)(swarms, 0, table, work, 8)
     twin.resize(8)
     assert_same_swarm(swarms, twin)
-    assert swarms.size[0] == 3 + min(left, 5)
-    assert swarms.evaluations[0] == 3 + min(left, 5)
-
-
-def test_growth_after_the_budget_is_overspent_adds_nobody():
-    swarms, table, work, _ = twins_of("case1", 4, 1, 7)
-    swarms.budget[0] = 2
-    compiled(resize)(swarms, 0, table, work, 8)
-    assert swarms.size[0] == 4
-    assert swarms.evaluations[0] == 4
+    assert swarms.size[0] == swarms.evaluations[0] == 3 + min(max(left, 0), 5)
 
 
 def test_members_are_added_uniformly_in_the_given_box():
@@ -194,9 +182,7 @@ def test_members_are_added_uniformly_in_the_given_box():
 
 values = st.one_of(st.sampled_from([0.0, 1.0, 2.0]), st.floats(0, 100))
 members = st.lists(
-    st.tuples(values, st.one_of(values, st.sampled_from([1e-9, 0.9e-9, 1.1e-9]))),
-    min_size=1,
-    max_size=12,
+    st.tuples(values, st.one_of(values, st.sampled_from([1e-9, 0.9e-9, 1.1e-9]))), min_size=1, max_size=12
 )
 
 
@@ -232,21 +218,6 @@ def test_members_are_deleted_in_this_order(fitness, collision, order):
         swarms = labelled_swarm(fitness, collision)
         compiled(shrink)(swarms, 0, new_size)
         assert survivors(swarms) == sorted(order[3 - new_size :])
-
-
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("new_size", [1, 2, 7, 11, 12])
-def test_shrinking_a_population_of_paths_is_the_naive_one(new_size, seed):
-    swarms, table, work, twin = twins_of("case3", 12, seed, 7)
-    compiled(resize)(swarms, 0, table, work, new_size)
-    twin.resize(new_size)
-    assert_same_swarm(swarms, twin)
-
-
-def test_resizing_to_the_same_size_changes_nothing():
-    swarms, table, work, twin = twins_of("case1", 5, 2, 7)
-    compiled(resize)(swarms, 0, table, work, 5)
-    assert_same_swarm(swarms, twin)
 
 
 @pytest.mark.parametrize("seed", range(10))

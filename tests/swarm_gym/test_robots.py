@@ -1,14 +1,21 @@
 """Robots that drive along the best path so far, with every optimizer but glowworms."""
 
-import copy
 import itertools
-import pickle
 
 import numpy as np
 import pytest
 import shapely
 from gymnasium.vector import AutoresetMode
-from test_dynamic_environments import OPEN, SEED, actions, assert_same_steps, episode, walk_cost
+from test_dynamic_environments import (
+    OPEN,
+    SEED,
+    actions,
+    assert_goes_on_alike,
+    assert_same_steps,
+    assert_what_is_stored_is_true,
+    copied,
+    episode,
+)
 
 from helpers.builders import (
     random_circle,
@@ -258,8 +265,7 @@ QUICK = ("firefly", "ant-colony")
 
 
 @pytest.mark.parametrize(
-    "optimizer",
-    [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in OPTIMIZERS],
+    "optimizer", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in OPTIMIZERS]
 )
 def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
     for options in on_maps(optimizer):
@@ -267,7 +273,6 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         drive = options["scenario"].drive
         _, info = env.reset(seed=SEED)
         assert tuple(info["robot"]) == options["scenario"].base.start
-        swarms, n = env.simulation.swarms, env.simulation.dimension
         moves = 0
         for iteration, action in enumerate(actions(SEED, ITERATIONS), 1):
             place, driven, way = info["robot"], info["driven"], env.simulation.trajectory(0)
@@ -289,22 +294,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
             if not terminated:
                 assert problem.scenario.start == tuple(info["robot"])
             assert info["best_path"][0].tolist() == list(problem.scenario.start)
-            if optimizer == "ant-colony":
-                best = walk_cost(problem, info["best_path"])
-                assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
-                assert swarms.best_fitness[0] <= swarms.fitness[0, : swarms.size[0]].min() * (1 + 1e-9)
-                if terminated:
-                    break
-                continue
-            for i in range(swarms.size[0]):
-                found = problem.evaluate(swarms.positions[0, i, :n])
-                assert (swarms.fitness[0, i], swarms.collision[0, i]) == found
-                if optimizer == "particle-swarm":
-                    width = swarms.positions.shape[2]
-                    own_best = swarms.memory[0, i, width : width + n]
-                    assert swarms.memory[0, i, 2 * width] == problem.evaluate(own_best)[0] <= found[0]
-            best = problem.evaluate(swarms.best_position[0, :n])
-            assert (swarms.best_fitness[0], swarms.best_collision[0]) == best
+            assert_what_is_stored_is_true(optimizer, env.simulation)
             if terminated:
                 break
         assert moves > 1
@@ -410,15 +400,7 @@ def test_a_budget_may_end_anywhere_in_what_is_carried_over(optimizer):
         _, _, info = episode(env, decisions=[[8, 0.0]] * 4)[-1]
         assert info["evaluations"] == before + left
         assert (info["driven"] > 0) == (left > 0)  # otherwise the episode ended before
-        swarms, n, problem = env.simulation.swarms, env.simulation.dimension, env.simulation.problem_of(0)
-        assert swarms.size[0] >= 1
-        if optimizer == "ant-colony":
-            best = walk_cost(problem, info["best_path"])
-            assert (swarms.best_fitness[0], swarms.best_collision[0]) == pytest.approx(best, rel=1e-9)
-            continue
-        for i in range(swarms.size[0]):
-            assert swarms.fitness[0, i] == problem.evaluate(swarms.positions[0, i, :n])[0]
-        assert swarms.best_fitness[0] == problem.evaluate(swarms.best_position[0, :n])[0]
+        assert_what_is_stored_is_true(optimizer, env.simulation)
 
 
 # Same seed, same bits.
@@ -460,11 +442,7 @@ def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
             assert (robots.driven[row] > 0) == (name == options["scenario"].name)
 
 
-@pytest.mark.parametrize(
-    "duplicate",
-    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
-    ids=["deep", "pickle"],
-)
+@copied
 @pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
 def test_after_copying_on_the_way(duplicate, optimizer):
     env = small(optimizer)
@@ -473,15 +451,7 @@ def test_after_copying_on_the_way(duplicate, optimizer):
     for action in decisions[:3]:
         _, _, _, _, info = env.step(action)
     assert info["driven"] > 0
-    twin = duplicate(env)
-    for action in decisions[3:]:
-        one, other = env.step(action), twin.step(action)
-        np.testing.assert_array_equal(one[0], other[0])
-        np.testing.assert_array_equal(one[4]["robot"], other[4]["robot"])
-        assert one[1] == other[1]
-        if one[2]:
-            break
-    np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
+    assert_goes_on_alike(env, duplicate(env), decisions[3:])
 
 
 def test_copied_swarms_go_on_from_where_the_robot_of_the_original_is():
@@ -522,12 +492,9 @@ def test_other_than_valid_numbers_are_refused(numbers):
         Drive(*numbers)
 
 
-def test_only_a_drive_tells_how_a_robot_drives():
+def test_only_a_drive_tells_how_a_robot_drives_and_no_reward_may_need_the_optimum():
     with pytest.raises(ScenarioError, match="drive must be"):
         DynamicScenario("made", FREE, (), (1, 2, 3.0))
-
-
-def test_a_reward_that_needs_the_optimum_is_refused():
     with pytest.raises(SettingError, match="optima"):
         small(reward="optimality")
 
@@ -544,20 +511,12 @@ def test_the_name_says_how_the_robot_drives():
     )
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "dynamic:case1-drive@0,every=5,distance=60",
-        "dynamic:case1-drive@5,every=0,distance=60",
-        "dynamic:case1-drive@5,every=5,distance=60.0",
-        "dynamic:case1-drive@5,every=5,distance=-1",
-        "dynamic:case1-drive@5,every=5",
-        "dynamic:case1-drive@40",
-        "dynamic:case1-drive@5,every=5,distance=60-block@70",
-        "dynamic:case1-drive@5,every=5,distance=0",
-        "dynamic:function:easom-2-drive@5,every=5,distance=1",
-    ],
-)
+NO_NAMES = ["dynamic:case1-drive@40", "dynamic:function:easom-2-drive@5,every=5,distance=1"]
+NO_DRIVES = ("0,every=5,distance=60", "5,every=0,distance=60", "5,every=5,distance=60.0", "5,every=5",
+             "5,every=5,distance=-1", "5,every=5,distance=60-block@70", "5,every=5,distance=0")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*NO_NAMES, *(f"dynamic:case1-drive@{drive}" for drive in NO_DRIVES)])
 def test_other_names_are_refused(name):
     with pytest.raises(ValueError, match=r"case1|easom|distance"):
         make_scenario(name)

@@ -82,18 +82,13 @@ def test_seeds_may_be_listed(seeds):
             np.testing.assert_array_equal(observations[row], SwarmEnv(**OPTIONS).reset(seed=seed)[0])
 
 
-def test_reset_options_reach_every_swarm():
+def test_reset_options_reach_every_swarm_and_are_left_alone():
     env = SwarmVectorEnv(3, **OPTIONS)
-    _, info = env.reset(seed=0, options={"scenario": "case2", "initial_population_size": 7})
+    options = {"scenario": "case2", "initial_population_size": 7, "reset_mask": np.full(3, True)}
+    _, info = env.reset(seed=0, options=options)
     assert list(info["scenario"]) == ["case2"] * 3
     assert list(info["population_size"]) == [7] * 3
-
-
-def test_options_given_to_reset_are_left_alone():
-    env = SwarmVectorEnv(2, **OPTIONS)
-    options = {"reset_mask": np.array([True, True])}
-    env.reset(seed=0, options=options)
-    assert list(options) == ["reset_mask"]
+    assert list(options) == ["scenario", "initial_population_size", "reset_mask"]
 
 
 def test_one_bad_action_stops_all_and_names_the_swarm():
@@ -113,6 +108,11 @@ def test_step_before_reset_and_after_the_end_is_refused():
     actions = np.tile([5.0, 0.0], (2, 1))
     with pytest.raises(StepOrderError, match="no reset"):
         env.step(actions)
+    with pytest.raises(StepOrderError, match=r"swarm 0.*no reset"):
+        env.step_running(actions)
+    env.reset(seed=0, options={"reset_mask": np.array([True, False])})
+    with pytest.raises(StepOrderError, match=r"swarm 1.*no reset"):
+        env.step_running(actions)
     env.reset(seed=0)
     for _ in range(4):
         env.step(actions)
@@ -138,19 +138,21 @@ def test_bad_arguments_are_refused(arguments, error, message):
         SwarmVectorEnv(**arguments)
 
 
+MASKS = [[True, False], np.array([1, 0]), np.array([True]), np.array([False, False])]
+
+
 @pytest.mark.parametrize(
-    "mask", [[True, False], np.array([1, 0]), np.array([True]), np.array([False, False])]
+    ("seed", "options", "message"),
+    [
+        *((0, {"reset_mask": mask}, "reset_mask") for mask in MASKS),
+        ([1, 2, 3], None, r"2 seeds.*3"),
+    ],
 )
-def test_bad_reset_masks_are_refused(mask):
+def test_bad_arguments_of_reset_are_refused(seed, options, message):
     env = SwarmVectorEnv(2, **OPTIONS)
     env.reset(seed=0)
-    with pytest.raises(SettingError, match="reset_mask"):
-        env.reset(options={"reset_mask": mask})
-
-
-def test_a_wrong_number_of_seeds_is_refused():
-    with pytest.raises(SettingError, match=r"2 seeds.*3"):
-        SwarmVectorEnv(2, **OPTIONS).reset(seed=[1, 2, 3])
+    with pytest.raises(SettingError, match=message):
+        env.reset(seed=seed, options=options)
 
 
 @pytest.mark.parametrize("layout", sorted(OBSERVATIONS))
@@ -161,16 +163,6 @@ def test_swarms_that_have_not_begun_are_observed_without_warnings(layout):
     everyone, _ = env.reset(seed=3)
     np.testing.assert_array_equal(seen[0], everyone[0])
     assert env.observation_space.contains(seen)
-
-
-def test_step_running_before_the_first_reset_is_refused():
-    env = SwarmVectorEnv(2, autoreset_mode="Disabled", **OPTIONS)
-    actions = np.tile([5.0, 0.0], (2, 1))
-    with pytest.raises(StepOrderError, match=r"swarm 0.*no reset"):
-        env.step_running(actions)
-    env.reset(seed=0, options={"reset_mask": np.array([True, False])})
-    with pytest.raises(StepOrderError, match=r"swarm 1.*no reset"):
-        env.step_running(actions)
 
 
 def test_step_running_goes_on_with_episodes_that_a_step_began_anew():

@@ -32,6 +32,13 @@ def opened(fps=FASTEST):
     return window
 
 
+def paused():
+    """Return a window that waits from its next look on."""
+    window = opened()
+    press("space")
+    return window
+
+
 def shown_colour(at=(160, 120)):
     return tuple(pygame.display.get_surface().get_at(at))[:3]
 
@@ -71,8 +78,7 @@ def test_a_window_shows_the_last_picture_and_says_its_keys():
 
 
 def test_a_paused_window_waits_for_a_step_and_stays_paused(naps_until_shown):
-    window = opened()
-    press("space")
+    window = paused()
     for key in ("right", "n"):
         # Other keys do not end the pause; time passes only while the window sleeps.
         assert naps_until_shown(window, "a", "left", key) == 3
@@ -81,14 +87,16 @@ def test_a_paused_window_waits_for_a_step_and_stays_paused(naps_until_shown):
         assert "(paused)" in pygame.display.get_caption()[0]
 
 
-def test_a_paused_window_goes_on_when_the_user_resumes(naps_until_shown):
-    window = opened()
-    press("space")
+def test_a_paused_window_goes_on_when_the_user_resumes_or_closes_it(naps_until_shown):
+    window = paused()
     assert naps_until_shown(window, "right") == 1
     assert naps_until_shown(window, "space") == 1
     assert not window.is_paused
     assert "paused" not in pygame.display.get_caption()[0]
     assert naps_until_shown(window, "a") == 1  # at its speed again
+    press("space")
+    assert naps_until_shown(window, "a", "q") == 2
+    assert pygame.display.get_surface() is None
 
 
 def test_a_step_counts_for_one_picture_and_only_while_paused(naps_until_shown):
@@ -101,8 +109,7 @@ def test_a_step_counts_for_one_picture_and_only_while_paused(naps_until_shown):
 
 
 def test_a_paused_window_is_woken_from_outside_its_thread():
-    window = opened()
-    press("space")
+    window = paused()
     resumed = threading.Event()
 
     def resume():
@@ -132,13 +139,6 @@ def test_a_window_that_the_user_closed_is_gone_and_waits_for_nothing(way, paused
         assert pygame.display.get_surface() is None
     assert window.is_dismissed
     window.close()
-
-
-def test_a_window_that_was_closed_while_paused_lets_the_training_go_on(naps_until_shown):
-    window = opened()
-    press("space")
-    assert naps_until_shown(window, "a", "q") == 2
-    assert pygame.display.get_surface() is None
 
 
 def test_plus_and_minus_change_the_pace_within_limits():
@@ -181,8 +181,7 @@ def test_a_window_can_have_another_size_and_shows_the_whole_picture():
 
 
 def test_a_resized_window_is_drawn_anew_while_it_is_paused(monkeypatch):
-    window = opened()
-    press("space")
+    window = paused()
 
     def resize_and_resume(_):
         pygame.display.set_mode((640, 480), pygame.RESIZABLE)
@@ -195,8 +194,7 @@ def test_a_resized_window_is_drawn_anew_while_it_is_paused(monkeypatch):
 
 
 def test_a_paused_window_does_not_wait_for_ever_when_somebody_quits_pygame(monkeypatch):
-    window = opened()
-    press("space")
+    window = paused()
     monkeypatch.setattr("swarm_gym.rendering.window.time.sleep", lambda _: pygame.quit())
     window.show(picture())
     assert pygame.display.get_surface() is None
