@@ -9,26 +9,22 @@ from scipy import stats
 
 from experiments.documents.figures import plan
 from experiments.documents.page import make_tables
-from experiments.runs.run import Run, Snapshot
+from experiments.runs.run import Snapshot
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
 from experiments.studies.dynamic.suites import DYNAMIC as GATES
 from experiments.studies.dynamic.tables import Recovery
-from helpers.stored_runs import cells_of, printed_rows
+from helpers.stored_runs import cells_of, line, printed_rows, stored_run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.simulation import HISTORY
 
 TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))
 
 
 def made_run(key, trajectory=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, snapshots=(), **courses):
     """A run with these courses; the others are 0."""
-    trace = np.zeros((max(map(len, courses.values()), default=1), len(HISTORY)))
-    for name, course in courses.items():
-        trace[:, HISTORY.index(name)] = course
     trajectory, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (trajectory, path))
-    spent = int(trace[-1, HISTORY.index("evaluations")])
-    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=trajectory)
+    of = {"final_fitness": fitness, "final_collision": collision, "seconds": seconds, "snapshots": snapshots}
+    return stored_run(key, courses, best_path=path, trajectory=trajectory, **of)
 
 
 def kinked(start, target, length):
@@ -40,11 +36,6 @@ def kinked(start, target, length):
 
 def claims_of(tables, name):
     return {row["claim"]: (row["holds"], row["does not hold"]) for row in cells_of(tables, name)}
-
-
-def line(axes, text):
-    (found,) = [each for each in axes.lines if each.get_label() == text]
-    return np.array(found.get_data(), dtype=float)
 
 
 # Table 1.

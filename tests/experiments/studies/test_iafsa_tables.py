@@ -11,7 +11,7 @@ from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
 from experiments.runs.labels import label
-from experiments.runs.run import Run, length_of
+from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
@@ -28,35 +28,20 @@ from experiments.studies.iafsa.published import (
 from experiments.studies.iafsa.route_tables import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
-from helpers.stored_runs import cells_of, printed_rows
+from helpers.stored_runs import cells_of, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
-from swarm_gym.simulation import HISTORY
 
 DOCS = Path(__file__).parents[3] / "docs"
 AFSA, IAFSA = "fish-swarm(200)+fixed:100", "improved-fish-swarm(200)+fixed:100"
-BEST, SPENT = HISTORY.index("best_fitness"), HISTORY.index("evaluations")
 
 
-def made_run(controller, scenario, seed, fitness, course=(9.0, 3.0), collision=0.0, path=((0.0, 0.0),) * 2):
+def made_run(controller, scenario, seed, fitness, course=(9.0, 3.0), **of):
     """A run whose best fitness goes through a course down to the last value, 100 evaluations each time."""
     best = np.append(course, fitness)
-    trace = np.zeros((len(best), len(HISTORY)))
-    trace[:, BEST], trace[:, SPENT] = best, 100.0 * np.arange(1, len(best) + 1)
-    spent = int(trace[-1, SPENT])
-    return Run(
-        controller,
-        scenario,
-        seed,
-        fitness,
-        collision,
-        spent,
-        0.1,
-        np.array(path, dtype=np.float64),
-        trace,
-        {},
-    )
+    courses = {"best_fitness": best, "evaluations": 100.0 * np.arange(1, len(best) + 1)}
+    return stored_run((controller, scenario, seed), courses, final_fitness=fitness, **of)
 
 
 # The paper's numbers.
@@ -160,18 +145,17 @@ def test_p_values_are_of_unpaired_runs_and_corrected_over_the_table(functions):
 def test_claims_say_where_they_do_not_hold(functions):
     tables = functions[2]
     found = [tuple(row.values()) for row in cells_of(tables, "iafsa-functions-claims")]
-    plane, stated = "the functions stated as 2-D", "those stated as 10-D"
     assert found == [
-        (f"IAFSA's mean is below AFSA's, {plane}", "1 of 1", "–"),
-        (f"IAFSA's mean is below AFSA's, {stated}", "0 of 1", "Rastrigin, 10-D at 200"),
-        (f"IAFSA's mean is no larger than the paper's, {plane}", "1 of 1", "–"),
-        (f"IAFSA's mean is no larger than the paper's, {stated}", "0 of 1", "Rastrigin, 10-D at 200"),
-        (f"AFSA's mean is within a factor of 20 of the paper's, {plane}", "1 of 1", "–"),
-        (
-            f"AFSA's mean is within a factor of 20 of the paper's, {stated}",
-            "0 of 1",
-            "Rastrigin, 10-D at 200",
-        ),
+        (f"{claim}, {of}", *holds)
+        for claim in (
+            "IAFSA's mean is below AFSA's",
+            "IAFSA's mean is no larger than the paper's",
+            "AFSA's mean is within a factor of 20 of the paper's",
+        )
+        for of, *holds in (
+            ("the functions stated as 2-D", "1 of 1", "–"),
+            ("those stated as 10-D", "0 of 1", "Rastrigin, 10-D at 200"),
+        )
     ]
 
 
@@ -248,15 +232,15 @@ def routes(database, route):
     )
     made = make_route(route.name, {})
     length, shortest = made.shortest
-    found = made.cell_paths["A*"]
-    for seed in range(3):
-        through = seed == 2
-        path, collision = ((route.start, route.target), 2.0) if through else (found, 0.0)
-        fitness = 700.0 if through else length_of(found)
+    found, course = made.cell_paths["A*"], (900.0, 800.0)
+    straight = {"final_collision": 2.0, "best_path": np.array([route.start, route.target])}
+    for seed, (fitness, of) in enumerate(
+        [(length_of(found), {"best_path": found})] * 2 + [(700.0, straight)]
+    ):
+        afsa, iafsa = ((controller, route.name, seed) for controller in suite.controllers)
         database.add(
-            made_run(suite.controllers[0], route.name, seed, fitness, (900.0, 800.0), collision, path)
+            made_run(*afsa, fitness, course, **of), made_run(*iafsa, length, course, best_path=shortest)
         )
-        database.add(made_run(suite.controllers[1], route.name, seed, length, (900.0, 800.0), 0.0, shortest))
     return suite, made
 
 
