@@ -115,15 +115,13 @@ def test_tables_sort_by_numbers_and_by_names_either_way(report, open_page):
     page = open_page(report)
     fitness = column(page, "summary", 2)
     heads = page.locator("table[data-name='summary'] thead th")
-    heads.nth(1).get_by_role("button").click()
-    assert heads.nth(1).get_attribute("aria-sort") == "ascending"
-    numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
-    assert numbers == sorted(numbers)
-    heads.nth(1).get_by_role("button").press("Enter")
-    assert heads.nth(1).get_attribute("aria-sort") == "descending"
-    assert sorted(column(page, "summary", 2)) == sorted(fitness)
-    numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
-    assert numbers == sorted(numbers, reverse=True)
+    button = heads.nth(1).get_by_role("button")
+    for press, way in ((button.click, "ascending"), (lambda: button.press("Enter"), "descending")):
+        press()
+        assert heads.nth(1).get_attribute("aria-sort") == way
+        assert sorted(column(page, "summary", 2)) == sorted(fitness)
+        numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
+        assert numbers == sorted(numbers, reverse=way == "descending")
     heads.nth(0).get_by_role("button").click()
     assert heads.nth(1).get_attribute("aria-sort") is None
     names = column(page, "summary", 1)
@@ -323,19 +321,19 @@ def assert_looks_like(picture, name, tolerance):
     assert difference <= tolerance, f"{name} differs by {difference:.2f} of 255 on average"
 
 
-@pytest.mark.parametrize("color_scheme", ["light", "dark"])
-def test_the_map_of_the_player_looks_as_it_did(report, open_page, color_scheme):
-    page = open_page(report, color_scheme=color_scheme)
+@pytest.mark.parametrize(
+    ("name", "part", "viewport", "color_scheme", "tolerance"),
+    [
+        ("map-light", ".pane .map", DESKTOP, "light", 1.5),
+        ("map-dark", ".pane .map", DESKTOP, "dark", 1.5),
+        ("player-phone", ".player", PHONE, "light", 4.0),
+        ("player-desktop", ".player", DESKTOP, "light", 4.0),
+    ],
+)
+def test_the_player_looks_as_it_did(report, open_page, name, part, viewport, color_scheme, tolerance):
+    page = open_page(report, viewport, color_scheme)
     page.get_by_role("slider", name="Iteration").fill("3")
-    picture = page.locator(".pane .map").first.screenshot()
-    assert_looks_like(picture, f"map-{color_scheme}", tolerance=1.5)
-
-
-@pytest.mark.parametrize(("name", "viewport"), [("player-phone", PHONE), ("player-desktop", DESKTOP)])
-def test_the_player_looks_as_it_did(report, open_page, name, viewport):
-    page = open_page(report, viewport)
-    page.get_by_role("slider", name="Iteration").fill("3")
-    assert_looks_like(page.locator(".player").screenshot(), name, tolerance=4.0)
+    assert_looks_like(page.locator(part).first.screenshot(), name, tolerance)
 
 
 def test_the_top_of_the_page_looks_as_it_did(report, open_page):
