@@ -1,6 +1,6 @@
 """Made-up runs, databases of runs, and what tables and figures show of them."""
 
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import numpy as np
 
@@ -45,19 +45,17 @@ def filled_database(folder, runs):
     """Open a new database with these runs, and close it."""
     from experiments.runs.database import Results
 
-    database = Results(folder / "made.sqlite")
-    database.add(*runs)
-    yield database
-    database.close()
+    with closing(Results(folder / "made.sqlite")) as database:
+        database.add(*runs)
+        yield database
 
 
-def make_database(path, suite):
-    """Make the database of a suite with all of its runs, in this process, and return its path."""
+def make_database(path, suite, backend=None):
+    """Make the database of a suite with all of its runs, by a backend or in this process; return its path."""
     from agents.backends.local import LocalBackend
     from experiments.runs.database import Results
     from experiments.runs.runner import configuration, run_missing
 
-    results = Results(path, configuration(suite))
-    run_missing(suite, results, LocalBackend(1))
-    results.close()
+    with closing(Results(path, configuration(suite))) as results:
+        run_missing(suite, results, backend or LocalBackend(1))
     return path
