@@ -10,9 +10,9 @@ from agents.runs.checkpoints import Checkpoints
 from agents.runs.folder import RunFolderError
 from agents.training.events import TrainingEvents
 from helpers.event_files import EVERYTHING, shown
+from helpers.small_commands import assert_same_training
 from helpers.trainings import EVOLUTION, assert_same_weights, train
 from swarm_gym import files
-from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.files import remove_partials, write_atomically
 
 pytestmark = pytest.mark.usefixtures("plain_pictures")
@@ -152,15 +152,6 @@ def whole(tmp_path_factory, plain_pictures):
     return train(tmp_path_factory.mktemp("whole"), **LITTLE).run().parent
 
 
-def same(whole, folder):
-    for name in ("best", "latest"):
-        (ours, manifest), (theirs, other) = (load_policy(p / f"{name}.safetensors") for p in (whole, folder))
-        assert manifest == other
-        assert all(ours[key].tobytes() == theirs[key].tobytes() for key in ours)
-    # Nothing is there twice, even for a reader that is not told what to hide.
-    return shown(folder) == shown(folder, purge=False) == shown(whole)
-
-
 @pytest.mark.parametrize("stop", ["_validate", "_save_checkpoint", "_write_hyperparameters"])
 def test_a_training_that_was_stopped_shows_every_event_once(whole, tmp_path, monkeypatch, stop):
     run = train(tmp_path, **LITTLE)
@@ -178,7 +169,7 @@ def test_a_training_that_was_stopped_shows_every_event_once(whole, tmp_path, mon
         run.run()
     run.events.close()
     train(tmp_path, **LITTLE, resume=True).run()
-    assert same(whole, run.folder)
+    assert_same_training(whole, run.folder)
 
 
 def test_a_training_whose_newest_checkpoint_is_damaged_equals_one_that_was_not_stopped(
@@ -190,7 +181,7 @@ def test_a_training_whose_newest_checkpoint_is_damaged_equals_one_that_was_not_s
     capsys.readouterr()
     train(tmp_path, **LITTLE, resume=True).run()
     assert str(run.checkpoints.before) in capsys.readouterr().err
-    assert same(whole, run.folder)
+    assert_same_training(whole, run.folder)
 
 
 def test_a_training_that_is_made_longer_shows_what_a_long_one_does(whole, tmp_path):

@@ -106,6 +106,11 @@ def cases(results):
 
 
 @pytest.fixture(scope="module")
+def case(cases):
+    return cases["case2"]
+
+
+@pytest.fixture(scope="module")
 def written(results, tmp_path_factory):
     return write_figures(SUITE, results, tmp_path_factory.mktemp("figures") / "made" / "here")
 
@@ -173,8 +178,7 @@ def test_settings_of_the_user_neither_matter_nor_change(cases):
         assert user_settings() == before
 
 
-def test_convergence_shows_the_median_of_the_runs_in_a_band_of_their_quartiles(cases):
-    case = cases["case1"]
+def test_convergence_shows_the_median_of_the_runs_in_a_band_of_their_quartiles(case):
     by_iteration, by_evaluations = draw_convergence(case).axes
     for controller, band in zip(CONTROLLERS, by_iteration.collections, strict=True):
         fitness = course(case, controller, "best_fitness")
@@ -198,8 +202,7 @@ def test_a_run_is_worth_what_it_has_reached_when_so_much_is_spent():
     np.testing.assert_array_equal(found, [[9, 9, 5, 4, 4], [8, 8, 8, 7, 1]])
 
 
-def test_population_size_shows_means_and_phi_of_those_that_repair_where_somebody_does(cases):
-    case = cases["case3"]
+def test_population_size_shows_means_and_phi_of_those_that_repair_where_somebody_does(case):
     sizes, repair_degrees = draw_population_size(case).axes
     assert labels(sizes) == [label(controller) for controller in CONTROLLERS]
     assert labels(repair_degrees) == ["SPSFA-TIP"]
@@ -223,8 +226,7 @@ def test_collision_is_shown_for_every_case_beside_its_first_value(cases):
             assert [each.get_linestyle() for each in dotted] == [":"]
 
 
-def test_best_paths_are_those_of_the_best_runs(cases):
-    case = cases["case2"]
+def test_best_paths_are_those_of_the_best_runs(case):
     axes = draw_best_paths(case).axes[0]
     for controller in CONTROLLERS:
         best = min(case.runs[controller], key=lambda run: run.final_fitness)
@@ -250,8 +252,8 @@ def on_a_function(case, name):
 
 
 @pytest.mark.parametrize("dimension", [1, 10])
-def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(cases, dimension):
-    case = on_a_function(cases["case2"], f"function:easom-{dimension}")
+def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(case, dimension):
+    case = on_a_function(case, f"function:easom-{dimension}")
     axes = draw_best_paths(case).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("component", "value")
     assert axes.get_ylim() == (-10.0, 10.0)
@@ -261,16 +263,15 @@ def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum
     assert best.shape == (2, dimension)
 
 
-def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(cases):
-    case = on_a_function(cases["case2"], "function:booth-2")
+def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(case):
+    case = on_a_function(case, "function:booth-2")
     for axes in (draw_convergence(case).axes[0], draw_box_plots(case).axes[0]):
         assert axes.get_yscale() == "log"
         assert axes.get_ylim()[0] == pytest.approx(5e-13)
         assert not any("optimum" in text for text in labels(axes))
 
 
-def test_box_plots_show_every_run(cases):
-    case = cases["case2"]
+def test_box_plots_show_every_run(case):
     fitness, evaluations = draw_box_plots(case).axes
     for place, controller in enumerate(CONTROLLERS, start=1):
         for axes, name in ((fitness, "final_fitness"), (evaluations, "evaluations")):
@@ -361,7 +362,11 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("learned:three-cases/3", "learned (three-cases/3)"),
         ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
         ("tuned:random-fields", "tuned schedule (random-fields)"),
+        ("learned:three-cases/*", "learned three-cases"),
+        ("learned:three-cases/*@0.3", "learned three-cases@0.3"),
+        ("improved-fish-swarm(200)+fixed:100", "IAFSA, 100 members, 200 iterations"),
+        ("hybrid-fish-swarm+fixed:100", "HAAFSA-R, 100 members"),
     ],
 )
-def test_controllers_are_called_as_in_the_paper(controller, expected):
+def test_controllers_are_called_as_in_their_papers_and_groups_by_their_recipe(controller, expected):
     assert label(controller) == expected

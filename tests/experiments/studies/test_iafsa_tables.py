@@ -10,7 +10,6 @@ from scipy import stats
 from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
-from experiments.runs.labels import label
 from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
@@ -309,11 +308,6 @@ def test_the_document_shows_all_tables_and_small_figures():
     figures = list((DOCS / "results/iafsa-paper").glob("*.svg"))
     assert all(f"results/iafsa-paper/{figure.name}" in text for figure in figures)
     assert sum(figure.stat().st_size for figure in figures) < 700_000
-
-
-def test_optimizers_are_called_as_in_the_paper():
-    assert label(IAFSA) == "IAFSA, 100 members, 200 iterations"
-    assert label("hybrid-fish-swarm+fixed:100") == "HAAFSA-R, 100 members"
 
 
 def test_suites_run_what_the_tables_are_about():
