@@ -166,10 +166,10 @@ def user_settings():
     return {name: mpl.rcParams[name] for name in mpl.rcParams.copy().keys() - {"backend"}}
 
 
-def test_settings_of_the_user_neither_matter_nor_change(cases):
+def test_settings_of_the_user_neither_matter_nor_change(case):
     def drawn():
         with settings():
-            return render(draw_box_plots(cases["case1"]), "svg")
+            return render(draw_box_plots(case), "svg")
 
     expected = drawn()
     with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 20.0, "svg.hashsalt": "other"}):
@@ -287,9 +287,8 @@ def test_box_plots_show_every_run(case):
     ]
 
 
-def test_box_plots_of_many_runs_show_some_of_them_and_say_so(cases, monkeypatch):
+def test_box_plots_of_many_runs_show_some_of_them_and_say_so(case, monkeypatch):
     monkeypatch.setattr("experiments.plots.courses.MOST_POINTS", 3)
-    case = cases["case2"]
     figure = draw_box_plots(case)
     values = [run.final_fitness for run in case.runs[CONTROLLERS[0]]]
     assert list(figure.axes[0].lines[0].get_ydata()) == values[:3]

@@ -86,8 +86,12 @@ def open_page(browser):
         context.close()
 
 
-def test_the_page_opens_from_disk_without_errors_or_requests(report, open_page):
-    page = open_page(report)
+@pytest.fixture
+def page(report, open_page):
+    return open_page(report)
+
+
+def test_the_page_opens_from_disk_without_errors_or_requests(page, report):
     assert page.complaints == []
     assert [url for url in page.requests if not url.startswith("data:")] == [report.as_uri()]
     assert page.title() == "swarm_gym: suite tiny"
@@ -111,8 +115,7 @@ def column(page, table, number):
     return cells.all_text_contents()
 
 
-def test_tables_sort_by_numbers_and_by_names_either_way(report, open_page):
-    page = open_page(report)
+def test_tables_sort_by_numbers_and_by_names_either_way(page):
     fitness = column(page, "summary", 2)
     heads = page.locator("table[data-name='summary'] thead th")
     button = heads.nth(1).get_by_role("button")
@@ -128,8 +131,7 @@ def test_tables_sort_by_numbers_and_by_names_either_way(report, open_page):
     assert names == sorted(names, key=str.casefold)
 
 
-def test_what_is_missing_is_sorted_last_either_way(report, open_page):
-    page = open_page(report)
+def test_what_is_missing_is_sorted_last_either_way(page):
     button = page.locator("table[data-name='optimal-solutions-random-fields:test:0'] thead th").nth(1)
     body = "table[data-name='optimal-solutions-random-fields:test:0'] tbody tr:first-child > :nth-child(2)"
     page.eval_on_selector(body, "cell => { cell.textContent = '–' }")
@@ -148,8 +150,7 @@ def drawn(page, side, kind):
     return [np.array([point.split(",") for point in line.split("L")], float) for line in d.split("M")[1:]]
 
 
-def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(report, open_page):
-    page = open_page(report)
+def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(page):
     assert iteration(page) == 0
     page.get_by_role("button", name="One iteration forward").click()
     page.get_by_role("button", name="One iteration forward").press("Space")
@@ -171,8 +172,7 @@ def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(report, open_page):
     assert page.complaints == []
 
 
-def test_the_player_plays_to_the_end_and_pauses(report, open_page):
-    page = open_page(report)
+def test_the_player_plays_to_the_end_and_pauses(page):
     page.get_by_label("Per second").select_option("30")
     button = page.locator(".player .play")
     button.click()
@@ -188,8 +188,7 @@ def test_the_player_plays_to_the_end_and_pauses(report, open_page):
     assert iteration(page) == paused < 12
 
 
-def test_the_player_shows_the_populations_of_the_runs(report, database, open_page):
-    page = open_page(report)
+def test_the_player_shows_the_populations_of_the_runs(page, database):
     results = Results.stored(database)
     for place, controller in enumerate(SUITE.replayed):
         [run] = results.runs(controller, "case1", 1)
@@ -216,8 +215,7 @@ def test_the_player_shows_the_populations_of_the_runs(report, database, open_pag
     results.close()
 
 
-def test_two_controllers_and_other_scenarios_can_be_chosen(report, open_page):
-    page = open_page(report)
+def test_two_controllers_and_other_scenarios_can_be_chosen(page):
     sides = [page.get_by_label(f"{side} controller") for side in ("Left", "Right")]
     assert [side.evaluate("s => s.selectedOptions[0].text") for side in sides] == ["SPSFA-TIP", "SPSFA"]
     sides[0].select_option("SPSFA")
@@ -281,8 +279,7 @@ def test_axe_finds_nothing_serious(report, open_page, viewport, color_scheme):
 
 
 @pytest.mark.slow
-def test_everything_can_be_reached_with_the_tabulator(report, open_page):
-    page = open_page(report)
+def test_everything_can_be_reached_with_the_tabulator(page):
     reached = set()
     for _ in range(200):
         page.keyboard.press("Tab")
@@ -336,8 +333,7 @@ def test_the_player_looks_as_it_did(report, open_page, name, part, viewport, col
     assert_looks_like(page.locator(part).first.screenshot(), name, tolerance)
 
 
-def test_the_top_of_the_page_looks_as_it_did(report, open_page):
-    page = open_page(report)
+def test_the_top_of_the_page_looks_as_it_did(page):
     assert_looks_like(page.screenshot(), "top", tolerance=5.0)
 
 

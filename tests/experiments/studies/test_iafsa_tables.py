@@ -1,6 +1,5 @@
 """Tables and figures of the IAFSA paper say what the runs say."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +26,7 @@ from experiments.studies.iafsa.published import (
 from experiments.studies.iafsa.route_tables import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
-from helpers.stored_runs import cells_of, printed_rows, stored_run
+from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
@@ -99,23 +98,17 @@ def test_a_run_has_converged_when_a_thousandth_of_its_gain_is_still_to_come(cour
 @pytest.fixture
 def functions(database):
     """Booth, where IAFSA is better, and Rastrigin in 10-D, where it is not; four runs each."""
-    suite = dataclasses.replace(
-        FUNCTIONS,
-        scenarios=("function:booth-2", "function:rastrigin-10"),
-        controllers=(AFSA, IAFSA, "hybrid-fish-swarm(200)+fixed:100"),
-        num_seeds=4,
-        first_seed=0,
-    )
-    rng = np.random.default_rng(0)
     scale = {"function:booth-2": (1e-2, 1e-4), "function:rastrigin-10": (10.0, 60.0)}
+    suite = part_of(FUNCTIONS, (AFSA, IAFSA, "hybrid-fish-swarm(200)+fixed:100"), scale, 4)
+    rng = np.random.default_rng(0)
     values = {}
     for scenario, scales in scale.items():
         for controller in suite.controllers:
             about = scales[controller == IAFSA]
             values[scenario, controller] = about * rng.uniform(0.9, 1.1, 4)
             course = (100.0, 90.0) if controller == IAFSA else (100.0, 90.0, 80.0, 70.0)
-            for seed, value in enumerate(values[scenario, controller]):
-                database.add(made_run(controller, scenario, seed, value, course))
+            of = enumerate(values[scenario, controller])
+            database.add(*(made_run(controller, scenario, seed, value, course) for seed, value in of))
     return suite, values, make_tables(suite, database)
 
 
@@ -191,17 +184,13 @@ def test_a_run_that_never_reaches_a_level_counts_all_iterations():
 
 
 def test_shifted_functions_are_compared_place_by_place(database):
-    suite = dataclasses.replace(
-        SHIFTED,
-        controllers=(AFSA, IAFSA),
-        scenarios=tuple(f"function:easom-2-shifted:{k}" for k in range(6)),
-        first_seed=0,
-    )
+    scenarios = [f"function:easom-2-shifted:{k}" for k in range(6)]
+    suite = part_of(SHIFTED, (AFSA, IAFSA), scenarios, SHIFTED.num_seeds)
     rng = np.random.default_rng(1)
     values = {controller: rng.uniform(0.1, 1.0, 6) for controller in suite.controllers}
     for controller, of in values.items():
-        for k, value in enumerate(of):
-            database.add(made_run(controller, f"function:easom-2-shifted:{k}", k, value))
+        places = enumerate(zip(scenarios, of, strict=True))
+        database.add(*(made_run(controller, scenario, k, value) for k, (scenario, value) in places))
     (row,) = cells_of(make_tables(suite, database), "iafsa-shifted")
     assert row["function"] == "Easom, 2-D"
     assert row["p"] == f"{stats.wilcoxon(values[IAFSA], values[AFSA]).pvalue:.1g}"
@@ -222,13 +211,7 @@ def route():
 @pytest.fixture
 def routes(database, route):
     """AFSA goes along A*'s path and once straight through a pillar, IAFSA along the shortest path."""
-    suite = dataclasses.replace(
-        ROUTES,
-        scenarios=(route.name,),
-        num_seeds=3,
-        first_seed=0,
-        controllers=("fish-swarm+fixed:100", "improved-fish-swarm+fixed:100"),
-    )
+    suite = part_of(ROUTES, ("fish-swarm+fixed:100", "improved-fish-swarm+fixed:100"), (route.name,), 3)
     made = make_route(route.name, {})
     length, shortest = made.shortest
     found, course = made.cell_paths["A*"], (900.0, 800.0)
