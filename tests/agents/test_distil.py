@@ -199,15 +199,11 @@ def test_a_damaged_file_is_refused_by_name_and_with_the_reason(stored, damage, r
     assert str(stored) in str(refused.value)
 
 
-def test_a_file_that_is_cut_off_is_refused(stored):
+def test_a_file_that_is_cut_off_or_missing_is_refused(stored):
     stored.write_text(stored.read_text()[:100])
-    with pytest.raises(DistilledFileError, match=str(stored)):
-        load_rule(str(stored))
-
-
-def test_a_missing_rule_is_refused():
-    with pytest.raises(DistilledFileError, match=r"no-such-rule.*neither"):
-        load_rule("no-such-rule")
+    for name, message in ((str(stored), str(stored)), ("no-such-rule", r"no-such-rule.*neither")):
+        with pytest.raises(DistilledFileError, match=message):
+            load_rule(name)
 
 
 @pytest.mark.parametrize("name", packaged_rules())

@@ -1,5 +1,6 @@
 """Made-up runs, databases of runs, and what tables and figures show of them."""
 
+import dataclasses
 from contextlib import closing, contextmanager
 
 import numpy as np
@@ -38,6 +39,12 @@ def stored_run(key, courses, rows=None, **values):
     spent = trace[-1, HISTORY.index("evaluations")]
     usual = {"final_collision": 0.0, "evaluations": int(spent), "seconds": 0.1, "best_path": np.zeros((4, 2))}
     return Run(*key, trace=trace, provenance={}, **{**usual, **values})
+
+
+def part_of(suite, controllers, scenarios, num_seeds, **changes):
+    """Return a suite of some controllers, scenarios and seeds from 0 on."""
+    some = {"controllers": tuple(controllers), "scenarios": tuple(scenarios), "num_seeds": num_seeds}
+    return dataclasses.replace(suite, **some, first_seed=0, **changes)
 
 
 @contextmanager

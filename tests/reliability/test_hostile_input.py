@@ -260,19 +260,8 @@ def test_events_of_anything_happen_or_are_refused(listed):
 # Presets and controllers.
 
 PRESET = (PRESETS / "three-cases.toml").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
-TOML = (
-    b"[",
-    b"{",
-    b"=",
-    b'"',
-    b"'''",
-    b"9" * 5000,
-    b"nan",
-    b"inf",
-    b"[[a]]",
-    b"1979-05-27",
-    b"like = 'mine'",
-)
+TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
+        b"like = 'mine'")  # fmt: skip
 
 
 @given(content=mutated(PRESET, *TOML) | st.binary(max_size=60))
@@ -367,7 +356,8 @@ def test_any_name_of_a_controller_is_one_or_refused(family, argument):
 # Environments.
 
 SMALL = {"initial_population_size": 4, "max_population_size": 6, "iterations": 3, "num_waypoints": 5}
-ALWAYS = np.array([4.0, 0.5])
+MAKE = {"single": lambda: SwarmEnv(**SMALL), "vector": lambda: SwarmVectorEnv(2, **SMALL, num_threads=1)}
+ALWAYS = {"single": np.array([4.0, 0.5]), "vector": np.tile([4.0, 0.5], (2, 1))}
 
 
 class Stubborn:
@@ -408,20 +398,23 @@ def state_of(env):
     return pickle.dumps((tuple(inner.swarms), own, [generator.bit_generator.state for generator in drawn]))
 
 
-@pytest.fixture(scope="module")
-def single():
-    env = SwarmEnv(**SMALL)
-    env.reset(seed=0)
-    env.step(ALWAYS)  # compiles here, so that no example has to wait
-    return env
+@pytest.fixture(scope="module", params=MAKE)
+def kind(request):
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def vector():
-    env = SwarmVectorEnv(2, **SMALL, num_threads=1)
+def compiled(kind):
+    env = MAKE[kind]()
     env.reset(seed=0)
-    env.step(np.tile(ALWAYS, (2, 1)))
+    env.step(ALWAYS[kind])  # compiles here, so that no example has to wait
     return env
+
+
+@pytest.fixture
+def env(compiled):
+    compiled.reset(seed=0)
+    return compiled
 
 
 def went_well(env, call, *documented):
@@ -438,20 +431,15 @@ def went_well(env, call, *documented):
     return False
 
 
-def as_good_as_new(env):
+def assert_as_good_as_new(kind, env):
     """Compare an environment that received hostile input with a new one."""
-    new = type(env)(**SMALL) if isinstance(env, SwarmEnv) else type(env)(2, **SMALL, num_threads=1)
-    action = ALWAYS if isinstance(env, SwarmEnv) else np.tile(ALWAYS, (2, 1))
+    new = MAKE[kind]()
     np.testing.assert_array_equal(env.reset(seed=1)[0], new.reset(seed=1)[0])
-    np.testing.assert_array_equal(env.step(action)[0], new.step(action)[0])
+    np.testing.assert_array_equal(env.step(ALWAYS[kind])[0], new.step(ALWAYS[kind])[0])
 
 
-@pytest.mark.parametrize("kind", ["single", "vector"])
 @pytest.mark.fuzzed
-def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(request, kind):
-    env = request.getfixturevalue(kind)
-    env.reset(seed=0)
-
+def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(kind, env):
     @given(action=anything | st.tuples(anything, anything).map(list))
     @example(action=np.array([np.longdouble("1e4000"), 0]))
     @example(action=np.ma.masked_array([4.0, 0.5], [True, False]))
@@ -461,15 +449,12 @@ def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(request, ki
             env.reset(seed=0)  # so that no episode ends
 
     check()
-    as_good_as_new(env)
+    assert_as_good_as_new(kind, env)
 
 
 # Objects that cannot be printed, also not by Hypothesis.
-@pytest.mark.parametrize("kind", ["single", "vector"])
 @pytest.mark.parametrize("make", [Mute, lambda: nested(5000), lambda: [HUGE]], ids=["mute", "deep", "huge"])
-def test_what_cannot_be_shown_is_refused(request, kind, make):
-    env = request.getfixturevalue(kind)
-    env.reset(seed=0)
+def test_what_cannot_be_shown_is_refused(kind, env, make):
     assert not went_well(env, lambda: env.step(make()), ActionError)
     for wrong in (make(), {"initial_population": make()}, {"scenario": make()}, {"more": make()}):
         call = partial(env.reset, options=wrong)
@@ -484,12 +469,8 @@ KEYS = st.sampled_from(
 options = st.dictionaries(KEYS, anything | st.sampled_from(["case1", "case2", 4, 5, 7]), max_size=3)
 
 
-@pytest.mark.parametrize("kind", ["single", "vector"])
 @pytest.mark.fuzzed
-def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(request, kind):
-    env = request.getfixturevalue(kind)
-    env.reset(seed=0)
-
+def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(kind, env):
     @given(
         seed=anything | st.integers(0, 3) | st.lists(st.integers() | st.none(), max_size=2),
         given=options | anything,
@@ -510,4 +491,4 @@ def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(req
         went_well(env, lambda: env.reset(seed=seed, options=given), *documented)
 
     check()
-    as_good_as_new(env)
+    assert_as_good_as_new(kind, env)

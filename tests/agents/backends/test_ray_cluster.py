@@ -153,29 +153,28 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
         assert_same_weights(single.run(), outcome.finished.result)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [({"trials": -1}, "--trials.*-1"), ({"rungs": 0}, "--rungs.*0"), ({"jobs": -2}, "--jobs.*-2")],
-)
-def test_a_search_that_cannot_be_is_refused(tmp_path, options, message):
+@pytest.fixture
+def search():
+    """Search by Ray Tune, by the options of its configuration."""
     pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
-    from experiments.with_ray_tune import SearchConfig, search
+    from experiments import with_ray_tune
 
-    with pytest.raises(ValueError, match=message):
-        search(SearchConfig(runs=tmp_path / "runs", **options))
+    return lambda **options: with_ray_tune.search(with_ray_tune.SearchConfig(**options))
+
+
+@pytest.mark.parametrize("options", [{"trials": -1}, {"rungs": 0}, {"jobs": -2}])
+def test_a_search_that_cannot_be_is_refused(tmp_path, search, options):
+    ((name, value),) = options.items()
+    with pytest.raises(ValueError, match=f"--{name}.*{value}"):
+        search(runs=tmp_path / "runs", **options)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ray_tune_searches_a_preset(tmp_path):
-    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
-    from experiments.with_ray_tune import SearchConfig, search
-
+def test_ray_tune_searches_a_preset(tmp_path, search):
     lines = [f"{name} = {json.dumps(value)}" for name, value in {**TINY, "warm_start": "none"}.items()]
     (tmp_path / "tiny.toml").write_text("like = 'three-cases-ppo'\n" + "\n".join(lines))
-    config = SearchConfig(
-        str(tmp_path / "tiny.toml"), trials=4, rungs=2, total_steps=4 * STEPS, runs=tmp_path / "runs", jobs=2
-    )
-    policy, values = search(config)
+    few = {"trials": 4, "rungs": 2, "total_steps": 4 * STEPS, "jobs": 2}
+    policy, values = search(preset=str(tmp_path / "tiny.toml"), runs=tmp_path / "runs", **few)
     _, manifest = load_policy(policy)
     assert {name: manifest["config"][name] for name in values} == values
     runs = [json.loads(path.read_text()) for path in (tmp_path / "runs").glob("*/config.json")]

@@ -10,7 +10,7 @@ from agents.runs.checkpoints import Checkpoints
 from agents.runs.folder import RunFolderError
 from agents.training.events import TrainingEvents
 from helpers.event_files import EVERYTHING, shown
-from helpers.small_commands import assert_same_training
+from helpers.small_commands import assert_same_learning
 from helpers.trainings import EVOLUTION, assert_same_weights, train
 from swarm_gym import files
 from swarm_gym.files import remove_partials, write_atomically
@@ -169,7 +169,7 @@ def test_a_training_that_was_stopped_shows_every_event_once(whole, tmp_path, mon
         run.run()
     run.events.close()
     train(tmp_path, **LITTLE, resume=True).run()
-    assert_same_training(whole, run.folder)
+    assert_same_learning(whole, run.folder)
 
 
 def test_a_training_whose_newest_checkpoint_is_damaged_equals_one_that_was_not_stopped(
@@ -181,7 +181,7 @@ def test_a_training_whose_newest_checkpoint_is_damaged_equals_one_that_was_not_s
     capsys.readouterr()
     train(tmp_path, **LITTLE, resume=True).run()
     assert str(run.checkpoints.before) in capsys.readouterr().err
-    assert_same_training(whole, run.folder)
+    assert_same_learning(whole, run.folder)
 
 
 def test_a_training_that_is_made_longer_shows_what_a_long_one_does(whole, tmp_path):

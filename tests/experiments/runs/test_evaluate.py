@@ -122,40 +122,25 @@ def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
                 np.testing.assert_array_equal(one.best_path, two.best_path)
 
 
-def test_a_suite_goes_on_where_it_stopped_and_recomputes_nothing(results, monkeypatch):
-    with results._connection as connection:
-        connection.execute("DELETE FROM runs WHERE controller = 'fixed:3' AND seed = 1")
-    lacking = KEYS - results.finished()
-    assert len(lacking) == 2
-    ran = []
-
-    def recorded(key, *arguments):
-        ran.append(key)
-        return run_one(key, *arguments)
-
-    monkeypatch.setattr(runner, "run_one", recorded)
-    run_missing(SUITE, results, LocalBackend(1))
-    assert set(ran) == lacking
-    assert results.finished() == KEYS
-    run_missing(SUITE, results, LocalBackend(1))
-    assert len(ran) == 2
-
-
-def test_a_suite_that_dies_keeps_what_it_had_finished(results, monkeypatch):
+def test_a_suite_that_dies_keeps_what_it_had_finished_and_goes_on_without_recomputing(results, monkeypatch):
     with results._connection as connection:
         connection.execute("DELETE FROM runs")
-    calls = []
+    ran = []
 
     def dying(key, *arguments):
-        calls.append(key)
-        if len(calls) == 5:
+        ran.append(key)
+        if len(ran) == 5:
             raise KeyboardInterrupt
         return run_one(key, *arguments)
 
     monkeypatch.setattr(runner, "run_one", dying)
     with pytest.raises(KeyboardInterrupt):
         run_missing(SUITE, results, LocalBackend(1))
-    assert results.finished() == set(calls[:4])
+    assert results.finished() == set(ran[:4])
+    run_missing(SUITE, results, LocalBackend(1))
+    assert results.finished() == set(ran) == KEYS
+    run_missing(SUITE, results, LocalBackend(1))
+    assert len(ran) == len(KEYS) + 1
 
 
 def test_a_stored_run_is_never_overwritten(results):
