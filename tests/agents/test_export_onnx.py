@@ -19,20 +19,20 @@ SIZE = 5
 
 @pytest.fixture(params=[False, True], ids=["feedforward", "an LSTM before its layers"])
 def policy(tmp_path, request):
-    path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
-    return add_memory(path, np.random.default_rng(1), SIZE) if request.param else path
+    path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(1))
+    return add_memory(path, np.random.default_rng(2), SIZE) if request.param else path
 
 
 def test_the_model_decides_as_the_controller_step_by_step_and_holds_the_manifest(policy, tmp_path):
     main([str(policy), str(tmp_path / "some.onnx")])
     model, manifest = onnx.load(tmp_path / "some.onnx"), load_policy(policy)[1]
     session, controller = reference.ReferenceEvaluator(model), load_learned(policy)
-    controller.reset(50)
-    state = {name: np.zeros((50, SIZE), np.float32) for name in STATE if name in session.input_names}
+    controller.reset(200)
+    state = {name: np.zeros((200, SIZE), np.float32) for name in STATE if name in session.input_names}
     rng = np.random.default_rng(3)
     for step in range(6):
-        seen = rng.normal(size=(50, len(manifest["features"]))).astype(np.float32)
-        seen[:, ITERATION] = step
+        seen = rng.normal(size=(200, len(manifest["features"]))).astype(np.float32)
+        seen[:, ITERATION] = step / 10
         decided, *after = session.run(None, {"observation": seen, **state})
         state = dict(zip(state, after, strict=True))
         assert np.abs(decided).min() < 0.9  # not all are clipped
