@@ -14,7 +14,7 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, load, store
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.scenarios import Point
 
@@ -29,7 +29,7 @@ POPULATION_COLLISION, MEAN_COLLISION, COLLISION_DEVIATION, FEASIBLE_SHARE, DIVER
 class Swarms(NamedTuple):
     """State of B swarms of up to M members of dimension D; changed in place by the kernels.
 
-    Positions have C = `layout.columns(D)` columns, of which those from D on are zero.
+    Positions have C = `padding.columns(D)` columns, of which those from D on are zero.
     """
 
     problem: Integers  # (B,) number of the problem in the stacked problem tables

@@ -173,7 +173,7 @@ def make_robots(
     """
     if not any(map(drive_of, settings.scenarios)):
         return None
-    if optimizer.is_on_its_way:
+    if optimizer.begins_with_robot:
         raise SettingError(
             f"scenario {settings.scenarios[0].name!r}: optimizer {optimizer.name} moves the robot itself, so "
             "that it cannot drive; choose another optimizer or a scenario without a drive"

@@ -16,7 +16,7 @@ from swarm_gym.optimizers.firefly import FireflyParameters, move_towards, square
 from swarm_gym.population import Workspace, make_workspace
 from swarm_gym.problem.analytic.cost import evaluate
 from swarm_gym.problem.analytic.table import WaypointTable
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 
 SIZE = 60
 REPAIR_DEGREE = 0.2

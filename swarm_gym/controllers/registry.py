@@ -1,7 +1,6 @@
 """Controllers of population size and repair degree, made by name.
 
-To add one, write a subclass of `swarm_gym.controllers.controller.Controller` in a module of its own and enter
-it in `CONTROLLERS`.
+CONTRIBUTING.md lists the steps to add one.
 """
 
 import os

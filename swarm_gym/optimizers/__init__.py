@@ -1,7 +1,7 @@
 """Optimizers: algorithms that solve a problem with a swarm, each in a file or folder of its own.
 
-To add one, write a class like `firefly.Firefly` and register it in `OPTIMIZERS`. It is then available as the
-environment `swarm_gym/<Class>-v0`, and the contract tests cover it.
+Each entry of `OPTIMIZERS` is the environment `swarm_gym/<Class>-v0`, and the contract tests cover it.
+CONTRIBUTING.md lists the steps to add one.
 """
 
 from importlib import import_module

@@ -27,7 +27,7 @@ class Optimizer:
         smallest_population: smallest population size.
         encodings: possible names of `Settings.encoding`; the first is the default.
         adopts: whether a given population can be the first one.
-        is_on_its_way: whether the first member is a robot that moves while its path is being planned.
+        begins_with_robot: whether the first member is a robot that moves while its path is being planned.
         evaluations_per_member: evaluations that a member takes in an iteration, about.
         kernels: kernels that work on one swarm.
     """
@@ -39,7 +39,7 @@ class Optimizer:
     smallest_population: ClassVar[int] = 1
     encodings: ClassVar[tuple[str, ...]] = ("waypoints", "bezier")
     adopts: ClassVar[bool] = True
-    is_on_its_way: ClassVar[bool] = False
+    begins_with_robot: ClassVar[bool] = False
     evaluations_per_member: ClassVar[float] = 1.0
     kernels: ClassVar[loop.Kernels]
 

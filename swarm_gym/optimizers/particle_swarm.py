@@ -16,7 +16,7 @@ from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, evaluate_member, is_spent, re_evaluate_members, recall
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, repair
 
 Floats = NDArray[np.float64]

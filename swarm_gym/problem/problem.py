@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_number
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, evaluate_entry, repair_entry
 from swarm_gym.scenarios import StaticScenario
 

@@ -40,8 +40,8 @@ REFINEMENT_REACH = 12
 # grows linearly, so this is the error of the fitness too, up to a factor of the number of contacts.
 FINEST_STEP = 1e-8
 # Of these the optima ship, with the default encoding and weight; of maps that change, as they are at the end.
-SHIPPED_SCENARIOS = (*sorted(SCENARIOS), *(f"dynamic:{name}-gate@1" for name in sorted(SCENARIOS)))
-SHIPPED_FIELDS = (
+PACKAGED_SCENARIOS = (*sorted(SCENARIOS), *(f"dynamic:{name}-gate@1" for name in sorted(SCENARIOS)))
+PACKAGED_FIELDS = (
     "random-fields:train:0-511",
     "random-fields:validation:0-63",
     "random-fields:test:0-199",
@@ -159,12 +159,12 @@ def _ensure_optimum(problem: Problem) -> float:
 
 
 def write_optima(file: Path) -> None:
-    """Write the optima of `SHIPPED_SCENARIOS` with the default encoding and weight, as JSON.
+    """Write the optima of `PACKAGED_SCENARIOS` with the default encoding and weight, as JSON.
 
     All lengths are in map units, to 1e-6.
     """
     entries = []
-    for name in SHIPPED_SCENARIOS:
+    for name in PACKAGED_SCENARIOS:
         problem = AnalyticProblem(require_analytic(worlds_of(make_scenario(name))[-1].scenario))
         name_of_problem, fitness, length = _solve(problem)
         entries.append(
@@ -214,7 +214,7 @@ def main() -> None:
         parser.error("expected names of scenarios, or --ship")
     if options.ship:
         write_optima(Path(__file__).with_name("optima.json"))
-        write_field_optima(Path(__file__).with_name("random_fields.json"), SHIPPED_FIELDS, _ProgressBar())
+        write_field_optima(Path(__file__).with_name("random_fields.json"), PACKAGED_FIELDS, _ProgressBar())
         return
     try:
         problems = [

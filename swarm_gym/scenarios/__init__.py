@@ -5,9 +5,7 @@ A scenario of a fixed map has a start and a target. `Scenario` has a map of circ
 The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
 is a fixed map and the iteration after which it replaces the one before.
 
-To add a scenario, write a function that returns a `Scenario` and enter it in `registry.SCENARIOS`. To add a
-family, whose names go on after a colon, write a module like `random_fields` and enter its `Family` in
-`registry.FAMILIES`.
+`registry` has the names. CONTRIBUTING.md lists the steps to add a scenario, or a family of them.
 """
 
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move

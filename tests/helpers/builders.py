@@ -12,7 +12,7 @@ from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import Swarms, make_workspace
 from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, WalkProblem
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario, rasterised
 

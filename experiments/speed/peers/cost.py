@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from experiments.speed.measurement import IN_NUMPY
 from swarm_gym.compiler.jit import entry
 from swarm_gym.problem import GridProblem, Problem
-from swarm_gym.problem.layout import columns
+from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, evaluate
 
 Floats = NDArray[np.float64]

@@ -219,7 +219,7 @@ class Glowworm(Optimizer):
     name = "glowworm"
     encodings = ("walk",)
     smallest_population = 2
-    is_on_its_way = True
+    begins_with_robot = True
     parameter_class = GlowwormParameters
     kernels = loop.Kernels(iterate, begin, adopt, change_size, re_evaluate)
 

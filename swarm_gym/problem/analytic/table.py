@@ -22,7 +22,7 @@ from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, rotated_shapes
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
-from swarm_gym.problem.layout import columns, pad
+from swarm_gym.problem.padding import columns, pad
 from swarm_gym.scenarios import MapScenario, Scenario
 
 Floats = NDArray[np.float64]

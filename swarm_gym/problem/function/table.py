@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, floor, load, maximum, total, where
-from swarm_gym.problem.layout import pad
+from swarm_gym.problem.padding import pad
 from swarm_gym.scenarios import FunctionScenario
 
 Floats = NDArray[np.float64]

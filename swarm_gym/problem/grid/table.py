@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.problem.grid.encoding import Encoding
-from swarm_gym.problem.layout import pad
+from swarm_gym.problem.padding import pad
 from swarm_gym.scenarios import GridMap
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.sight import sees, share_blocked, tabulate_rooms
-from swarm_gym.problem.layout import pad
+from swarm_gym.problem.padding import pad
 from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]

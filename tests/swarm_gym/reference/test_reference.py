@@ -19,11 +19,11 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
-from swarm_gym.reference.optima import digest, shipped, store_optimum
+from swarm_gym.reference.optima import digest, packaged, store_optimum
 from swarm_gym.reference.visibility import SAMPLING_ANGLE
 from swarm_gym.reference.waypoint_optimum import (
-    SHIPPED_FIELDS,
-    SHIPPED_SCENARIOS,
+    PACKAGED_FIELDS,
+    PACKAGED_SCENARIOS,
     best_path,
     main,
     write_field_optima,
@@ -277,13 +277,13 @@ def test_a_swarm_that_begins_at_the_optimum_does_not_get_below_it(case):
     assert info["optimality_gap"] == pytest.approx(0.0, abs=1e-8)
 
 
-def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(tmp_path):
+def test_the_packaged_optima_are_what_is_computed_for_every_registered_scenario(tmp_path):
     file = tmp_path / "optima.json"
     write_optima(file)
     assert list(tmp_path.iterdir()) == [file]
-    shipped = json.loads(resources.files("swarm_gym.reference").joinpath(file.name).read_text())
-    assert tuple(entry["name"] for entry in shipped) == SHIPPED_SCENARIOS
-    for new, old in zip(json.loads(file.read_text()), shipped, strict=True):
+    packaged_entries = json.loads(resources.files("swarm_gym.reference").joinpath(file.name).read_text())
+    assert tuple(entry["name"] for entry in packaged_entries) == PACKAGED_SCENARIOS
+    for new, old in zip(json.loads(file.read_text()), packaged_entries, strict=True):
         assert new.keys() == old.keys()
         for length in ("fitness", "shortest_path"):
             assert new[length] == pytest.approx(old[length], abs=2e-6)
@@ -292,31 +292,31 @@ def test_the_shipped_optima_are_what_is_computed_for_every_registered_scenario(t
 
 
 def test_optima_of_fields_ship_under_their_names_and_are_known():
-    fields = shipped("random_fields.json")
-    assert tuple(fields) == tuple(itertools.chain.from_iterable(map(expand_name, SHIPPED_FIELDS)))
+    fields = packaged("random_fields.json")
+    assert tuple(fields) == tuple(itertools.chain.from_iterable(map(expand_name, PACKAGED_FIELDS)))
     for name in list(fields)[::50]:
         problem = AnalyticProblem(make_scenario(name))
         assert fields[name][0] == digest(problem)
         assert known_optimum(problem) == fields[name][1]
 
 
-def test_the_shipped_optima_of_fields_are_plausible_beside_their_shortest_paths():
-    for _, fitness, shortest in shipped("random_fields.json").values():
+def test_the_packaged_optima_of_fields_are_plausible_beside_their_shortest_paths():
+    for _, fitness, shortest in packaged("random_fields.json").values():
         # Waypoints do not stand where the corners are: somewhat longer. (Through a corner would be shorter,
         # but on none of these fields cheaper.)
         assert 0.3 * shortest <= fitness < 0.3 * shortest * 1.05
 
 
 @pytest.mark.slow
-def test_the_shipped_optima_of_fields_are_what_is_computed(tmp_path):
+def test_the_packaged_optima_of_fields_are_what_is_computed(tmp_path):
     calls = []
-    names = [expand_name(name)[-1] for name in SHIPPED_FIELDS]
+    names = [expand_name(name)[-1] for name in PACKAGED_FIELDS]
     write_field_optima(tmp_path / "fields.json", names, lambda done, total: calls.append((done, total)))
     assert calls == [(k, len(names)) for k in range(1, len(names) + 1)]
     computed = json.loads((tmp_path / "fields.json").read_text())
     assert list(computed) == names
     for name, (name_of_problem, *lengths) in computed.items():
-        expected_name, *expected = shipped("random_fields.json")[name]
+        expected_name, *expected = packaged("random_fields.json")[name]
         assert name_of_problem == expected_name
         assert lengths == pytest.approx(expected, abs=2e-6)
 
