@@ -12,7 +12,7 @@ from agents.distillation.rule_fit import Fit, fit_within, select_forward, share_
 from agents.distillation.run import DistilConfig, assess, distil
 from agents.runs.seeds import ANALYSIS, VALIDATION
 from agents.training.config import TrainConfig, stored_config
-from helpers.trainings import make_policy
+from helpers.trainings import make_correction
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
     DISTILLED,
@@ -123,12 +123,7 @@ def test_an_episode_that_runs_away_is_broken_off():
 
 
 def test_a_policy_that_corrects_a_schedule_can_be_distilled(tmp_path):
-    features = [feature.name for feature in OBSERVATIONS["extended"].features]
-    features += [f"proposed {SIZE}", f"proposed {PHI}"]
-    weights = np.random.default_rng(1)
-    path = make_policy(
-        tmp_path / "residual.safetensors", weights, base="spsfa-tip", features=features, extra_features=2
-    )
+    path = make_correction(tmp_path / "residual.safetensors", np.random.default_rng(1), "spsfa-tip")
     found = distil(make_controller(f"learned:{path}"), TRAINING, config_of())
     assert [formula.decision for formula in found.rule.formulas] == [SIZE, PHI]
 
@@ -204,15 +199,11 @@ def test_a_damaged_file_is_refused_by_name_and_with_the_reason(stored, damage, r
     assert str(stored) in str(refused.value)
 
 
-def test_a_file_that_is_cut_off_is_refused(stored):
+def test_a_file_that_is_cut_off_or_missing_is_refused(stored):
     stored.write_text(stored.read_text()[:100])
-    with pytest.raises(DistilledFileError, match=str(stored)):
-        load_rule(str(stored))
-
-
-def test_a_missing_rule_is_refused():
-    with pytest.raises(DistilledFileError, match=r"no-such-rule.*neither"):
-        load_rule("no-such-rule")
+    for name, message in ((str(stored), str(stored)), ("no-such-rule", r"no-such-rule.*neither")):
+        with pytest.raises(DistilledFileError, match=message):
+            load_rule(name)
 
 
 @pytest.mark.parametrize("name", packaged_rules())

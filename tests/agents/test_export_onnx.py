@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from agents.export_onnx import STATE, main, to_onnx
+from agents.export_onnx import STATE, main
 from helpers.trainings import add_memory, make_policy
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
@@ -17,46 +17,27 @@ reference = pytest.importorskip("onnx.reference", reason="needs the extra `onnx`
 SIZE = 5
 
 
-@pytest.fixture
-def policy(tmp_path):
-    return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+@pytest.fixture(params=[False, True], ids=["feedforward", "an LSTM before its layers"])
+def policy(tmp_path, request):
+    path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(1))
+    return add_memory(path, np.random.default_rng(2), SIZE) if request.param else path
 
 
-@pytest.fixture
-def remembering(policy):
-    """A policy with an LSTM before its layers."""
-    return add_memory(policy, np.random.default_rng(1), SIZE)
-
-
-def observations(policy, count, rng):
-    features = len(load_policy(policy)[1]["features"])
-    return rng.normal(size=(count, features)).astype(np.float32)
-
-
-def test_the_model_decides_as_the_controller(policy, tmp_path):
+def test_the_model_decides_as_the_controller_step_by_step_and_holds_the_manifest(policy, tmp_path):
     main([str(policy), str(tmp_path / "some.onnx")])
-    model = onnx.load(tmp_path / "some.onnx")
-    seen = observations(policy, 200, np.random.default_rng(2))
-    (decided,) = reference.ReferenceEvaluator(model).run(None, {"observation": seen})
-    assert np.abs(decided).min() < 0.9  # not all are clipped
-    np.testing.assert_allclose(decided, load_learned(policy).act(seen), rtol=0, atol=1e-6)
-
-
-def test_the_model_of_a_memory_decides_as_the_controller_step_by_step(remembering):
-    session = reference.ReferenceEvaluator(to_onnx(*load_policy(remembering)))
-    controller, rng = load_learned(remembering), np.random.default_rng(3)
-    controller.reset(7)
-    state = [np.zeros((7, SIZE), np.float32)] * 2
+    model, manifest = onnx.load(tmp_path / "some.onnx"), load_policy(policy)[1]
+    session, controller = reference.ReferenceEvaluator(model), load_learned(policy)
+    controller.reset(200)
+    state = {name: np.zeros((200, SIZE), np.float32) for name in STATE if name in session.input_names}
+    rng = np.random.default_rng(3)
     for step in range(6):
-        seen = observations(remembering, 7, rng)
-        seen[:, ITERATION] = step
-        decided, *state = session.run(None, {"observation": seen, **dict(zip(STATE, state, strict=True))})
+        seen = rng.normal(size=(200, len(manifest["features"]))).astype(np.float32)
+        seen[:, ITERATION] = step / 10
+        decided, *after = session.run(None, {"observation": seen, **state})
+        state = dict(zip(state, after, strict=True))
+        assert np.abs(decided).min() < 0.9  # not all are clipped
         np.testing.assert_allclose(decided, controller.act(seen), rtol=0, atol=1e-6)
-
-
-def test_the_model_holds_the_manifest(policy):
-    weights, manifest = load_policy(policy)
-    held = {entry.key: entry.value for entry in to_onnx(weights, manifest).metadata_props}
+    held = {entry.key: entry.value for entry in model.metadata_props}
     assert json.loads(held["manifest"]) == manifest
 
 

@@ -1,4 +1,9 @@
-"""Helpers for tests of results tables and of databases of runs."""
+"""Made-up runs, databases of runs, and what tables and figures show of them."""
+
+import dataclasses
+from contextlib import closing, contextmanager
+
+import numpy as np
 
 
 def cells_of(tables, name):
@@ -12,13 +17,52 @@ def printed_rows(table):
     return [tuple(map(str, row)) for row in table.rows]
 
 
-def make_database(path, suite):
-    """Make the database of a suite with all of its runs, in this process, and return its path."""
-    from agents.backends.local import LocalBackend  # these imports take seconds
+def line(axes, label):
+    """Return the coordinates of the line with that label, (2, points)."""
+    (found,) = [each for each in axes.lines if each.get_label() == label]
+    return np.array(found.get_data(), dtype=float)
+
+
+def stored_run(key, courses, rows=None, **values):
+    """Return a run with these courses in its trace; the other columns are 0, and values have defaults.
+
+    `courses` has arrays by column of the trace, or is the whole trace, (rows, columns).
+    """
+    from experiments.runs.run import Run  # these imports take seconds
+    from swarm_gym.simulation import HISTORY
+
+    trace = courses
+    if isinstance(courses, dict):
+        trace = np.zeros((rows or max(map(len, courses.values()), default=1), len(HISTORY)))
+        for name, course in courses.items():
+            trace[:, HISTORY.index(name)] = course
+    spent = trace[-1, HISTORY.index("evaluations")]
+    usual = {"final_collision": 0.0, "evaluations": int(spent), "seconds": 0.1, "best_path": np.zeros((4, 2))}
+    return Run(*key, trace=trace, provenance={}, **{**usual, **values})
+
+
+def part_of(suite, controllers, scenarios, num_seeds, **changes):
+    """Return a suite of some controllers, scenarios and seeds from 0 on."""
+    some = {"controllers": tuple(controllers), "scenarios": tuple(scenarios), "num_seeds": num_seeds}
+    return dataclasses.replace(suite, **some, first_seed=0, **changes)
+
+
+@contextmanager
+def filled_database(folder, runs):
+    """Open a new database with these runs, and close it."""
+    from experiments.runs.database import Results
+
+    with closing(Results(folder / "made.sqlite")) as database:
+        database.add(*runs)
+        yield database
+
+
+def make_database(path, suite, backend=None):
+    """Make the database of a suite with all of its runs, by a backend or in this process; return its path."""
+    from agents.backends.local import LocalBackend
     from experiments.runs.database import Results
     from experiments.runs.runner import configuration, run_missing
 
-    results = Results(path, configuration(suite))
-    run_missing(suite, results, LocalBackend(1))
-    results.close()
+    with closing(Results(path, configuration(suite))) as results:
+        run_missing(suite, results, backend or LocalBackend(1))
     return path

@@ -15,6 +15,8 @@ TINY = {
     "lstm_size": 5,
 }  # fmt: skip
 STEPS = 4 * 100  # one rollout of one episode per swarm
+# Evolution costs next to nothing: four candidates.
+EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4}
 
 
 def tiny_config(folder, **options):
@@ -66,6 +68,13 @@ def make_policy(path, rng, observation="extended", extra_features=0, **changes):
     manifest = untrained_manifest(observation, **{"features": features, **changes})
     save_policy(path, weights, manifest)
     return path
+
+
+def make_correction(path, rng, base, **changes):
+    """Write a policy file with random weights that corrects the decisions of a base."""
+    features = [feature.name for feature in OBSERVATIONS["extended"].features]
+    features += ["proposed population size", "proposed repair degree"]
+    return make_policy(path, rng, extra_features=2, features=features, base=base, **changes)
 
 
 def add_memory(path, rng, size):

@@ -41,13 +41,19 @@ def alone(seed, optimizer="firefly"):
     return [env.step(action) for action in actions(seed)]
 
 
-def assert_same(alone_steps, vector_steps, row):
-    for one, many in zip(alone_steps, vector_steps, strict=True):
-        np.testing.assert_array_equal(one[0], many[0][row])
-        assert one[1] == many[1][row]
-        assert one[2] == many[2][row]
-        np.testing.assert_array_equal(one[4]["best_path"], many[4]["best_path"][row])
-        assert one[4]["best_fitness"] == many[4]["best_fitness"][row]
+def assert_same_in_a_vector(of_seed, width, **options):
+    """Assert that swarms of a vector go on as alone, whose steps `of_seed` returns."""
+    env = SwarmVectorEnv(width, autoreset_mode=AutoresetMode.DISABLED, **options, **OPTIONS)
+    env.reset(seed=SEED)
+    decisions = np.stack([actions(SEED + row) for row in range(width)], axis=1)
+    steps = [env.step(decision) for decision in decisions]
+    for row in range(width):
+        for one, many in zip(of_seed(SEED + row), steps, strict=True):
+            np.testing.assert_array_equal(one[0], many[0][row])
+            assert one[1] == many[1][row]
+            assert one[2] == many[2][row]
+            np.testing.assert_array_equal(one[4]["best_path"], many[4]["best_path"][row])
+            assert one[4]["best_fitness"] == many[4]["best_fitness"][row]
 
 
 @pytest.fixture(scope="module")
@@ -60,63 +66,47 @@ def singles():
 def test_in_any_vector_width_with_any_number_of_threads(singles, width, threads, numba_threads):
     if threads > numba_threads:
         pytest.skip(f"this machine has {numba_threads} thread(s)")
-    env = SwarmVectorEnv(width, num_threads=threads, autoreset_mode=AutoresetMode.DISABLED, **OPTIONS)
-    env.reset(seed=SEED)
-    decisions = np.stack([actions(SEED + row) for row in range(width)], axis=1)
-    steps = [env.step(decision) for decision in decisions]
-    for row in range(width):
-        assert_same(singles[SEED + row], steps, row)
+    assert_same_in_a_vector(singles.get, width, num_threads=threads)
 
 
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
 def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
-    env = SwarmVectorEnv(5, optimizer=optimizer, autoreset_mode=AutoresetMode.DISABLED, **OPTIONS)
-    env.reset(seed=SEED)
-    decisions = np.stack([actions(SEED + row) for row in range(5)], axis=1)
-    steps = [env.step(decision) for decision in decisions]
-    for row in range(5):
-        assert_same(alone(SEED + row, optimizer), steps, row)
+    assert_same_in_a_vector(lambda seed: alone(seed, optimizer), 5, optimizer=optimizer)
+
+
+duplications = pytest.mark.parametrize(
+    "duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"]
+)
 
 
 @pytest.mark.parametrize(
     "maps", [{}, {"scenario": ["rooms:0-1"], "encoding": "bezier"}], ids=["analytic", "grid"]
 )
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
-@pytest.mark.parametrize(
-    "duplicate",
-    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
-    ids=["deep", "pickle"],
-)
+@duplications
 def test_after_copying_in_mid_episode(duplicate, optimizer, maps):
     env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
+    assert_same_after_copying(env, actions(SEED)[:4], actions(SEED)[4:], duplicate)
+
+
+@duplications
+def test_vectors_after_copying_in_mid_episode(duplicate):
+    decision = np.tile([9, 0.5], (3, 1))
+    assert_same_after_copying(SwarmVectorEnv(3, **OPTIONS), [decision], [decision] * 12, duplicate)
+
+
+def assert_same_after_copying(env, before, after, duplicate):
     env.reset(seed=SEED)
-    decisions = actions(SEED)
-    for action in decisions[:4]:
+    for action in before:
         env.step(action)
     twin = duplicate(env)
-    rest = [env.step(action) for action in decisions[4:]]
-    for one, action in zip(rest, decisions[4:], strict=True):
+    rest = [env.step(action) for action in after]
+    for one, action in zip(rest, after, strict=True):
         other = twin.step(action)
         np.testing.assert_array_equal(one[0], other[0])
-        assert one[1] == other[1]
+        np.testing.assert_array_equal(one[1], other[1])
     # The next episode follows from the same seed too.
     np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])
-
-
-@pytest.mark.parametrize(
-    "duplicate",
-    [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
-    ids=["deep", "pickle"],
-)
-def test_vectors_after_copying_in_mid_episode(duplicate):
-    env = SwarmVectorEnv(3, **OPTIONS)
-    env.reset(seed=SEED)
-    env.step(np.tile([9, 0.5], (3, 1)))
-    twin = duplicate(env)
-    for _ in range(12):  # past the end of the episode
-        one, other = env.step(np.tile([9, 0.5], (3, 1))), twin.step(np.tile([9, 0.5], (3, 1)))
-        np.testing.assert_array_equal(one[0], other[0])
-        np.testing.assert_array_equal(one[1], other[1])
 
 
 def fingerprint():

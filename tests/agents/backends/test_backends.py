@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections import Counter
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,9 @@ from agents.backends import BackendError, BackendOptions, Task, WorkLostError, r
 from agents.backends.backend import Outcome
 from agents.backends.packing import files_of, pack
 from agents.runs.provenance import git_commit
-from experiments.runs.database import Results
-from experiments.runs.runner import configuration, run_missing
 from experiments.runs.suite import Suite
 from helpers.small_commands import CONTROLLERS, rows
+from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.errors import MissingExtraError
@@ -40,9 +40,8 @@ KINDS = [pytest.param(name, marks=pytest.mark.slow if name in {"ray", "slurm"} e
 
 @pytest.fixture(scope="module", params=KINDS)
 def backend(request, tmp_path_factory):
-    made = make(request.param, tmp_path_factory.mktemp("shared"))
-    yield made
-    made.close()
+    with closing(make(request.param, tmp_path_factory.mktemp("shared"))) as made:
+        yield made
 
 
 def make(name, folder, **changes):
@@ -76,11 +75,8 @@ def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
             os.kill(os.getpid(), signal.SIGKILL)
         return unit
 
-    backend = make(name, tmp_path)
-    try:
+    with closing(make(name, tmp_path)) as backend:
         found = list(backend.run(Task(die_once, (tmp_path,)), range(16)))
-    finally:
-        backend.close()
     assert sorted(found) == [(number, number) for number in range(16)]
     assert {path.name for path in tmp_path.iterdir()} >= {"3", "11"}
 
@@ -88,12 +84,11 @@ def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SEVERAL)
 def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
-    backend = make(name, tmp_path)
-    try:
-        with pytest.raises(WorkLostError, match=r"killed 3 times.*is memory short"):
-            list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
-    finally:
-        backend.close()
+    with (
+        closing(make(name, tmp_path)) as backend,
+        pytest.raises(WorkLostError, match=r"killed 3 times.*is memory short"),
+    ):
+        list(backend.run(Task(lambda _: os.kill(os.getpid(), signal.SIGKILL)), [1, 2]))
 
 
 @pytest.mark.slow
@@ -107,11 +102,8 @@ def test_short_units_share_a_ray_task_and_long_ones_have_their_own(tmp_path, mon
         time.sleep(length)
         return ray.get_runtime_context().get_task_id()
 
-    backend = make("ray", tmp_path)
-    try:
+    with closing(make("ray", tmp_path)) as backend:
         found = Counter(name for _, name in backend.run(Task(work, (length,)), range(100)))
-    finally:
-        backend.close()
     assert found.total() == 100
     assert (max(found.values()) == 1) == alone
     assert max(found.values()) <= ray_backend.MOST_UNITS
@@ -138,12 +130,8 @@ class Job:
 def test_work_that_needs_too_much_memory_is_given_up_by_ray(tmp_path, monkeypatch):
     monkeypatch.setenv("RAY_memory_usage_threshold", "0.01")  # of all memory, which is in use already
     monkeypatch.setenv("RAY_memory_monitor_refresh_ms", "50")
-    backend = make("ray", tmp_path)
-    try:
-        with pytest.raises(WorkLostError, match="is memory short"):
-            list(backend.run(Task(time.sleep), [60.0, 60.0]))
-    finally:
-        backend.close()
+    with closing(make("ray", tmp_path)) as backend, pytest.raises(WorkLostError, match="is memory short"):
+        list(backend.run(Task(time.sleep), [60.0, 60.0]))
 
 
 @pytest.fixture
@@ -203,11 +191,8 @@ def test_where_nothing_succeeds_all_is_given_up_soon(slurm_jobs):
 def test_runs_are_those_of_one_process(tmp_path, name):
     suite = Suite("paper", CONTROLLERS, ("case1", "case3"), num_seeds=4, baseline="spsfa-tip")
     for where in ("one process", name):
-        backend = make(where, tmp_path / where)
-        results = Results(tmp_path / where / "paper.sqlite", configuration(suite))
-        run_missing(suite, results, backend)
-        results.close()
-        backend.close()
+        with closing(make(where, tmp_path / where)) as backend:
+            make_database(tmp_path / where / "paper.sqlite", suite, backend)
     assert len(rows(tmp_path / name)) == 3 * 2 * 4
     assert rows(tmp_path / name) == rows(tmp_path / "one process")
     assert not (tmp_path / name / "slurm").exists()
@@ -235,20 +220,21 @@ def test_options_that_cannot_be_are_refused(tmp_path, options, error, message):
         options.make(tmp_path)
 
 
-def test_without_slurm_it_is_said(tmp_path, monkeypatch):
-    pytest.importorskip("submitit", reason="needs the extra `slurm`")
-    monkeypatch.setenv("PATH", "")
-    with pytest.raises(BackendError, match=r"srun.*--address local"):
-        BackendOptions("slurm", jobs=1).make(tmp_path)
+NO_ACCOUNTING = {"srun": "true", "sacct": "echo 'accounting storage is disabled' >&2; exit 1"}
 
 
-def test_slurm_without_accounting_is_refused(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("commands", "message"),
+    [({}, r"srun.*--address local"), (NO_ACCOUNTING, r"needs Slurm's accounting.*storage is disabled")],
+    ids=["no Slurm", "no accounting"],
+)
+def test_without_slurm_and_its_accounting_it_is_said(tmp_path, monkeypatch, commands, message):
     pytest.importorskip("submitit", reason="needs the extra `slurm`")
-    for name, does in (("srun", "true"), ("sacct", "echo 'accounting storage is disabled' >&2; exit 1")):
+    for name, does in commands.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{does}\n")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(BackendError, match=r"needs Slurm's accounting.*storage is disabled"):
+    with pytest.raises(BackendError, match=message):
         BackendOptions("slurm", jobs=1).make(tmp_path / "jobs")
 
 

@@ -24,11 +24,8 @@ def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
     configs = configs_of_seeds(config, [0, 1, 2])
     TrainingRun(configs[1])  # begun already, so that it is refused without --resume
     outcomes = {outcome.folder.name: outcome for outcome in carry_out(train, configs, LocalBackend(2))}
-    assert {name: outcome.finished is None for name, outcome in outcomes.items()} == {
-        "0": False,
-        "1": True,
-        "2": False,
-    }
+    failed = {name: outcome.finished is None for name, outcome in outcomes.items()}
+    assert failed == {"0": False, "1": True, "2": False}
     assert "--resume" in outcomes["1"].error
     again = configs_of_seeds(dataclasses.replace(config, resume=True), [0, 1, 3])
     outcomes = {outcome.folder.name: outcome for outcome in carry_out(train, again, LocalBackend(2))}
@@ -74,14 +71,11 @@ def test_a_lock_that_a_lost_machine_may_have_left_is_waited_for(tmp_path, monkey
     lock.release()
 
 
-def test_every_seed_has_a_folder(tmp_path):
+def test_every_seed_has_a_folder_and_is_there_once(tmp_path):
     configs = configs_of_seeds(tiny_config(tmp_path, name=""), [4, 5])
     assert [c.folder for c in configs] == [tmp_path / "three-cases" / "4", tmp_path / "three-cases" / "5"]
     configs = configs_of_seeds(tiny_config(tmp_path, name="mine"), [4])
     assert [(c.folder, c.seed) for c in configs] == [(tmp_path / "mine" / "4", 4)]
-
-
-def test_a_seed_that_is_there_twice_is_refused(tmp_path):
     with pytest.raises(ValueError, match="each one once"):
         configs_of_seeds(tiny_config(tmp_path), [1, 1])
 

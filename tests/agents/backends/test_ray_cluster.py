@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from experiments.runs.runner import configuration, missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
 from helpers.small_commands import CONTROLLERS, rows
+from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
 from swarm_gym.controllers.learned.policy_file import load_policy
 
@@ -58,12 +60,8 @@ class Watched(Results):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The folder of a database with all runs, computed by this process."""
-    folder = tmp_path_factory.mktemp("whole")
-    results = Results(folder / "paper.sqlite", configuration(SUITE))
-    run_missing(SUITE, results, LocalBackend(2))
-    results.close()
-    return folder
+    """The folder of a database with all runs, computed by this machine."""
+    return make_database(tmp_path_factory.mktemp("whole") / "paper.sqlite", SUITE, LocalBackend(2)).parent
 
 
 @pytest.mark.parametrize("killed", ["nothing", "worker", "node"])
@@ -83,12 +81,12 @@ def test_rows_are_those_made_here_whatever_is_killed(tmp_path, cluster, whole, k
         cluster.remove_node(cluster.workers[0], allow_graceful=False)
 
     what = {"nothing": None, "worker": kill_a_worker, "node": kill_a_node}[killed]
-    results = Watched(tmp_path / "paper.sqlite", SUITE, 20, what)
-    backend = RayBackend(cluster.address, 0)
-    assert backend.workers() == 2
-    run_missing(SUITE, results, backend)
-    backend.close()
-    results.close()
+    with (
+        closing(Watched(tmp_path / "paper.sqlite", SUITE, 20, what)) as results,
+        closing(RayBackend(cluster.address, 0)) as backend,
+    ):
+        assert backend.workers() == 2
+        run_missing(SUITE, results, backend)
     assert results.what is None
     assert len(results.stored) == len(set(results.stored)) == 3 * 3 * 12
     assert rows(tmp_path) == rows(whole)
@@ -101,17 +99,16 @@ def test_what_one_backend_began_another_one_ends(tmp_path, cluster, whole):
     def stop():
         raise StoppedError
 
-    first = Watched(tmp_path / "paper.sqlite", SUITE, 20, stop)
-    with pytest.raises(StoppedError):
+    path = tmp_path / "paper.sqlite"
+    with closing(Watched(path, SUITE, 20, stop)) as first, pytest.raises(StoppedError):
         run_missing(SUITE, first, LocalBackend(2))
-    first.close()
-    results = Watched(tmp_path / "paper.sqlite", SUITE, 0, None)
-    lacking = missing_runs(SUITE, results)
-    assert 0 < len(lacking) < 3 * 3 * 12
-    backend = RayBackend(cluster.address, 0)
-    run_missing(SUITE, results, backend)
-    backend.close()
-    results.close()
+    with (
+        closing(Watched(path, SUITE, 0, None)) as results,
+        closing(RayBackend(cluster.address, 0)) as backend,
+    ):
+        lacking = missing_runs(SUITE, results)
+        assert 0 < len(lacking) < 3 * 3 * 12
+        run_missing(SUITE, results, backend)
     assert sorted(results.stored) == sorted(lacking)
     assert rows(tmp_path) == rows(whole)
 
@@ -127,12 +124,9 @@ def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkey
     make_policy(tmp_path / "mine.safetensors", np.random.default_rng(0))
     controllers = ("spsfa-tip", "learned:mine.safetensors")
     suite = Suite("paper", controllers, ("moving-ai:room?start=0,0&goal=7,7",), 3, "spsfa-tip")
-    backend = RayBackend(cluster.address, 0, list(files_of(controllers)))
-    for name, by in (("here", LocalBackend(1)), ("there", backend)):
-        results = Results(tmp_path / name / "paper.sqlite", configuration(suite))
-        run_missing(suite, results, by)
-        results.close()
-    backend.close()
+    with closing(RayBackend(cluster.address, 0, list(files_of(controllers)))) as backend:
+        for name, by in (("here", LocalBackend(1)), ("there", backend)):
+            make_database(tmp_path / name / "paper.sqlite", suite, by)
     assert rows(tmp_path / "here") == rows(tmp_path / "there")
     assert len(rows(tmp_path / "there")) == 6
 
@@ -148,11 +142,9 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
 
     killer = threading.Thread(target=kill_a_node, daemon=True)
     killer.start()
-    backend = RayBackend(cluster.address, 0)
-    outcomes = list(
-        carry_out(train, configs_of_seeds(tiny_config(tmp_path, **long, name="many"), [0, 1]), backend)
-    )
-    backend.close()
+    configs = configs_of_seeds(tiny_config(tmp_path, **long, name="many"), [0, 1])
+    with closing(RayBackend(cluster.address, 0)) as backend:
+        outcomes = list(carry_out(train, configs, backend))
     killer.join(10)
     assert not killer.is_alive()
     for outcome in outcomes:
@@ -161,29 +153,28 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
         assert_same_weights(single.run(), outcome.finished.result)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [({"trials": -1}, "--trials.*-1"), ({"rungs": 0}, "--rungs.*0"), ({"jobs": -2}, "--jobs.*-2")],
-)
-def test_a_search_that_cannot_be_is_refused(tmp_path, options, message):
+@pytest.fixture
+def search():
+    """Search by Ray Tune, by the options of its configuration."""
     pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
-    from experiments.with_ray_tune import SearchConfig, search
+    from experiments import with_ray_tune
 
-    with pytest.raises(ValueError, match=message):
-        search(SearchConfig(runs=tmp_path / "runs", **options))
+    return lambda **options: with_ray_tune.search(with_ray_tune.SearchConfig(**options))
+
+
+@pytest.mark.parametrize("options", [{"trials": -1}, {"rungs": 0}, {"jobs": -2}])
+def test_a_search_that_cannot_be_is_refused(tmp_path, search, options):
+    ((name, value),) = options.items()
+    with pytest.raises(ValueError, match=f"--{name}.*{value}"):
+        search(runs=tmp_path / "runs", **options)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ray_tune_searches_a_preset(tmp_path):
-    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
-    from experiments.with_ray_tune import SearchConfig, search
-
+def test_ray_tune_searches_a_preset(tmp_path, search):
     lines = [f"{name} = {json.dumps(value)}" for name, value in {**TINY, "warm_start": "none"}.items()]
     (tmp_path / "tiny.toml").write_text("like = 'three-cases-ppo'\n" + "\n".join(lines))
-    config = SearchConfig(
-        str(tmp_path / "tiny.toml"), trials=4, rungs=2, total_steps=4 * STEPS, runs=tmp_path / "runs", jobs=2
-    )
-    policy, values = search(config)
+    few = {"trials": 4, "rungs": 2, "total_steps": 4 * STEPS, "jobs": 2}
+    policy, values = search(preset=str(tmp_path / "tiny.toml"), runs=tmp_path / "runs", **few)
     _, manifest = load_policy(policy)
     assert {name: manifest["config"][name] for name in values} == values
     runs = [json.loads(path.read_text()) for path in (tmp_path / "runs").glob("*/config.json")]

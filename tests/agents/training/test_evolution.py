@@ -1,23 +1,23 @@
-"""Evolution of policies: it learns, it resumes bit for bit, candidates earn what their policies earn."""
+"""Evolution of policies: it learns, and candidates earn what their policies earn."""
 
 import numpy as np
 import pytest
 
 from agents.evaluation.rollout import run_episodes
 from agents.training.learners import make_learner
-from helpers.trainings import run_whole_and_stopped, tiny_config, train
+from helpers import trainings
+from helpers.trainings import tiny_config, train
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
 
 pytestmark = pytest.mark.usefixtures("plain_pictures")
 
-EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "num_swarms": 8}
-GENERATION = 8 * 100  # environment steps
+EVOLUTION = {**trainings.EVOLUTION, "num_swarms": 8}
 
 
 def test_it_learns_to_save_evaluations_that_cost_much(tmp_path):
     options = {"price": (500.0,), "hidden_layers": (), "candidates": 8, "sigma": 0.5, "rollouts_per_chunk": 4}
-    run = train(tmp_path, **{**EVOLUTION, **options}, total_steps=3 * 4 * GENERATION)
+    run = train(tmp_path, **{**EVOLUTION, **options}, total_steps=3 * 4 * 8 * 100)
     first = run.learner.weights()
     assert not any(array.any() for array in first.values())
     best = run.run()
@@ -51,32 +51,9 @@ def test_candidates_earn_what_their_policies_earn(tmp_path, base, begin, width):
     assert learner.num_steps == 8 * (100 - begin) + 2 * begin
 
 
-# With a whole covariance, and with its diagonal.
-@pytest.mark.parametrize("hidden_layers", [(), pytest.param((20,), marks=pytest.mark.slow)])
-def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path, hidden_layers):
-    options = {**EVOLUTION, "hidden_layers": hidden_layers}
-    whole, resumed = run_whole_and_stopped(tmp_path, 2 * GENERATION, 4 * GENERATION, **options)
-    np.testing.assert_array_equal(resumed.learner._strategy.mean, whole.learner._strategy.mean)
-
-
 def test_a_policy_with_a_base_begins_as_the_base(tmp_path):
     learner = make_learner(tiny_config(tmp_path, **EVOLUTION, base="spsfa"))
     weights = learner.weights()
     assert weights["0.weight"].any()
     assert not weights["1.weight"].any()
     assert not weights["1.bias"].any()
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"candidates": 3}, "multiple of candidates, got 8 and 3"),
-        ({"warm_start": "spsfa-tip"}, "imitates no controller"),
-        ({"reward": "paired"}, "changes nothing.*'final-gap'"),
-        ({"base": "spsfa", "action": "natural"}, "scaled to"),
-    ],
-)
-def test_what_evolution_cannot_do_is_refused(tmp_path, options, message):
-    with pytest.raises(ValueError, match=message):
-        train(tmp_path, **{**EVOLUTION, **options})
-    assert list(tmp_path.iterdir()) == []

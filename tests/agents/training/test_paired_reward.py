@@ -28,59 +28,40 @@ def paired_env(num, **options):
     return SB3VecEnv(SwarmVectorEnv(num, **{**own, **options}), None, Reference(controller, twin))
 
 
-def run_to_end(controller, env, observation):
-    controller.reset(1)
-    total, ended = 0.0, False
-    while not ended:
-        observation, reward, ended, _, _ = env.step(controller.act(observation[None])[0])
-        total += reward
-    return total
+def episode_returns(env, name, seed):
+    """Return what a controller earns in three episodes of a single environment, the first from that seed."""
+    controller, totals = make_controller(name, LIMITS), np.zeros(3)
+    for episode in range(3):
+        observation, _ = env.reset(seed=seed if episode == 0 else None)
+        controller.reset(1)
+        ended = False
+        while not ended:
+            observation, reward, ended, _, _ = env.step(controller.act(observation[None])[0])
+            totals[episode] += reward
+    return totals
 
 
-def test_a_paired_return_is_the_difference_of_two_runs():
-    env = paired_env(6)
+# The budget ends an episode at the third iteration; the reference always takes nine.
+@pytest.mark.parametrize("budget", [{}, {"max_evaluations": 12 + 3 * 12 * 12}], ids=["no budget", "budget"])
+def test_a_paired_return_is_the_difference_of_two_runs_from_the_same_start(budget):
+    env = paired_env(6, **budget)
     env.seed(40)
     env.reset()
-    earned = np.zeros(6)
-    for step in range(9):
-        _, rewards, dones, infos = env.step(np.tile([12.0, 0.0], (6, 1)))
-        assert dones.all() == (step == 8)
-        earned += rewards
-    assert [info["episode"]["r"] for info in infos] == pytest.approx(earned.tolist())
-    options = {**PAID, "initial_population_size": 12}
-    scenario = options.pop("scenario")
-    for row in range(6):  # one by one, since the scenario is drawn by the seed
-        seeds = range(40 + row, 41 + row)
-        own, theirs = (
-            run_episodes(make_controller(name, LIMITS), scenario, seeds, price=price, **options).returns[0]
-            for name, price in (("fixed:12", 3.0), ("spsfa-tip", 0.0))
-        )
-        assert earned[row] == pytest.approx(own - theirs, abs=1e-12)
-
-
-def test_episodes_of_other_lengths_meet_the_reference_of_the_same_start():
-    # The budget ends an episode at the third iteration; the reference always takes nine.
-    env = paired_env(3, max_evaluations=12 + 3 * 12 * 12)
-    env.seed(40)
-    env.reset()
-    singles = [SwarmEnv(**{**PAID, "initial_population_size": 12}, price=0.0) for _ in range(3)]
-    ours = [
-        SwarmEnv(**{**PAID, "initial_population_size": 12}, price=3.0, max_evaluations=444) for _ in range(3)
-    ]
-    found = [[], [], []]
+    found, earned = [[] for _ in range(6)], np.zeros(6)
     while min(map(len, found)) < 3:
-        _, _, dones, infos = env.step(np.tile([12.0, 0.0], (3, 1)))
+        _, rewards, dones, infos = env.step(np.tile([12.0, 0.0], (6, 1)))
+        earned += rewards
         for row in np.flatnonzero(dones):
             found[row].append(infos[row]["episode"]["r"])
-            assert infos[row]["episode"]["l"] < 9
-    for row in range(3):
-        for episode in range(3):
-            seed = 40 + row if episode == 0 else None
-            theirs = run_to_end(
-                make_controller("spsfa-tip", LIMITS), singles[row], singles[row].reset(seed=seed)[0]
-            )
-            own = run_to_end(make_controller("fixed:12", LIMITS), ours[row], ours[row].reset(seed=seed)[0])
-            assert found[row][episode] == pytest.approx(own - theirs, abs=1e-12)
+            assert found[row][-1] == pytest.approx(earned[row])
+            assert (infos[row]["episode"]["l"] < 9) if budget else (infos[row]["episode"]["l"] == 9)
+        earned[dones] = 0.0
+    for row in range(6):
+        own, theirs = (
+            episode_returns(SwarmEnv(**PAID, initial_population_size=12, **options), name, 40 + row)
+            for name, options in (("fixed:12", {"price": 3.0, **budget}), ("spsfa-tip", {"price": 0.0}))
+        )
+        assert found[row][:3] == pytest.approx(own - theirs, abs=1e-12)
 
 
 @pytest.mark.usefixtures("plain_pictures")

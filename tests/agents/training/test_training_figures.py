@@ -14,20 +14,14 @@ from tensorboard.plugins.hparams.plugin_data_pb2 import HParamsPluginData
 from agents import SizeLimits, make_controller
 from agents.evaluation.rollout import Episodes, run_episodes
 from agents.training.pictures import ReplayStrip, draw_decisions
+from helpers import trainings
 from helpers.trainings import train
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 pytest.importorskip("pygame")
 
 STEPS = 4
-# Evolution costs next to nothing: 4 candidates, one episode each.
-EVOLUTION = {
-    "algorithm": "evolution",
-    "warm_start": "none",
-    "candidates": 4,
-    "iterations": 7,
-    "total_steps": 2 * STEPS * 7,
-}
+EVOLUTION = {**trainings.EVOLUTION, "iterations": 7, "total_steps": 2 * STEPS * 7}
 
 
 def shown(folder):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
@@ -117,8 +118,7 @@ def test_a_point_decides_at_its_knots_what_the_controller_does():
 
 def test_a_constant_is_one_decision():
     space = KnotSpace(TuneConfig(**kind_defaults("constant")))
-    controller = space.controller(space.start)
-    actions = controller.act(np.array([[0.0, 0.0, 0.0, t] for t in (0, 50, 99)]))
+    actions = space.controller(space.start).act(np.array([[0.0, 0.0, 0.0, t] for t in (0, 50, 99)]))
     assert (actions == actions[0]).all()
     assert 10 < actions[0, 0] < 165
 
@@ -184,12 +184,19 @@ def test_a_run_is_not_overwritten_nor_another_one_resumed(tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_damaged_checkpoint_is_refused(tmp_path):
-    tune(tmp_path, rounds=1).run()
-    checkpoint = tmp_path / "it" / "checkpoint.npz"
-    checkpoint.write_bytes(checkpoint.read_bytes()[:200])
-    with pytest.raises(RunFolderError, match=r"checkpoint\.npz"):
-        tune(tmp_path, resume=True)
+@pytest.mark.parametrize(
+    ("what", "name", "damage"),
+    [
+        ("open-loop", "checkpoint.npz", lambda content: content[:200]),
+        ("schedule", "study.db", lambda content: b"no database" * 100),
+    ],
+)
+def test_a_damaged_checkpoint_or_study_is_refused(tmp_path, what, name, damage):
+    tune(tmp_path, what, rounds=1).run()
+    path = tmp_path / "it" / name
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(RunFolderError, match=re.escape(name)):
+        tune(tmp_path, what, resume=True)
 
 
 @pytest.mark.parametrize(
@@ -202,6 +209,9 @@ def test_a_damaged_checkpoint_is_refused(tmp_path):
         ({"knots": (0, 8, 8)}, "increase"),
         ({"knots": (0, 100)}, "knots.*100"),
         ({"what": "constant", "knots": (0, 9)}, "knots: not an option of what 'constant'"),
+        ({"what": "schedule", "action": "extended"}, "action: not an option of what 'schedule'"),
+        ({"what": "schedule", "sigma": 0.3}, "sigma: not an option of what 'schedule'"),
+        ({"what": "schedule", "candidates": 8}, "candidates: not an option of what 'schedule'"),
         ({"candidates": 3}, "candidates.*3"),
         ({"sigma": 0.0}, "sigma.*0"),
         ({"episodes": 0}, "episodes.*0"),
@@ -268,13 +278,6 @@ def test_a_trial_that_was_killed_is_repeated(tmp_path, monkeypatch):
     assert trials[0] == trials[1]
 
 
-def test_a_damaged_study_is_refused(tmp_path):
-    tune(tmp_path, "schedule", rounds=1).run()
-    (tmp_path / "it" / "study.db").write_bytes(b"no database" * 100)
-    with pytest.raises(RunFolderError, match=r"study\.db"):
-        tune(tmp_path, "schedule", resume=True)
-
-
 @pytest.mark.parametrize("space", [what for what in TUNERS if what not in BY_EVOLUTION])
 def test_every_parameter_of_a_family_can_be_tuned_over_its_span(space):
     space = TUNERS[space].make.keywords["space"]
@@ -284,9 +287,3 @@ def test_every_parameter_of_a_family_can_be_tuned_over_its_span(space):
         controller = make_controller(f"{space.family}:{format_parameters(values)}")
         for name, value in values.items():
             assert getattr(controller, name) == value
-
-
-@pytest.mark.parametrize("option", [{"action": "extended"}, {"sigma": 0.3}, {"candidates": 8}])
-def test_options_of_another_kind_are_refused(tmp_path, option):
-    with pytest.raises(ValueError, match=f"{next(iter(option))}: not an option of what 'schedule'"):
-        tune(tmp_path, "schedule", **option)

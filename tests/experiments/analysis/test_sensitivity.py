@@ -64,14 +64,11 @@ def test_an_input_that_is_not_used_changes_nothing(found):
                 np.testing.assert_array_equal(ours, theirs)
 
 
-def test_an_input_that_is_used_changes_its_decisions_and_the_episodes(found):
+def test_the_only_input_but_the_iteration_that_is_used_changes_its_decisions_and_the_episodes(found):
     size, phi = found.changes[COLLISION]
     assert size > 0.01
     assert phi == 0.0
     assert (found.masked[COLLISION].evaluations != found.seeing.evaluations).any()
-
-
-def test_all_but_the_iteration_is_all_that_this_one_sees(found):
     np.testing.assert_array_equal(found.changes[ALL_BUT_ITERATION], found.changes[COLLISION])
     np.testing.assert_array_equal(found.masked[ALL_BUT_ITERATION].gap, found.masked[COLLISION].gap)
 
@@ -164,17 +161,10 @@ def test_inputs_are_named_by_their_features_and_those_of_a_base_marked():
     assert input_names(controller) == [*(f"{name} (base)" for name in paper), *NAMES]
     policy = make_controller("learned:three-cases/0")
     assert input_names(policy)[:4] == [f"{name} (base)" for name in paper]
-
-
-def test_no_two_inputs_have_one_name():
     controller = Partial()
+    controller.observation = "scaled+scaled+scaled"  # no two inputs have one name
     scaled = [feature.name for feature in OBSERVATIONS["scaled"].features]
-    controller.observation = "scaled+scaled+scaled"
     assert input_names(controller) == [*scaled, *(f"{n} ({k})" for k in (2, 3) for n in scaled)]
-
-
-def test_inputs_of_a_layout_that_there_is_not_have_no_names():
-    controller = Partial()
     controller.observation = "papers+rich"
     with pytest.raises(UnknownNameError, match=r"'papers'.*paper, priced"):
         input_names(controller)

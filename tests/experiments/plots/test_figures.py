@@ -1,4 +1,5 @@
 import dataclasses
+import itertools
 import struct
 import subprocess
 import sys
@@ -21,12 +22,12 @@ from experiments.plots.courses import (
 )
 from experiments.plots.stored import load_cases, load_snapshots
 from experiments.plots.style import KNOWN_STYLES, render, settings, styles
-from experiments.runs.database import Results
 from experiments.runs.labels import label
-from experiments.runs.run import Run, Snapshot
+from experiments.runs.run import Snapshot
 from experiments.runs.suite import Suite
 from experiments.studies.spsfa.suites import PAPER
 from helpers.builders import CASES, function_problem, make_problem
+from helpers.stored_runs import filled_database, line, stored_run
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 
 CONTROLLERS = ("fixed:60", "spsfa", "spsfa-tip", "learned:tiny")
@@ -39,21 +40,15 @@ SUITE = Suite(
     baseline="spsfa",
     snapshots=(("spsfa", "case2", 1, (0, ITERATIONS)),),
 )
+OF_A_CASE = ("convergence", "population-size", "best-paths", "box-plots")
 FILES = [
     "figure-03-population-snapshots",
     "figure-04-population-collision",
-    "figure-08-convergence-case1",
-    "figure-09-population-size-case1",
-    "figure-10-best-paths-case1",
-    "figure-11-box-plots-case1",
-    "figure-12-convergence-case2",
-    "figure-13-population-size-case2",
-    "figure-14-best-paths-case2",
-    "figure-15-box-plots-case2",
-    "figure-16-convergence-case3",
-    "figure-17-population-size-case3",
-    "figure-18-best-paths-case3",
-    "figure-19-box-plots-case3",
+    *(
+        f"figure-{8 + 4 * c + k:02}-{kind}-{case}"
+        for c, case in enumerate(CASES)
+        for k, kind in enumerate(OF_A_CASE)
+    ),
 ]
 DRAW_AGAIN = """
 import sys
@@ -76,52 +71,43 @@ def make_run(controller, scenario, seed, problem=None):
     rows = ITERATIONS + 1
     repair = rng.uniform(0.1, 0.3, rows) if controller == "spsfa-tip" else np.zeros(rows)
     fitness = np.sort(rng.uniform(310.0, 900.0, rows))[::-1]
-    evaluations = np.cumsum(rng.integers(60, 2000, rows)).astype(float)
-    trace = np.stack(
-        [
-            rng.uniform(1.0, 90.0, rows),
-            rng.integers(20, 90, rows),
-            repair,
-            fitness,
-            evaluations,
-            np.zeros(rows),
-        ],
-        axis=1,
-    )
+    courses = {
+        "evaluations": np.cumsum(rng.integers(60, 2000, rows)),
+        "population_collision": rng.uniform(1.0, 90.0, rows),
+        "population_size": rng.integers(20, 90, rows),
+        "repair_degree": repair,
+        "best_fitness": fitness,
+    }
     offsets = rng.uniform(-100.0, 100.0, (MEMBERS, problem.num_waypoints))
     collisions = np.array([0.0, 3.0, 0.0, 2.0, 1.0])
     populations = [Snapshot(k, problem.points(offsets + k), collisions) for k in (0, 3, ITERATIONS)]
     kept = populations if (controller, scenario, seed) == ("spsfa", "case2", 1) else []
-    return Run(
-        controller=controller,
-        scenario=scenario,
-        seed=seed,
+    return stored_run(
+        (controller, scenario, seed),
+        courses,
         final_fitness=fitness[-1],
         final_collision=rng.choice([0.0, 0.5]),
-        evaluations=int(evaluations[-1]),
-        seconds=0.1,
         best_path=problem.points(offsets[0]),
-        trace=trace,
-        provenance={},
         snapshots=tuple(kept),
     )
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Runs of all controllers but one on the paper's cases."""
-    database = Results(tmp_path_factory.mktemp("results") / "tiny.sqlite")
-    for controller in CONTROLLERS:
-        for scenario in CASES:
-            for seed in range(NUM_SEEDS):
-                database.add(make_run(controller, scenario, seed))
-    yield database
-    database.close()
+    """Runs of all controllers on the paper's cases."""
+    runs = itertools.starmap(make_run, itertools.product(CONTROLLERS, CASES, range(NUM_SEEDS)))
+    with filled_database(tmp_path_factory.mktemp("results"), runs) as database:
+        yield database
 
 
 @pytest.fixture(scope="module")
 def cases(results):
     return {case.scenario.name: case for case in load_cases(SUITE, results)}
+
+
+@pytest.fixture(scope="module")
+def case(cases):
+    return cases["case2"]
 
 
 @pytest.fixture(scope="module")
@@ -131,12 +117,6 @@ def written(results, tmp_path_factory):
 
 def course(case, controller, name):
     return np.array([run.course(name) for run in case.runs[controller]])
-
-
-def line(axes, text):
-    """Coordinates of the line with that label."""
-    (found,) = [each for each in axes.lines if each.get_label() == text]
-    return np.array(found.get_data(), dtype=float)
 
 
 def labels(axes):
@@ -150,15 +130,14 @@ def test_every_figure_of_the_paper_is_written_under_its_number(written):
 
 
 def test_vector_files_are_well_formed(written):
-    for path in written:
-        if path.suffix == ".svg":
-            root = ElementTree.parse(path).getroot()
-            assert root.tag == "{http://www.w3.org/2000/svg}svg"
-            assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
+    for path in written[::2]:
+        root = ElementTree.parse(path).getroot()
+        assert root.tag == "{http://www.w3.org/2000/svg}svg"
+        assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 20
 
 
 def test_pixel_files_have_the_size_of_the_figure(results, written):
-    heads = [path.read_bytes()[:24] for path in written if path.suffix == ".png"]
+    heads = [path.read_bytes()[:24] for path in written[1::2]]
     figures = [draw() for draw in plan(SUITE, results).values()]
     for head, figure in zip(heads, figures, strict=True):
         assert head[:8] == b"\x89PNG\r\n\x1a\n"
@@ -187,10 +166,10 @@ def user_settings():
     return {name: mpl.rcParams[name] for name in mpl.rcParams.copy().keys() - {"backend"}}
 
 
-def test_settings_of_the_user_neither_matter_nor_change(cases):
+def test_settings_of_the_user_neither_matter_nor_change(case):
     def drawn():
         with settings():
-            return render(draw_box_plots(cases["case1"]), "svg")
+            return render(draw_box_plots(case), "svg")
 
     expected = drawn()
     with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 20.0, "svg.hashsalt": "other"}):
@@ -199,11 +178,12 @@ def test_settings_of_the_user_neither_matter_nor_change(cases):
         assert user_settings() == before
 
 
-def test_convergence_shows_the_median_of_the_runs(cases):
-    case = cases["case1"]
+def test_convergence_shows_the_median_of_the_runs_in_a_band_of_their_quartiles(case):
     by_iteration, by_evaluations = draw_convergence(case).axes
-    for controller in CONTROLLERS:
+    for controller, band in zip(CONTROLLERS, by_iteration.collections, strict=True):
         fitness = course(case, controller, "best_fitness")
+        heights = set(band.get_paths()[0].vertices[:, 1])
+        assert heights >= set(np.quantile(fitness, [0.25, 0.75], axis=0).ravel())
         x, y = line(by_iteration, label(controller))
         np.testing.assert_array_equal(x, np.arange(ITERATIONS + 1))
         np.testing.assert_array_equal(y, np.median(fitness, axis=0))
@@ -215,16 +195,6 @@ def test_convergence_shows_the_median_of_the_runs(cases):
         assert axes.get_ylim()[0] < case.optimum
 
 
-def test_the_band_spans_the_quartiles(cases):
-    case = cases["case1"]
-    axes = draw_convergence(case).axes[0]
-    for controller, band in zip(CONTROLLERS, axes.collections, strict=True):
-        fitness = course(case, controller, "best_fitness")
-        ys = band.get_paths()[0].vertices[:, 1]
-        for quartile in np.quantile(fitness, [0.25, 0.75], axis=0):
-            assert set(quartile) <= set(ys)
-
-
 def test_a_run_is_worth_what_it_has_reached_when_so_much_is_spent():
     fitness = np.array([[9.0, 5.0, 4.0], [8.0, 7.0, 1.0]])
     evaluations = np.array([[10.0, 20.0, 30.0], [10.0, 40.0, 50.0]])
@@ -232,8 +202,7 @@ def test_a_run_is_worth_what_it_has_reached_when_so_much_is_spent():
     np.testing.assert_array_equal(found, [[9, 9, 5, 4, 4], [8, 8, 8, 7, 1]])
 
 
-def test_population_size_shows_means_and_phi_of_those_that_repair(cases):
-    case = cases["case3"]
+def test_population_size_shows_means_and_phi_of_those_that_repair_where_somebody_does(case):
     sizes, repair_degrees = draw_population_size(case).axes
     assert labels(sizes) == [label(controller) for controller in CONTROLLERS]
     assert labels(repair_degrees) == ["SPSFA-TIP"]
@@ -241,10 +210,7 @@ def test_population_size_shows_means_and_phi_of_those_that_repair(cases):
         expected = course(case, "spsfa-tip", name).mean(axis=0)
         np.testing.assert_array_equal(line(axes, "SPSFA-TIP")[1], expected)
         assert axes.get_ylim()[1] > expected.max()
-
-
-def test_there_is_no_panel_for_phi_when_nobody_repairs(cases):
-    case = cases["case3"]
+    # There is no panel for phi when nobody repairs.
     others = {name: runs for name, runs in case.runs.items() if name != "spsfa-tip"}
     assert len(draw_population_size(dataclasses.replace(case, runs=others)).axes) == 1
 
@@ -260,8 +226,7 @@ def test_collision_is_shown_for_every_case_beside_its_first_value(cases):
             assert [each.get_linestyle() for each in dotted] == [":"]
 
 
-def test_best_paths_are_those_of_the_best_runs(cases):
-    case = cases["case2"]
+def test_best_paths_are_those_of_the_best_runs(case):
     axes = draw_best_paths(case).axes[0]
     for controller in CONTROLLERS:
         best = min(case.runs[controller], key=lambda run: run.final_fitness)
@@ -287,8 +252,8 @@ def on_a_function(case, name):
 
 
 @pytest.mark.parametrize("dimension", [1, 10])
-def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(cases, dimension):
-    case = on_a_function(cases["case2"], f"function:easom-{dimension}")
+def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum(case, dimension):
+    case = on_a_function(case, f"function:easom-{dimension}")
     axes = draw_best_paths(case).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("component", "value")
     assert axes.get_ylim() == (-10.0, 10.0)
@@ -298,16 +263,15 @@ def test_best_vectors_of_a_test_function_are_drawn_by_component_with_the_optimum
     assert best.shape == (2, dimension)
 
 
-def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(cases):
-    case = on_a_function(cases["case2"], "function:booth-2")
+def test_fitness_of_a_test_function_is_on_a_logarithmic_axis_down_to_a_limit(case):
+    case = on_a_function(case, "function:booth-2")
     for axes in (draw_convergence(case).axes[0], draw_box_plots(case).axes[0]):
         assert axes.get_yscale() == "log"
         assert axes.get_ylim()[0] == pytest.approx(5e-13)
         assert not any("optimum" in text for text in labels(axes))
 
 
-def test_box_plots_show_every_run(cases):
-    case = cases["case2"]
+def test_box_plots_show_every_run(case):
     fitness, evaluations = draw_box_plots(case).axes
     for place, controller in enumerate(CONTROLLERS, start=1):
         for axes, name in ((fitness, "final_fitness"), (evaluations, "evaluations")):
@@ -323,9 +287,8 @@ def test_box_plots_show_every_run(cases):
     ]
 
 
-def test_box_plots_of_many_runs_show_some_of_them_and_say_so(cases, monkeypatch):
+def test_box_plots_of_many_runs_show_some_of_them_and_say_so(case, monkeypatch):
     monkeypatch.setattr("experiments.plots.courses.MOST_POINTS", 3)
-    case = cases["case2"]
     figure = draw_box_plots(case)
     values = [run.final_fitness for run in case.runs[CONTROLLERS[0]]]
     assert list(figure.axes[0].lines[0].get_ydata()) == values[:3]
@@ -350,43 +313,32 @@ def test_snapshots_show_every_member_and_tell_the_colliding_ones_apart(results):
         assert axes.get_title() == title
 
 
-def test_controllers_and_scenarios_without_runs_are_left_out(tmp_path):
-    results = Results(tmp_path / "few.sqlite")
-    assert plan(SUITE, results) == {}
-    for seed in range(2):
-        results.add(make_run("learned:tiny", "case1", seed))
-    assert list(plan(SUITE, results)) == [f"{kind}-case1" for kind in CASE_DRAWINGS]
-    results.add(make_run("spsfa", "case1", 0))
-    assert next(iter(plan(SUITE, results))) == "population-collision"
-    (case,) = load_cases(SUITE, results)
+def test_controllers_and_scenarios_without_runs_are_left_out(database):
+    assert plan(SUITE, database) == {}
+    database.add(*(make_run("learned:tiny", "case1", seed) for seed in range(2)))
+    assert list(plan(SUITE, database)) == [f"{kind}-case1" for kind in CASE_DRAWINGS]
+    database.add(make_run("spsfa", "case1", 0))
+    assert next(iter(plan(SUITE, database))) == "population-collision"
+    (case,) = load_cases(SUITE, database)
     assert list(case.runs) == ["spsfa", "learned:tiny"]
     assert labels(draw_convergence(case).axes[0])[:2] == ["SPSFA", "learned (tiny)"]
-    results.close()
 
 
-def test_other_scenarios_get_figures_without_number_and_without_an_optimum(tmp_path, monkeypatch):
+def test_other_scenarios_get_figures_without_number_and_without_an_optimum(database, tmp_path, monkeypatch):
     walls = [(650, 50, 950, 80), (650, 320, 950, 350), (650, 70, 680, 330), (920, 70, 950, 330)]
-    besieged = Scenario(
-        "besieged",
-        (100.0, 200.0),
-        (800.0, 200.0),
-        tuple(Polygon.rectangle(*wall) for wall in walls),
-        (0.0, 0.0, 1000.0, 400.0),
-    )
+    obstacles = tuple(Polygon.rectangle(*wall) for wall in walls)
+    besieged = Scenario("besieged", (100.0, 200.0), (800.0, 200.0), obstacles, (0.0, 0.0, 1000.0, 400.0))
     monkeypatch.setitem(SCENARIOS, "besieged", lambda: besieged)
-    results = Results(tmp_path / "other.sqlite")
-    for seed in range(2):
-        results.add(make_run("spsfa-tip", "besieged", seed, make_problem(besieged)))
+    database.add(*(make_run("spsfa-tip", "besieged", seed, make_problem(besieged)) for seed in range(2)))
     suite = dataclasses.replace(SUITE, scenarios=("besieged",))
-    written = write_figures(suite, results, tmp_path)
+    written = write_figures(suite, database, tmp_path)
     assert {path.stem for path in written} == {
         "figure-04-population-collision",
         *(f"figure-{kind}-besieged" for kind in CASE_DRAWINGS),
     }
-    (case,) = load_cases(suite, results)
+    (case,) = load_cases(suite, database)
     assert labels(draw_convergence(case).axes[0]) == ["SPSFA-TIP"]
     assert len(labels(draw_best_paths(case).axes[0])) == 1
-    results.close()
 
 
 def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
@@ -409,7 +361,11 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("learned:three-cases/3", "learned (three-cases/3)"),
         ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
         ("tuned:random-fields", "tuned schedule (random-fields)"),
+        ("learned:three-cases/*", "learned three-cases"),
+        ("learned:three-cases/*@0.3", "learned three-cases@0.3"),
+        ("improved-fish-swarm(200)+fixed:100", "IAFSA, 100 members, 200 iterations"),
+        ("hybrid-fish-swarm+fixed:100", "HAAFSA-R, 100 members"),
     ],
 )
-def test_controllers_are_called_as_in_the_paper(controller, expected):
+def test_controllers_are_called_as_in_their_papers_and_groups_by_their_recipe(controller, expected):
     assert label(controller) == expected

@@ -19,6 +19,8 @@ from swarm_gym.registration import environment_id
 pytest.importorskip("pygame")
 
 SMALL = {"controller": "fixed:6", "iterations": 3, "width": 400, "height": 300}
+RENDERED = {"iterations": 3, "initial_population_size": 6, "render_mode": "rgb_array", "render_width": 400,
+            "render_height": 300}  # fmt: skip
 
 
 def test_every_iteration_is_a_picture_from_the_first_population_on(tmp_path, capsys):
@@ -33,15 +35,7 @@ def test_every_iteration_is_a_picture_from_the_first_population_on(tmp_path, cap
     assert still.shape == (4, 300, 400, 3)
     np.testing.assert_allclose(durations, [0.1, 0.1, 0.1, LAST])
 
-    env = gymnasium.make(
-        "swarm_gym/Firefly-v0",
-        scenario="case2",
-        iterations=3,
-        initial_population_size=6,
-        render_mode="rgb_array",
-        render_width=400,
-        render_height=300,
-    )
+    env = gymnasium.make("swarm_gym/Firefly-v0", scenario="case2", **RENDERED)
     env.reset(seed=5)
     for k in range(4):
         expected = env.render().astype(int)
@@ -82,7 +76,9 @@ def test_when_filming_fails_no_file_is_left(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"output": "a.avi"}, UnknownNameError, r"kind of video file '.avi'; valid: .gif, .mp4"),
+        ({"output": ["a.avi"]}, UnknownNameError, r"kind of video file '.avi'; valid: .gif, .mp4"),
+        ({"output": []}, SettingError, "each once"),
+        ({"output": ["a.gif", "a.gif"]}, SettingError, "each once"),
         ({"width": 401}, SettingError, "width must be even, got 401"),
         ({"height": 100}, SettingError, r"height must lie in \[240, 4096\], got 100"),
         ({"fps": 0}, SettingError, r"fps must lie in \[1, 50\], got 0"),
@@ -94,16 +90,11 @@ def test_when_filming_fails_no_file_is_left(tmp_path, monkeypatch):
     ],
 )
 def test_what_cannot_be_filmed_is_refused_and_nothing_is_written(tmp_path, options, error, message):
-    path = tmp_path / options.pop("output", "a.mp4")
+    options = {"output": ["a.mp4"], **SMALL, **options}
+    paths = tuple(tmp_path / name for name in options.pop("output"))
     with pytest.raises(error, match=message):
-        write_video(VideoConfig((path,), **{**SMALL, **options}))
+        write_video(VideoConfig(paths, **options))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_named_twice_or_not_at_all_is_refused(tmp_path):
-    for output in ((), (tmp_path / "a.gif", tmp_path / "a.gif")):
-        with pytest.raises(SettingError, match="each once"):
-            write_video(VideoConfig(output, **SMALL))
 
 
 def test_the_command_line_says_errors_without_a_traceback(tmp_path):
@@ -122,14 +113,7 @@ def test_the_command_line_says_errors_without_a_traceback(tmp_path):
 @pytest.mark.filterwarnings("ignore:.*overwriting existing videos:UserWarning")
 def test_record_video_films_every_environment(tmp_path, optimizer):
     pytest.importorskip("moviepy")
-    env = gymnasium.make(
-        environment_id(optimizer),
-        iterations=3,
-        initial_population_size=6,
-        render_mode="rgb_array",
-        render_width=400,
-        render_height=300,
-    )
+    env = gymnasium.make(environment_id(optimizer), **RENDERED)
     env = gymnasium.wrappers.RecordVideo(env, str(tmp_path), episode_trigger=lambda episode: episode == 1)
     for seed in (1, 2):
         env.reset(seed=seed)

@@ -7,6 +7,7 @@ import json
 import re
 import sqlite3
 import zlib
+from contextlib import closing
 from html.parser import HTMLParser
 
 import numpy as np
@@ -87,9 +88,9 @@ def whole_page(stored):
 
 
 def change(database, command):
-    with sqlite3.connect(database) as connection:
-        connection.execute(command)
-    connection.close()
+    """Carry out a command of SQL and return its rows."""
+    with closing(sqlite3.connect(database)) as connection, connection:
+        return connection.execute(command).fetchall()
 
 
 def test_the_page_lies_beside_the_suites_tables(database, tmp_path):
@@ -102,51 +103,43 @@ def test_the_page_lies_beside_the_suites_tables(database, tmp_path):
 
 def test_every_number_of_the_tables_is_that_of_the_database(database):
     page = page_of(database)
-    results = Results.stored(database)
-    for table in make_tables(SUITE, results):
-        shown = page.tables[table.name]
-        assert shown[0] == list(table.columns)
-        assert shown[1:] == [list(map(plain_text, row)) for row in table.rows]
-    results.close()
-    with sqlite3.connect(database) as connection:
-        runs = connection.execute(
-            "SELECT scenario, seed, final_fitness, final_collision, evaluations, seconds FROM runs"
-        ).fetchall()
-    connection.close()
+    with closing(Results.stored(database)) as results:
+        for table in make_tables(SUITE, results):
+            shown = page.tables[table.name]
+            assert shown[0] == list(table.columns)
+            assert shown[1:] == [list(map(plain_text, row)) for row in table.rows]
+    runs = change(
+        database, "SELECT scenario, seed, final_fitness, final_collision, evaluations, seconds FROM runs"
+    )
     shown = [(scenario, int(k), float(f), float(c), int(e), float(s))
              for _, scenario, k, f, c, e, s in page.tables["runs"][1:]]  # fmt: skip
     assert sorted(shown) == sorted(runs)
     means = {row[0]: row[1] for row in page.tables["summary"][1:]}
     fitness = [f for scenario, _, f, *_ in runs if scenario == "case1"]
     assert len(fitness) == 9
-    with sqlite3.connect(database) as connection:
-        [(mean,)] = connection.execute(
-            "SELECT AVG(final_fitness) FROM runs WHERE controller = 'fixed:8' AND scenario = 'case1'"
-        )
-    connection.close()
+    fixed = "controller = 'fixed:8' AND scenario = 'case1'"
+    [(mean,)] = change(database, f"SELECT AVG(final_fitness) FROM runs WHERE {fixed}")
     assert means["FA-8"].startswith(f"{mean:.1f} (")
 
 
 def test_a_page_has_all_kinds_of_figures_with_titles_of_their_own(whole_page):
-    page = whole_page
     for caption in ("Convergence on case1", "Population size on case1", "Best path on case1", "Final fitness",
                     "Mean E(P)", "Performance profiles", "Quality against cost"):  # fmt: skip
-        assert caption in page.text
-    identifiers = [value for _, name, value in page.attributes if name == "id"]
+        assert caption in whole_page.text
+    identifiers = [value for _, name, value in whole_page.attributes if name == "id"]
     assert len(identifiers) == len(set(identifiers))
-    for _, name, value in page.attributes:
+    for _, name, value in whole_page.attributes:
         if name in ("aria-labelledby", "href", "xlink:href") and value.startswith("#"):
             assert value[1:] in identifiers
-    assert page.text.count("Convergence on case1") == 2  # for those who see the figure, and for others
+    assert whole_page.text.count("Convergence on case1") == 2  # for those who see the figure, and for others
 
 
 def test_a_page_refers_to_nothing_outside_itself(whole_page):
-    page = whole_page
-    links = [v for _, name, v in page.attributes if name in ("src", "href", "xlink:href", "action")]
+    links = [v for _, name, v in whole_page.attributes if name in ("src", "href", "xlink:href", "action")]
     assert links
     assert all(link.startswith(("#", "data:")) for link in links)
-    assert not re.search(r"url\((?!#)", page.text)
-    assert "@import" not in page.text
+    assert not re.search(r"url\((?!#)", whole_page.text)
+    assert "@import" not in whole_page.text
 
 
 def test_a_page_says_what_was_run_and_how_to_run_it_again(database):
@@ -155,67 +148,69 @@ def test_a_page_says_what_was_run_and_how_to_run_it_again(database):
     assert "python -m experiments.report tiny.sqlite" in page.text
     for part in ("spsfa-tip", "random-fields:test:0", "0 to 2", "iterations=12", "numba", "commit"):
         assert part in page.text
-    results = Results.stored(database)
-    stored = json.loads(re.search(r"\{\n \"controller fixed:8\".*?\n\}", page.text, re.DOTALL)[0])
-    assert stored == results.configuration()
-    results.close()
+    with closing(Results.stored(database)) as results:
+        stored = json.loads(re.search(r"\{\n \"controller fixed:8\".*?\n\}", page.text, re.DOTALL)[0])
+        assert stored == results.configuration()
 
 
-def test_the_same_database_gives_the_same_page(database):
+def test_the_same_database_gives_the_same_page_and_stays_as_it_is(database):
+    before = database.read_bytes()
     pages = [write_report(ReportConfig(database, figures=False)).read_bytes() for _ in range(2)]
     assert pages[0] == pages[1]
-
-
-def test_a_report_leaves_the_database_as_it_is(database):
-    before = database.read_bytes()
-    page_of(database)
     assert database.read_bytes() == before
 
 
-def test_an_empty_database_gives_a_page_that_says_so(database):
-    change(database, "DELETE FROM runs")
+# The complete seeds of a stopped suite are shown. A controller that was only begun does not cost the others
+# their seeds, and a scenario that some controllers lack is left out.
+@pytest.mark.parametrize(
+    ("missing", "shown", "said"),
+    [
+        ("TRUE", 0, ["The database holds no runs yet."]),
+        (
+            "seed > 0",
+            0,
+            ["too few to compare: at most 1 seeds of a controller on a scenario, 3 are asked for"],
+        ),
+        (
+            "seed = 2 AND controller = 'spsfa' AND scenario = 'case1'",
+            12,
+            [
+                "This database is partial: the report is about 12 of its 17 runs.",
+                "Every controller has 2 seeds on every scenario; some have 3.",
+                "2 seeds each",
+            ],
+        ),
+        (
+            "seed > 0 AND controller = 'spsfa'",
+            12,
+            ["Controllers left out because runs are missing: SPSFA.", "3 seeds each"],
+        ),
+        (
+            "controller = 'spsfa' AND scenario = 'random-fields:test:0'",
+            9,
+            ["Scenarios left out because runs are missing: random-fields:test:0."],
+        ),
+    ],
+    ids=[
+        "all",
+        "all but one seed",
+        "a run",
+        "of a controller all but one seed",
+        "a scenario of a controller",
+    ],
+)
+def test_a_page_says_which_runs_are_missing_and_shows_the_others(database, missing, shown, said):
+    change(database, f"DELETE FROM runs WHERE {missing}")
     page = page_of(database)
-    assert "The database holds no runs yet." in page.text
-    assert page.tables == {}
-
-
-def test_a_database_with_too_few_runs_gives_a_page_that_says_so(database):
-    change(database, "DELETE FROM runs WHERE seed > 0")
-    page = page_of(database)
-    assert "too few to compare: at most 1 seeds of a controller on a scenario, 3 are asked for" in page.text
-    assert page.tables == {}
-
-
-def test_of_a_suite_that_was_stopped_the_seeds_that_are_complete_are_shown(database):
-    change(database, "DELETE FROM runs WHERE seed = 2 AND controller = 'spsfa' AND scenario = 'case1'")
-    page = page_of(database)
-    assert "This database is partial: the report is about 12 of its 17 runs." in page.text
-    assert "Every controller has 2 seeds on every scenario; some have 3." in page.text
-    assert len(page.tables["runs"]) == 1 + 12
-    assert "2 seeds each" in page.text
-
-
-def test_a_controller_that_was_begun_only_does_not_cost_the_others_their_seeds(database):
-    change(database, "DELETE FROM runs WHERE seed > 0 AND controller = 'spsfa'")
-    page = page_of(database)
-    assert "Controllers left out because runs are missing: SPSFA." in page.text
-    assert len(page.tables["runs"]) == 1 + 12
-    assert "3 seeds each" in page.text
-
-
-def test_a_scenario_that_some_controllers_lack_is_left_out(database):
-    change(database, "DELETE FROM runs WHERE controller = 'spsfa' AND scenario = 'random-fields:test:0'")
-    page = page_of(database)
-    assert "Scenarios left out because runs are missing: random-fields:test:0." in page.text
-    assert len(page.tables["runs"]) == 1 + 9
+    assert [text for text in said if text not in page.text] == []
+    assert (len(page.tables["runs"]) == 1 + shown) if shown else (page.tables == {})
 
 
 def test_where_each_scenario_has_its_own_seeds_the_first_scenarios_are_kept(stored):
-    suite = dataclasses.replace(SUITE, scenarios=("case1", "case2", "random-fields:test:0"), seed_step=1)
-    results = Results.stored(stored)
-    suite = dataclasses.replace(suite, num_seeds=1)
-    part, _ = complete_part(suite, results)
-    results.close()
+    scenarios = ("case1", "case2", "random-fields:test:0")
+    suite = dataclasses.replace(SUITE, scenarios=scenarios, seed_step=1, num_seeds=1)
+    with closing(Results.stored(stored)) as results:
+        part, _ = complete_part(suite, results)
     assert part.scenarios == ("case1",)
     assert part.seeds["case1"].start == 0
 
@@ -229,19 +224,23 @@ def test_runs_of_several_versions_are_told_apart(database):
     assert "git checkout" not in page.text
 
 
-def test_a_run_that_does_not_repeat_is_not_replayed(database):
-    change(database, "UPDATE runs SET trace = zeroblob(length(trace)) WHERE controller = 'spsfa'")
-    page = page_of(database, replays=("spsfa,case1,0", "fixed:8,case1,0"))
-    assert "A replay is left out, since the run cannot be repeated: spsfa on case1, seed 0" in page.text
-    [group] = replays_of(page)
-    assert [replay["controller"] for replay in group["replays"]] == ["fixed:8"]
-
-
-def test_a_run_whose_policy_is_gone_is_not_replayed(database):
-    for table in ("runs", "snapshots"):
-        change(database, f"UPDATE {table} SET controller = 'learned:gone' WHERE controller = 'spsfa'")
-    page = page_of(database, replays=("learned:gone,case1,0", "fixed:8,case1,0"))
-    assert "the run cannot be repeated: learned:gone on case1: policy 'gone': neither" in page.text
+@pytest.mark.parametrize(
+    ("changes", "controller", "why"),
+    [
+        (["runs SET trace = zeroblob(length(trace))"], "spsfa", "spsfa on case1, seed 0"),
+        (
+            [f"{table} SET controller = 'learned:gone'" for table in ("runs", "snapshots")],
+            "learned:gone",
+            "learned:gone on case1: policy 'gone': neither",
+        ),
+    ],
+    ids=["another trace", "no policy"],
+)
+def test_a_run_that_cannot_be_repeated_is_not_replayed(database, changes, controller, why):
+    for each in changes:
+        change(database, f"UPDATE {each} WHERE controller = 'spsfa'")
+    page = page_of(database, replays=(f"{controller},case1,0", "fixed:8,case1,0"))
+    assert f"A replay is left out, since the run cannot be repeated: {why}" in page.text
     [group] = replays_of(page)
     assert [replay["controller"] for replay in group["replays"]] == ["fixed:8"]
 
@@ -273,15 +272,17 @@ def test_the_suite_is_that_of_the_files_name_or_one_that_is_given(database, tmp_
     assert write_report(ReportConfig(other, suite="tiny", replays=(), figures=False)).exists()
 
 
-@pytest.mark.parametrize("text", ["spsfa", "spsfa,case1", "spsfa,case1,first", "spsfa,case1,-1", "case1,0"])
-def test_what_is_no_run_to_replay_is_refused(database, text):
-    with pytest.raises(ResultsError, match=f"CONTROLLER,SCENARIO,SEED.*{text}"):
+NO_RUNS = ("spsfa", "spsfa,case1", "spsfa,case1,first", "spsfa,case1,-1", "case1,0")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [*((text, f"CONTROLLER,SCENARIO,SEED.*{text}") for text in NO_RUNS),
+     ("spsfa,case1,99", r"no run of spsfa on case1 with seed 99 .*seeds from 0 on")],
+)  # fmt: skip
+def test_what_is_no_run_to_replay_is_refused(database, text, message):
+    with pytest.raises(ResultsError, match=message):
         write_report(ReportConfig(database, replays=(text,)))
-
-
-def test_a_run_that_is_not_there_cannot_be_replayed(database):
-    with pytest.raises(ResultsError, match=r"no run of spsfa on case1 with seed 99 .*seeds from 0 on"):
-        write_report(ReportConfig(database, replays=("spsfa,case1,99",)))
 
 
 def replays_of(page):

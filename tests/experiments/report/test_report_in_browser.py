@@ -86,8 +86,12 @@ def open_page(browser):
         context.close()
 
 
-def test_the_page_opens_from_disk_without_errors_or_requests(report, open_page):
-    page = open_page(report)
+@pytest.fixture
+def page(report, open_page):
+    return open_page(report)
+
+
+def test_the_page_opens_from_disk_without_errors_or_requests(page, report):
     assert page.complaints == []
     assert [url for url in page.requests if not url.startswith("data:")] == [report.as_uri()]
     assert page.title() == "swarm_gym: suite tiny"
@@ -111,27 +115,23 @@ def column(page, table, number):
     return cells.all_text_contents()
 
 
-def test_tables_sort_by_numbers_and_by_names_either_way(report, open_page):
-    page = open_page(report)
+def test_tables_sort_by_numbers_and_by_names_either_way(page):
     fitness = column(page, "summary", 2)
     heads = page.locator("table[data-name='summary'] thead th")
-    heads.nth(1).get_by_role("button").click()
-    assert heads.nth(1).get_attribute("aria-sort") == "ascending"
-    numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
-    assert numbers == sorted(numbers)
-    heads.nth(1).get_by_role("button").press("Enter")
-    assert heads.nth(1).get_attribute("aria-sort") == "descending"
-    assert sorted(column(page, "summary", 2)) == sorted(fitness)
-    numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
-    assert numbers == sorted(numbers, reverse=True)
+    button = heads.nth(1).get_by_role("button")
+    for press, way in ((button.click, "ascending"), (lambda: button.press("Enter"), "descending")):
+        press()
+        assert heads.nth(1).get_attribute("aria-sort") == way
+        assert sorted(column(page, "summary", 2)) == sorted(fitness)
+        numbers = [float(re.match(r"[\d.]+", text)[0]) for text in column(page, "summary", 2)]
+        assert numbers == sorted(numbers, reverse=way == "descending")
     heads.nth(0).get_by_role("button").click()
     assert heads.nth(1).get_attribute("aria-sort") is None
     names = column(page, "summary", 1)
     assert names == sorted(names, key=str.casefold)
 
 
-def test_what_is_missing_is_sorted_last_either_way(report, open_page):
-    page = open_page(report)
+def test_what_is_missing_is_sorted_last_either_way(page):
     button = page.locator("table[data-name='optimal-solutions-random-fields:test:0'] thead th").nth(1)
     body = "table[data-name='optimal-solutions-random-fields:test:0'] tbody tr:first-child > :nth-child(2)"
     page.eval_on_selector(body, "cell => { cell.textContent = '–' }")
@@ -150,8 +150,7 @@ def drawn(page, side, kind):
     return [np.array([point.split(",") for point in line.split("L")], float) for line in d.split("M")[1:]]
 
 
-def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(report, open_page):
-    page = open_page(report)
+def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(page):
     assert iteration(page) == 0
     page.get_by_role("button", name="One iteration forward").click()
     page.get_by_role("button", name="One iteration forward").press("Space")
@@ -173,8 +172,7 @@ def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(report, open_page):
     assert page.complaints == []
 
 
-def test_the_player_plays_to_the_end_and_pauses(report, open_page):
-    page = open_page(report)
+def test_the_player_plays_to_the_end_and_pauses(page):
     page.get_by_label("Per second").select_option("30")
     button = page.locator(".player .play")
     button.click()
@@ -190,8 +188,7 @@ def test_the_player_plays_to_the_end_and_pauses(report, open_page):
     assert iteration(page) == paused < 12
 
 
-def test_the_player_shows_the_populations_of_the_runs(report, database, open_page):
-    page = open_page(report)
+def test_the_player_shows_the_populations_of_the_runs(page, database):
     results = Results.stored(database)
     for place, controller in enumerate(SUITE.replayed):
         [run] = results.runs(controller, "case1", 1)
@@ -218,8 +215,7 @@ def test_the_player_shows_the_populations_of_the_runs(report, database, open_pag
     results.close()
 
 
-def test_two_controllers_and_other_scenarios_can_be_chosen(report, open_page):
-    page = open_page(report)
+def test_two_controllers_and_other_scenarios_can_be_chosen(page):
     sides = [page.get_by_label(f"{side} controller") for side in ("Left", "Right")]
     assert [side.evaluate("s => s.selectedOptions[0].text") for side in sides] == ["SPSFA-TIP", "SPSFA"]
     sides[0].select_option("SPSFA")
@@ -283,8 +279,7 @@ def test_axe_finds_nothing_serious(report, open_page, viewport, color_scheme):
 
 
 @pytest.mark.slow
-def test_everything_can_be_reached_with_the_tabulator(report, open_page):
-    page = open_page(report)
+def test_everything_can_be_reached_with_the_tabulator(page):
     reached = set()
     for _ in range(200):
         page.keyboard.press("Tab")
@@ -323,23 +318,22 @@ def assert_looks_like(picture, name, tolerance):
     assert difference <= tolerance, f"{name} differs by {difference:.2f} of 255 on average"
 
 
-@pytest.mark.parametrize("color_scheme", ["light", "dark"])
-def test_the_map_of_the_player_looks_as_it_did(report, open_page, color_scheme):
-    page = open_page(report, color_scheme=color_scheme)
+@pytest.mark.parametrize(
+    ("name", "part", "viewport", "color_scheme", "tolerance"),
+    [
+        ("map-light", ".pane .map", DESKTOP, "light", 1.5),
+        ("map-dark", ".pane .map", DESKTOP, "dark", 1.5),
+        ("player-phone", ".player", PHONE, "light", 4.0),
+        ("player-desktop", ".player", DESKTOP, "light", 4.0),
+    ],
+)
+def test_the_player_looks_as_it_did(report, open_page, name, part, viewport, color_scheme, tolerance):
+    page = open_page(report, viewport, color_scheme)
     page.get_by_role("slider", name="Iteration").fill("3")
-    picture = page.locator(".pane .map").first.screenshot()
-    assert_looks_like(picture, f"map-{color_scheme}", tolerance=1.5)
+    assert_looks_like(page.locator(part).first.screenshot(), name, tolerance)
 
 
-@pytest.mark.parametrize(("name", "viewport"), [("player-phone", PHONE), ("player-desktop", DESKTOP)])
-def test_the_player_looks_as_it_did(report, open_page, name, viewport):
-    page = open_page(report, viewport)
-    page.get_by_role("slider", name="Iteration").fill("3")
-    assert_looks_like(page.locator(".player").screenshot(), name, tolerance=4.0)
-
-
-def test_the_top_of_the_page_looks_as_it_did(report, open_page):
-    page = open_page(report)
+def test_the_top_of_the_page_looks_as_it_did(page):
     assert_looks_like(page.screenshot(), "top", tolerance=5.0)
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import sqlite3
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -9,22 +10,20 @@ import pytest
 
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
-from experiments.catalogue import COLLECTIONS, SUITES, get_suite
+from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.documents.blocks import fill
 from experiments.documents.page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs import episode, runner
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.run import Run
 from experiments.runs.runner import configuration, run_missing, run_one
 from experiments.runs.suite import Suite
 from experiments.tables.document import Document
-from helpers.stored_runs import make_database
-from helpers.trainings import make_policy
+from helpers.stored_runs import filled_database, make_database, stored_run
+from helpers.trainings import make_correction
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.errors import UnknownNameError
-from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.scenarios import expand_name
 from swarm_gym.simulation import HISTORY
 
@@ -45,12 +44,39 @@ def database(tmp_path_factory):
 
 
 @pytest.fixture
-def results(database, tmp_path):
+def copied(database, tmp_path):
     copy = tmp_path / "tiny.sqlite"
     copy.write_bytes(database.read_bytes())
-    opened = Results(copy, configuration(SUITE))
-    yield opened
-    opened.close()
+    return copy
+
+
+@pytest.fixture
+def results(copied):
+    with closing(Results(copied, configuration(SUITE))) as opened:
+        yield opened
+
+
+@pytest.fixture
+def known(monkeypatch):
+    """The suite, known by its name."""
+    monkeypatch.setitem(SUITES, "tiny", SUITE)
+
+
+def asked(suite, folder, **options):
+    """Return the configuration of an evaluation by one process into a folder, without figures."""
+    return EvaluateConfig(suite, output=folder, where=BackendOptions(jobs=1), figures=False, **options)
+
+
+@contextmanager
+def results_of(suite, path, workers=1):
+    """Open a database with all runs of a suite, made here."""
+    with closing(Results(path, configuration(suite))) as made:
+        run_missing(suite, made, LocalBackend(workers))
+        yield made
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def test_every_run_of_a_suite_is_stored_once(results):
@@ -88,51 +114,33 @@ def test_snapshots_of_chosen_runs_are_stored(results):
 
 
 def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
-    other = Results(tmp_path / "other.sqlite", configuration(SUITE))
-    run_missing(SUITE, other, LocalBackend(2))
-    for controller, scenario, _ in KEYS:
-        for one, two in zip(
-            results.runs(controller, scenario, 2), other.runs(controller, scenario, 2), strict=True
-        ):
-            np.testing.assert_array_equal(one.trace, two.trace)
-            np.testing.assert_array_equal(one.best_path, two.best_path)
-    other.close()
+    with results_of(SUITE, tmp_path / "other.sqlite", workers=2) as other:
+        for controller, scenario, _ in KEYS:
+            both = (of.runs(controller, scenario, 2) for of in (results, other))
+            for one, two in zip(*both, strict=True):
+                np.testing.assert_array_equal(one.trace, two.trace)
+                np.testing.assert_array_equal(one.best_path, two.best_path)
 
 
-def test_a_suite_goes_on_where_it_stopped_and_recomputes_nothing(results, monkeypatch):
-    with results._connection as connection:
-        connection.execute("DELETE FROM runs WHERE controller = 'fixed:3' AND seed = 1")
-    lacking = KEYS - results.finished()
-    assert len(lacking) == 2
-    ran = []
-
-    def recorded(key, *arguments):
-        ran.append(key)
-        return run_one(key, *arguments)
-
-    monkeypatch.setattr(runner, "run_one", recorded)
-    run_missing(SUITE, results, LocalBackend(1))
-    assert set(ran) == lacking
-    assert results.finished() == KEYS
-    run_missing(SUITE, results, LocalBackend(1))
-    assert len(ran) == 2
-
-
-def test_a_suite_that_dies_keeps_what_it_had_finished(results, monkeypatch):
+def test_a_suite_that_dies_keeps_what_it_had_finished_and_goes_on_without_recomputing(results, monkeypatch):
     with results._connection as connection:
         connection.execute("DELETE FROM runs")
-    calls = []
+    ran = []
 
     def dying(key, *arguments):
-        calls.append(key)
-        if len(calls) == 5:
+        ran.append(key)
+        if len(ran) == 5:
             raise KeyboardInterrupt
         return run_one(key, *arguments)
 
     monkeypatch.setattr(runner, "run_one", dying)
     with pytest.raises(KeyboardInterrupt):
         run_missing(SUITE, results, LocalBackend(1))
-    assert results.finished() == set(calls[:4])
+    assert results.finished() == set(ran[:4])
+    run_missing(SUITE, results, LocalBackend(1))
+    assert results.finished() == set(ran) == KEYS
+    run_missing(SUITE, results, LocalBackend(1))
+    assert len(ran) == len(KEYS) + 1
 
 
 def test_a_stored_run_is_never_overwritten(results):
@@ -145,14 +153,11 @@ def test_a_stored_run_is_never_overwritten(results):
     ("key", "value"),
     [("settings", {"iterations": 50}), ("scenario case1", "0123"), ("controller spsfa-tip", "x")],
 )
-def test_a_database_of_another_configuration_is_refused(database, tmp_path, key, value):
-    copy = tmp_path / "other.sqlite"
-    copy.write_bytes(database.read_bytes())
+def test_a_database_of_another_configuration_is_refused(copied, key, value):
     with pytest.raises(ResultsError, match=f"another configuration: {key} was"):
-        Results(copy, {**configuration(SUITE), key: value})
-    again = Results(copy, configuration(SUITE))  # nothing was changed by the refusal
-    assert again.finished() == KEYS
-    again.close()
+        Results(copied, {**configuration(SUITE), key: value})
+    with closing(Results(copied, configuration(SUITE))) as again:  # nothing was changed by the refusal
+        assert again.finished() == KEYS
 
 
 def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
@@ -163,15 +168,7 @@ def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
     loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
     save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
     save_tuned(tuned, "spsfa:growth=500", {})
-    features = [
-        *(f.name for f in OBSERVATIONS["extended"].features),
-        "proposed population size",
-        "proposed repair degree",
-    ]
-    policy = make_policy(
-        tmp_path / "p.safetensors", np.random.default_rng(0), extra_features=2, features=features,
-        base=f"open-loop:{loop}",
-    )  # fmt: skip
+    policy = make_correction(tmp_path / "p.safetensors", np.random.default_rng(0), f"open-loop:{loop}")
     names = (f"open-loop:{loop}", f"tuned:{tuned}", f"learned:{policy}")
     before = [identity(name) for name in names]
     assert before == [identity(name) for name in names]
@@ -182,32 +179,36 @@ def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
 
 def test_controllers_may_be_added_to_a_database(results, tmp_path):
     wider = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "fixed:4"))
-    again = Results(results.path, configuration(wider))
-    run_missing(wider, again, LocalBackend(1))
-    assert len(again.finished()) == len(KEYS) + 4
-    again.close()
+    with results_of(wider, results.path) as again:
+        assert len(again.finished()) == len(KEYS) + 4
 
 
 @pytest.mark.parametrize("content", [b"not a database at all, but long enough" * 50, None])
-def test_what_is_no_database_is_refused(tmp_path, database, content):
-    path = tmp_path / "broken.sqlite"
-    path.write_bytes(database.read_bytes()[:5000] if content is None else content)
-    before = path.read_bytes()
-    with pytest.raises(ResultsError, match=r"broken\.sqlite"):
-        Results(path, configuration(SUITE)).runs("fixed:3", "case1", 2)
-    assert path.read_bytes() == before
+def test_what_is_no_database_is_refused(copied, content):
+    before = copied.read_bytes()[:5000] if content is None else content
+    copied.write_bytes(before)
+    with pytest.raises(ResultsError, match=r"tiny\.sqlite"):
+        Results(copied, configuration(SUITE)).runs("fixed:3", "case1", 2)
+    assert copied.read_bytes() == before
 
 
-def test_options_that_cannot_be_leave_no_database(tmp_path, monkeypatch):
-    monkeypatch.setitem(SUITES, "tiny", SUITE)
-    with pytest.raises(ValueError, match="--jobs must be positive"):
-        evaluate(EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=-1)))
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"where": BackendOptions(jobs=-1)}, ValueError, "--jobs must be positive"),
+        ({"suite": "paper", "seeds": 1}, ResultsError, "at least 2"),
+        ({"suite": "generalisation", "seeds": 0}, ResultsError, "at least 1"),
+        ({"suite": "everything"}, UnknownNameError, r"everything.*iafsa-paper.*moa-paper.*paper"),
+    ],
+)
+def test_options_that_cannot_be_leave_no_database(known, tmp_path, options, error, message):
+    with pytest.raises(error, match=message):
+        evaluate(EvaluateConfig(**{"suite": "tiny", "output": tmp_path, **options}))
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch):
-    monkeypatch.setitem(SUITES, "tiny", SUITE)
-    config = EvaluateConfig(suite="tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)
+def test_the_command_writes_tables_and_keeps_the_database(known, tmp_path):
+    config = asked("tiny", tmp_path)
     page = evaluate(config)
     folder = page.parent
     assert "Table 3. Final fitness on case1" in page.read_text()
@@ -215,14 +216,11 @@ def test_the_command_writes_tables_and_keeps_the_database(tmp_path, monkeypatch)
         for suffix in ("md", "csv", "tex", "json"):
             assert (folder / f"{stem}.{suffix}").stat().st_size > 100
     assert page.read_text().count("Runs made with: commit") == 1
-    assert (
-        (folder / "made-with.md")
-        .read_text()
-        .startswith("2 seeds per controller and scenario, scenarios: 2. Runs")
-    )
-    stored = {p.name: p.read_bytes() for p in folder.iterdir()}
+    made_with = (folder / "made-with.md").read_text()
+    assert made_with.startswith("2 seeds per controller and scenario, scenarios: 2. Runs")
+    stored = contents(folder)
     evaluate(config)
-    assert {p.name: p.read_bytes() for p in folder.iterdir()} == stored
+    assert contents(folder) == stored
 
 
 def test_tables_of_an_incomplete_suite_are_refused(results):
@@ -231,13 +229,9 @@ def test_tables_of_an_incomplete_suite_are_refused(results):
         make_tables(more, results)
 
 
-def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_path, monkeypatch):
-    monkeypatch.setitem(SUITES, "tiny", SUITE)
-    config = EvaluateConfig(
-        "tiny", output=tmp_path, database=results.path, where=BackendOptions(jobs=1), figures=False
-    )
-    page = evaluate(config)
-    expected = {p.name: p.read_bytes() for p in page.parent.iterdir()}
+def test_without_simulating_the_same_comes_from_the_database_alone(known, results, tmp_path, monkeypatch):
+    config = asked("tiny", tmp_path, database=results.path)
+    expected = contents(evaluate(config).parent)
 
     def never(*_):
         raise AssertionError("a run was made")
@@ -245,16 +239,15 @@ def test_without_simulating_the_same_comes_from_the_database_alone(results, tmp_
     monkeypatch.setattr(runner, "run_one", never)
     monkeypatch.setattr(runner, "controller_of", never)  # nor are policies needed
     offline = dataclasses.replace(config, simulate=False, output=tmp_path / "offline")
-    assert {p.name: p.read_bytes() for p in evaluate(offline).parent.iterdir()} == expected
+    assert contents(evaluate(offline).parent) == expected
 
 
 def test_without_simulating_what_is_missing_is_named(results, tmp_path, monkeypatch):
     more = dataclasses.replace(SUITE, controllers=(*SUITE.controllers, "learned:a/0", "learned:a/1"))
     monkeypatch.setitem(SUITES, "tiny", more)
-    config = EvaluateConfig("tiny", database=results.path, output=tmp_path, simulate=False, figures=False)
-    with pytest.raises(
-        ResultsError, match=r"lacks 8 runs.*4 of learned:a/\* on case1, 4 of learned:a/\* on case3"
-    ):
+    config = asked("tiny", tmp_path, database=results.path, simulate=False)
+    missing = r"lacks 8 runs.*4 of learned:a/\* on case1, 4 of learned:a/\* on case3"
+    with pytest.raises(ResultsError, match=missing):
         evaluate(config)
     assert results.finished() == KEYS
     nowhere = tmp_path / "nowhere.sqlite"
@@ -267,25 +260,21 @@ def test_seeds_of_a_suite_may_start_anywhere_and_differ_by_scenario(tmp_path):
     shifted = dataclasses.replace(
         SUITE, controllers=("fixed:3",), num_seeds=1, first_seed=10_000, seed_step=1, snapshots=()
     )
-    results = Results(tmp_path / "shifted.sqlite")
-    run_missing(shifted, results, LocalBackend(1))
-    assert results.finished() == {("fixed:3", "case1", 10_000), ("fixed:3", "case3", 10_001)}
-    (run,) = results.runs("fixed:3", "case3", 1, 10_001)
-    assert results.runs("fixed:3", "case3", 1) == results.runs("fixed:3", "case3", 1, 10_002) == []
-    fitness = results.outcomes(shifted.controllers, shifted.seeds).fitness
+    with results_of(shifted, tmp_path / "shifted.sqlite") as results:
+        assert results.finished() == {("fixed:3", "case1", 10_000), ("fixed:3", "case3", 10_001)}
+        (run,) = results.runs("fixed:3", "case3", 1, 10_001)
+        assert results.runs("fixed:3", "case3", 1) == results.runs("fixed:3", "case3", 1, 10_002) == []
+        fitness = results.outcomes(shifted.controllers, shifted.seeds).fitness
     assert fitness.shape == (1, 2, 1)
     assert fitness[0, 1, 0] == run.final_fitness
-    results.close()
 
 
 def test_an_entrant_has_episodes_of_its_own_length(tmp_path):
     names = ("fixed:3", "particle-swarm(7)+fixed:3", "particle-swarm+fixed:3")
     suite = dataclasses.replace(SUITE, controllers=names, scenarios=("case1",), snapshots=())
-    results = Results(tmp_path / "entrants.sqlite", configuration(suite))
-    run_missing(suite, results, LocalBackend(1))
-    lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
+    with results_of(suite, tmp_path / "entrants.sqlite") as results:
+        lengths = [len(results.runs(name, "case1", 1)[0].trace) - 1 for name in names]
     assert lengths == [100, 7, 100]
-    results.close()
 
 
 @pytest.fixture
@@ -302,7 +291,7 @@ def collection(monkeypatch):
 
 
 def test_a_collection_is_run_by_one_name_into_a_folder_for_each_suite(collection, tmp_path):
-    config = EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False)
+    config = asked(collection, tmp_path)
     page = evaluate(config)
     assert page == tmp_path / "both/README.md"
     assert "[other](other/README.md)" in page.read_text()
@@ -318,7 +307,7 @@ def test_a_collection_has_no_single_database(collection, tmp_path):
 
 
 def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(collection, tmp_path, monkeypatch):
-    evaluate(EvaluateConfig(collection, output=tmp_path, where=BackendOptions(jobs=1), figures=False))
+    evaluate(asked(collection, tmp_path))
     (tmp_path / "both/other/figure-a.svg").write_text("<svg/>")
     document = tmp_path / "docs/page.md"
     document.parent.mkdir()
@@ -334,15 +323,13 @@ def test_a_document_shows_tables_and_figures_of_all_suites_of_a_collection(colle
 
 
 def test_a_run_says_what_its_trace_holds(tmp_path):
-    results = Results(tmp_path / "wide.sqlite")
     columns = (*HISTORY, "noise")
     trace = np.arange(3.0 * len(columns)).reshape(3, -1)
-    made = Run("spsfa", "case1", 0, 1.0, 0.0, 9, 0.1, np.zeros((4, 2)), trace, {}, columns=columns)
-    results.add(made)
-    (run,) = results.runs("spsfa", "case1", 1)
+    made = stored_run(("spsfa", "case1", 0), trace, final_fitness=1.0, columns=columns)
+    with filled_database(tmp_path, [made]) as results:
+        (run,) = results.runs("spsfa", "case1", 1)
     assert run.columns == columns
     np.testing.assert_array_equal(run.course("noise"), trace[:, -1])
-    results.close()
 
 
 def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
@@ -350,18 +337,6 @@ def test_a_database_that_does_not_say_what_its_traces_hold_is_refused(results):
         connection.execute("ALTER TABLE runs DROP COLUMN columns")
     with pytest.raises(ResultsError, match="not a results database of this version"):
         Results(results.path)
-
-
-def test_unknown_suite_names_the_valid_ones():
-    with pytest.raises(UnknownNameError, match=r"everything.*iafsa-paper.*moa-paper.*paper"):
-        get_suite("everything")
-
-
-def test_too_few_seeds_are_refused(tmp_path):
-    with pytest.raises(ResultsError, match="at least 2"):
-        evaluate(EvaluateConfig(seeds=1, output=tmp_path))
-    with pytest.raises(ResultsError, match="at least 1"):
-        evaluate(EvaluateConfig("generalisation", seeds=0, output=tmp_path))
 
 
 @pytest.mark.slow
@@ -372,8 +347,8 @@ def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch)
         scenarios=(*expand_name("random-fields:test:0-2"), *expand_name("random-fields:larger:0-1")),
     )
     monkeypatch.setitem(SUITES, "fields", fields)
-    config = EvaluateConfig(
-        "fields", controllers=("fixed:3", "spsfa-tip"), output=tmp_path, where=BackendOptions(jobs=1)
+    config = dataclasses.replace(
+        asked("fields", tmp_path), controllers=("fixed:3", "spsfa-tip"), figures=True
     )
     page = evaluate(config)
     text = page.read_text()
@@ -381,9 +356,9 @@ def test_random_fields_are_run_and_drawn_as_the_cases_are(tmp_path, monkeypatch)
     assert "--suite fields --seeds 1 --controllers fixed:3 spsfa-tip`" in text
     assert "| random-fields:larger | FA-3 | 2 | 1 |" in text
     assert {path.name for path in page.parent.glob("*.svg")} == {"figure-profiles.svg", "figure-front.svg"}
-    before = {path.name: path.read_bytes() for path in page.parent.iterdir()}
+    before = contents(page.parent)
     evaluate(dataclasses.replace(config, simulate=False))
-    assert {path.name: path.read_bytes() for path in page.parent.iterdir()} == before
+    assert contents(page.parent) == before
 
 
 def test_the_database_is_readable_by_anyone(database):

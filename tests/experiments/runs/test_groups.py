@@ -7,15 +7,12 @@ from agents.runs.seeds import TEST
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
-from experiments.runs.labels import label
 from experiments.runs.suite import FRESH_SEEDS, Family
 from experiments.studies.controllers import training_seeds
 from experiments.studies.learned.suites import Fitted, controllers_of, families_of
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.scenarios import expand_name
-
-NEW = [suite for suite in SUITES.values() if suite.name not in ("paper", "parameters")]
 
 
 def test_training_seeds_of_a_recipe_are_one_group():
@@ -43,15 +40,6 @@ def test_scenarios_of_a_set_belong_together():
     }
 
 
-def test_a_group_is_called_by_its_recipe():
-    assert label("learned:three-cases/*") == "learned three-cases"
-    assert label("learned:three-cases/*@0.3") == "learned three-cases@0.3"
-
-
-def test_names_count_from_zero():
-    assert training_seeds("learned:a", 2) == ("learned:a/0", "learned:a/1")
-
-
 def test_policies_that_are_told_different_prices_are_different_groups():
     names = training_seeds("learned:a", 2, 0.3, 4)
     assert names == ("learned:a/0@0.3", "learned:a/1@0.3", "learned:a/0@4", "learned:a/1@4")
@@ -59,7 +47,7 @@ def test_policies_that_are_told_different_prices_are_different_groups():
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
-def test_what_a_suite_names_is_there(suite):
+def test_what_a_suite_names_is_there_and_ships(suite):
     assert set(suite.tables) <= set(TABLES)
     assert set(suite.figures) <= set(figures())
     groups = group_controllers(suite.controllers)
@@ -67,10 +55,6 @@ def test_what_a_suite_names_is_there(suite):
     assert {group for family in suite.families for group in family.groups} <= set(groups)
     assert len(set(suite.controllers)) == len(suite.controllers)
     assert len(set(suite.scenarios)) == len(suite.scenarios)
-
-
-@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
-def test_what_a_suite_runs_ships(suite):
     for controller in suite.controllers:
         assert make_controller(entrant(controller, suite.optimizer).controller)
     for scenario in suite.scenarios:
@@ -107,13 +91,8 @@ def test_families_of_a_suite_are_what_it_runs_beside_chance():
         "fixed sizes", "schedules", "open loops (size, φ)", "learned (size, φ)", "more",
     ]  # fmt: skip
     assert families[3].groups == ("learned:a/*",)
-    assert controllers_of(families)[-5:] == (
-        "open-loop:b",
-        "learned:a/0",
-        "learned:a/1",
-        "learned:c",
-        "random",
-    )
+    last = ("open-loop:b", "learned:a/0", "learned:a/1", "learned:c", "random")
+    assert controllers_of(families)[-5:] == last
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
@@ -123,16 +102,13 @@ def test_suites_run_on_test_seeds(suite):
         assert len(seeds) == suite.num_seeds
         assert seeds[0] in TEST
         assert seeds[-1] in TEST
-
-
-@pytest.mark.parametrize("suite", NEW, ids=lambda suite: suite.name)
-def test_new_suites_run_on_seeds_that_nothing_was_chosen_by(suite):
-    assert min(seeds[0] for seeds in suite.seeds.values()) == FRESH_SEEDS
+    if suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
+        assert min(seeds[0] for seeds in suite.seeds.values()) == FRESH_SEEDS
 
 
 def test_fields_have_a_seed_of_their_own():
-    for name, number in (("generalisation", 200), ("out-of-distribution", 200)):
+    for name in ("generalisation", "out-of-distribution"):
         seeds = [seed for seeds in SUITES[name].seeds.values() for seed in seeds]
-        assert len(seeds) == len(set(seeds)) == number
+        assert len(seeds) == len(set(seeds)) == 200
     assert SUITES["paper"].seeds == dict.fromkeys(("case1", "case2", "case3"), range(20))
     assert [len(of) for of in scenario_sets(SUITES["out-of-distribution"].scenarios).values()] == [40] * 5

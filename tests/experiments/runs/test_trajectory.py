@@ -8,10 +8,6 @@ import pytest
 from experiments.runs.run import length_of, turning_of
 
 
-def test_a_straight_trajectory_does_not_turn():
-    assert turning_of(np.array([[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]])) == pytest.approx(0.0)
-
-
 @pytest.mark.parametrize("angle", [0.0, 1.0, 3.0, -2.5])
 def test_turns_to_both_sides_add_up(angle):
     path = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0]])
@@ -20,14 +16,19 @@ def test_turns_to_both_sides_add_up(angle):
     assert length_of(turned) == pytest.approx(3.0)
 
 
-def test_standing_still_is_no_turn():
-    assert turning_of(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]])) == pytest.approx(90.0)
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 13)
 
 
-def test_a_polygon_turns_by_what_is_missing_to_a_full_circle():
-    angles = np.linspace(0.0, 2.0 * np.pi, 13)
-    polygon = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert turning_of(polygon) == pytest.approx(360.0 - 30.0)
+@pytest.mark.parametrize(
+    ("path", "degrees"),
+    [
+        pytest.param([[0, 0], [1, 1], [3, 3]], 0.0, id="a straight line"),
+        pytest.param([[0, 0], [1, 0], [1, 0], [1, 1]], 90.0, id="standing still is no turn"),
+        pytest.param(np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1), 360.0 - 30.0, id="a polygon"),
+    ],
+)
+def test_a_trajectory_turns_between_its_pieces(path, degrees):
+    assert turning_of(np.array(path, dtype=float)) == pytest.approx(degrees)
 
 
 def test_a_trajectory_without_steps_has_no_length():

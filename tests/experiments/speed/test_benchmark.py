@@ -2,7 +2,7 @@
 
 import multiprocessing
 import re
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -61,6 +61,19 @@ def test_the_numpy_version_converges_like_the_kernels():
     assert ks_2samp(ours, theirs).pvalue > 0.01
 
 
+def assert_same_fitness(cost, problem, vectors):
+    """Assert that a cost function gives the fitness of the kernel, and return that of each vector."""
+    fitness = [problem.evaluate(vector)[0] for vector in vectors]
+    assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
+    assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
+    return fitness
+
+
+def numbered(quantities):
+    """Return a measurement for each quantity, no two alike."""
+    return [Measurement(q.name, q.unit, n + 1.0, n + 0.5, n + 2.0) for n, q in enumerate(quantities)]
+
+
 @pytest.fixture(scope="module")
 def curves():
     return bezier.grid_problem()
@@ -76,10 +89,8 @@ def test_other_libraries_get_the_fitness_of_the_kernel(curves, make_cost):
     near = line.T.ravel() + rng.normal(0.0, 10.0, (200, curves.dimension))
     corners = np.stack(curves.bounds)
     vectors = np.concatenate([anywhere, np.clip(near, *curves.bounds), corners])
-    fitness = [curves.evaluate(vector)[0] for vector in vectors]
+    fitness = assert_same_fitness(cost, curves, vectors)
     assert min(fitness) < 50 * curves.penalty < max(fitness)
-    assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
-    assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
 
 
 def test_the_numpy_fitness_knows_the_size_of_cells_and_where_they_lie():
@@ -90,15 +101,7 @@ def test_the_numpy_fitness_knows_the_size_of_cells_and_where_they_lie():
     start, target = grid.to_map([(1, 2), (17, 8)])
     problem = GridProblem(GridScenario("small", grid, tuple(start), tuple(target)), num_points=3, penalty=2.5)
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
-    fitness = [problem.evaluate(vector)[0] for vector in vectors]
-    assert numpy_cost(problem).of_many(vectors) == pytest.approx(fitness, rel=1e-12)
-
-
-@pytest.mark.parametrize("optimizer", bezier.OURS)
-def test_our_optimizers_of_curves_are_measured_more_than_once(optimizer):
-    once = ours_per_evaluation(bezier.environment(optimizer))
-    assert once() > 0
-    assert once() > 0
+    assert_same_fitness(numpy_cost(problem), problem, vectors)
 
 
 def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
@@ -114,17 +117,21 @@ def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
     for quantity in quantities:
         if ": A," in quantity.name:
             assert quantity.once() > 0
-    assert runs == [(name, 65, 100) for name in ("cost in NumPy", "our compiled cost")]
-    measured = [Measurement(q.name, q.unit, n + 1.0, n + 1.0, n + 1.0) for n, q in enumerate(quantities)]
+    assert runs == [(name, 65, 100) for name in COSTS]
+    assert_ratios(numbered(quantities), {"particle-swarm": "A", "elite-genetic": "B"})
+
+
+COSTS = ("cost in NumPy", "our compiled cost")
+
+
+def assert_ratios(measured, peers):
+    """Assert that times of peers, whose names are given by problem, are divided by ours for either cost."""
     found = medians(measured)
     assert medians(ratios(measured)) == {
-        f"{name} / swarm_gym": found[name] / found[ours]
-        for ours, name in (
-            ("particle-swarm: swarm_gym", "particle-swarm: A, cost in NumPy"),
-            ("particle-swarm: swarm_gym", "particle-swarm: A, our compiled cost"),
-            ("elite-genetic: swarm_gym", "elite-genetic: B, cost in NumPy"),
-            ("elite-genetic: swarm_gym", "elite-genetic: B, our compiled cost"),
-        )
+        f"{problem}: {peer}, {cost} / swarm_gym": found[f"{problem}: {peer}, {cost}"]
+        / found[f"{problem}: swarm_gym"]
+        for problem, peer in peers.items()
+        for cost in COSTS
     }
 
 
@@ -138,10 +145,8 @@ def test_the_rastrigin_function_of_fish_swarms_is_the_known_one():
 def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
     problem = fish.environment(scenario).simulation.problems[0]
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
-    fitness = [problem.evaluate(vector)[0] for vector in vectors]
     for cost in (fish.numpy_cost(scenario), compiled_cost(problem)):
-        assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
-        assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
+        assert_same_fitness(cost, problem, vectors)
 
 
 @pytest.mark.slow  # kernels are compiled for it
@@ -155,52 +160,34 @@ def test_a_fish_swarm_is_measured_on_both_problems_and_compared_with_ours():
     quantities = list(fish.quantities((Peer("A", fish.OURS, run),)))
     for quantity in quantities:
         assert quantity.once() > 0
-    costs = ("cost in NumPy", "our compiled cost")
-    assert runs == [(dimension, cost, 100, 10) for dimension in (10, 31) for cost in costs]
-    measured = [Measurement(q.name, q.unit, n + 1.0, n + 1.0, n + 1.0) for n, q in enumerate(quantities)]
-    found = medians(measured)
-    assert medians(ratios(measured)) == {
-        f"{scenario}: A, {cost} / swarm_gym": found[f"{scenario}: A, {cost}"]
-        / found[f"{scenario}: swarm_gym"]
-        for scenario in (fish.FUNCTION, fish.CASE)
-        for cost in costs
-    }
+    assert runs == [(dimension, cost, 100, 10) for dimension in (10, 31) for cost in COSTS]
+    assert_ratios(numbered(quantities), {fish.FUNCTION: "A", fish.CASE: "A"})
 
 
-def test_a_figure_is_the_median_after_a_run_that_is_thrown_away():
-    values = iter([100.0, 3.0, 1.0, 2.0])
+def test_a_figure_is_the_median_after_a_run_that_is_thrown_away_and_what_takes_long_is_measured_once():
+    values = iter([100.0, 3.0, 1.0, 2.0, 5.0])
     figure = measure(Quantity("x", "s", lambda: next(values)), 3)
     assert figure == Measurement("x", "s", 2.0, 1.0, 3.0)
-
-
-def test_what_takes_long_is_measured_once():
-    values = iter([5.0])
     assert measure(Quantity("x", "s", lambda: next(values), repeats=1), 3).median == 5.0
 
 
-@pytest.mark.parametrize("part", moves.PARTS)
-def test_every_part_of_a_move_runs(part):
-    assert moves.part_nanoseconds("case1", moves.PARTS[part])() > 0
-
-
 @pytest.mark.parametrize(
-    "once",
+    "make",
     [
-        pytest.param(environments.single(4), id="single"),
-        pytest.param(environments.vector(3, 4, 1), id="vector"),
-        pytest.param(moves.per_move("case2", 0.2, 3), id="move"),
-        pytest.param(moves.run_milliseconds("case2"), id="run"),
-        pytest.param(start.first_step(start.FIRST_STEP, cold=False), id="first step", marks=pytest.mark.slow),
+        pytest.param(lambda: environments.single(4), id="single"),
+        pytest.param(lambda: environments.vector(3, 4, 1), id="vector"),
+        pytest.param(lambda: moves.per_move("case2", 0.2, 3), id="move"),
+        pytest.param(lambda: moves.run_milliseconds("case2"), id="run"),
+        pytest.param(
+            lambda: start.first_step(start.FIRST_STEP, cold=False), id="first step", marks=pytest.mark.slow
+        ),
+        *(partial(moves.part_nanoseconds, "case1", part) for part in moves.PARTS.values()),
+        *(lambda name=name: ours_per_evaluation(bezier.environment(name)) for name in bezier.OURS),
     ],
 )
-def test_what_is_measured_runs_more_than_once(once):
-    assert once() > 0
-    assert once() > 0
-
-
-def test_a_vector_is_measured_past_the_ends_of_episodes():
-    once = environments.vector(3, 4, 1)
-    for _ in range(4):
+def test_what_is_measured_runs_again_and_again(make):
+    once = make()
+    for _ in range(4):  # past the end of an episode
         assert once() > 0
 
 
@@ -253,9 +240,8 @@ def test_a_group_that_is_not_there_is_refused_before_anything_is_measured():
 
 @cache
 def counted(group):
-    """A measurement for each quantity of a group, no two alike."""
-    quantities = list(GROUPS[group].quantities())
-    made = [Measurement(q.name, q.unit, n + 1.0, n + 0.5, n + 2.0) for n, q in enumerate(quantities)]
+    """Measurements of a group, with its summary."""
+    made = numbered(GROUPS[group].quantities())
     return made + GROUPS[group].summary(made)
 
 
@@ -304,7 +290,8 @@ def test_groups_of_the_same_version_are_kept_and_of_another_are_not(tmp_path):
     file = tmp_path / "benchmark.json"
     assert measured_before(file) == {}
     write_measurements(file, {"start": counted("start")})
-    assert measured_before(file) == {"start": counted("start")}
+    assert measured_before(file) == {"start": counted("start")} == read_measurements(file)[1]
+    assert read_measurements(file)[0]["threads"] == ALL_THREADS
     file.write_text(file.read_text().replace('"commit": "', '"commit": "0'))
     assert measured_before(file) == {}
 
@@ -320,14 +307,6 @@ def test_a_page_of_some_groups_has_no_headline(tmp_path):
     assert "Import, first step, memory" in page
     assert "Speed on" not in page
     assert not (tmp_path / "growth.svg").exists()
-
-
-def test_measurements_come_back_as_they_were_stored(tmp_path):
-    groups = {"moves": counted("moves")}
-    write_measurements(tmp_path / "x.json", groups)
-    machine, found = read_measurements(tmp_path / "x.json")
-    assert found == groups
-    assert machine["threads"] == ALL_THREADS
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"machine": {}, "groups": {"moves": [{"name": 1}]}}'])

@@ -9,26 +9,22 @@ from scipy import stats
 
 from experiments.documents.figures import plan
 from experiments.documents.page import make_tables
-from experiments.runs.run import Run, Snapshot
+from experiments.runs.run import Snapshot
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
 from experiments.studies.dynamic.suites import DYNAMIC as GATES
 from experiments.studies.dynamic.tables import Recovery
-from helpers.stored_runs import cells_of, printed_rows
+from helpers.stored_runs import cells_of, line, part_of, printed_rows, stored_run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.simulation import HISTORY
 
 TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))
 
 
 def made_run(key, trajectory=(), path=(), collision=99.0, seconds=0.1, fitness=1.0, snapshots=(), **courses):
     """A run with these courses; the others are 0."""
-    trace = np.zeros((max(map(len, courses.values()), default=1), len(HISTORY)))
-    for name, course in courses.items():
-        trace[:, HISTORY.index(name)] = course
     trajectory, path = (np.array(points, dtype=np.float64).reshape(-1, 2) for points in (trajectory, path))
-    spent = int(trace[-1, HISTORY.index("evaluations")])
-    return Run(*key, fitness, collision, spent, seconds, path, trace, {}, snapshots, trajectory=trajectory)
+    of = {"final_fitness": fitness, "final_collision": collision, "seconds": seconds, "snapshots": snapshots}
+    return stored_run(key, courses, best_path=path, trajectory=trajectory, **of)
 
 
 def kinked(start, target, length):
@@ -40,11 +36,6 @@ def kinked(start, target, length):
 
 def claims_of(tables, name):
     return {row["claim"]: (row["holds"], row["does not hold"]) for row in cells_of(tables, name)}
-
-
-def line(axes, text):
-    (found,) = [each for each in axes.lines if each.get_label() == text]
-    return np.array(found.get_data(), dtype=float)
 
 
 # Table 1.
@@ -79,9 +70,7 @@ def static(database):
             # The best path says nothing of where the robot has come to.
             of = {"collision": 99.0 if there else 0.0, "seconds": 0.1 * (seed + 1), "snapshots": kept}
             database.add(made_run((controller, "block:50", seed), gone, gone, best_fitness=course, **of))
-    shown = ((TEN, "block:50", 0, (0, 90)),)
-    of = {"controllers": tuple(LENGTHS), "scenarios": ("block:50",), "num_seeds": 4, "first_seed": 0}
-    return dataclasses.replace(STATIC, **of, snapshots=shown)
+    return part_of(STATIC, LENGTHS, ("block:50",), 4, snapshots=((TEN, "block:50", 0, (0, 90)),))
 
 
 @pytest.mark.slow
@@ -148,8 +137,7 @@ def test_where_the_map_changes_the_least_is_what_was_gone_and_the_shortest_from_
             database.add(made_run((controller, name, seed), [*gone, *rest], best_fitness=np.ones(9)))
             if there:
                 lengths[controller].append((before + factor * least, before + least))
-    of = {"controllers": tuple(FACTORS), "scenarios": (name,), "num_seeds": 4, "first_seed": 0}
-    tables = make_tables(dataclasses.replace(DYNAMIC, **of), database)
+    tables = make_tables(part_of(DYNAMIC, FACTORS, (name,), 4), database)
     for row, found in zip(cells_of(tables, "brand-yu-dynamic-counts"), lengths.values(), strict=True):
         length, least = np.mean(found, axis=0)
         assert row["arrived"] == f"{len(found)} of 4"
@@ -187,8 +175,7 @@ def grids(database):
             key, gone = (controller, f"block:{SIDES[k]}", seed), path if controller == FEW else ()
             collision = FEASIBILITY_TOLERANCE * (1.5 if lost or controller == FEW else 0.5)
             database.add(made_run(key, gone, path, collision, seconds))
-    of = {"scenarios": tuple(f"block:{side}" for side in SIDES), "num_seeds": 4, "first_seed": 0}
-    return dataclasses.replace(GRIDS, **of)
+    return part_of(GRIDS, GRIDS.controllers, [f"block:{side}" for side in SIDES], 4)
 
 
 def test_lengths_on_grids_are_beside_the_shortest(database, grids):
@@ -278,8 +265,7 @@ def gates(database):
                 of = {"best_fitness": best, "best_collision": collision, "evaluations": spent}
                 database.add(made_run((controller, name, seed), fitness=fitness, **of))
                 courses.setdefault((name, controller), []).append(best)
-    of = {"controllers": tuple(AGAIN), "scenarios": tuple(OPTIMA), "num_seeds": 3, "first_seed": 0}
-    return dataclasses.replace(GATES, **of, tables=("recovery",), figures=("recovery",)), courses
+    return part_of(GATES, AGAIN, OPTIMA, 3, tables=("recovery",), figures=("recovery",)), courses
 
 
 def test_recovery_tables_have_quartiles_of_all_training_seeds(database, gates):

@@ -1,6 +1,5 @@
 """Tables and figures of the IAFSA paper say what the runs say."""
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,7 @@ from scipy import stats
 from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
-from experiments.runs.labels import label
-from experiments.runs.run import Run, length_of
+from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
@@ -28,35 +26,20 @@ from experiments.studies.iafsa.published import (
 from experiments.studies.iafsa.route_tables import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
-from helpers.stored_runs import cells_of, printed_rows
+from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
-from swarm_gym.simulation import HISTORY
 
 DOCS = Path(__file__).parents[3] / "docs"
 AFSA, IAFSA = "fish-swarm(200)+fixed:100", "improved-fish-swarm(200)+fixed:100"
-BEST, SPENT = HISTORY.index("best_fitness"), HISTORY.index("evaluations")
 
 
-def made_run(controller, scenario, seed, fitness, course=(9.0, 3.0), collision=0.0, path=((0.0, 0.0),) * 2):
+def made_run(controller, scenario, seed, fitness, course=(9.0, 3.0), **of):
     """A run whose best fitness goes through a course down to the last value, 100 evaluations each time."""
     best = np.append(course, fitness)
-    trace = np.zeros((len(best), len(HISTORY)))
-    trace[:, BEST], trace[:, SPENT] = best, 100.0 * np.arange(1, len(best) + 1)
-    spent = int(trace[-1, SPENT])
-    return Run(
-        controller,
-        scenario,
-        seed,
-        fitness,
-        collision,
-        spent,
-        0.1,
-        np.array(path, dtype=np.float64),
-        trace,
-        {},
-    )
+    courses = {"best_fitness": best, "evaluations": 100.0 * np.arange(1, len(best) + 1)}
+    return stored_run((controller, scenario, seed), courses, final_fitness=fitness, **of)
 
 
 # The paper's numbers.
@@ -115,23 +98,17 @@ def test_a_run_has_converged_when_a_thousandth_of_its_gain_is_still_to_come(cour
 @pytest.fixture
 def functions(database):
     """Booth, where IAFSA is better, and Rastrigin in 10-D, where it is not; four runs each."""
-    suite = dataclasses.replace(
-        FUNCTIONS,
-        scenarios=("function:booth-2", "function:rastrigin-10"),
-        controllers=(AFSA, IAFSA, "hybrid-fish-swarm(200)+fixed:100"),
-        num_seeds=4,
-        first_seed=0,
-    )
-    rng = np.random.default_rng(0)
     scale = {"function:booth-2": (1e-2, 1e-4), "function:rastrigin-10": (10.0, 60.0)}
+    suite = part_of(FUNCTIONS, (AFSA, IAFSA, "hybrid-fish-swarm(200)+fixed:100"), scale, 4)
+    rng = np.random.default_rng(0)
     values = {}
     for scenario, scales in scale.items():
         for controller in suite.controllers:
             about = scales[controller == IAFSA]
             values[scenario, controller] = about * rng.uniform(0.9, 1.1, 4)
             course = (100.0, 90.0) if controller == IAFSA else (100.0, 90.0, 80.0, 70.0)
-            for seed, value in enumerate(values[scenario, controller]):
-                database.add(made_run(controller, scenario, seed, value, course))
+            of = enumerate(values[scenario, controller])
+            database.add(*(made_run(controller, scenario, seed, value, course) for seed, value in of))
     return suite, values, make_tables(suite, database)
 
 
@@ -160,18 +137,17 @@ def test_p_values_are_of_unpaired_runs_and_corrected_over_the_table(functions):
 def test_claims_say_where_they_do_not_hold(functions):
     tables = functions[2]
     found = [tuple(row.values()) for row in cells_of(tables, "iafsa-functions-claims")]
-    plane, stated = "the functions stated as 2-D", "those stated as 10-D"
     assert found == [
-        (f"IAFSA's mean is below AFSA's, {plane}", "1 of 1", "–"),
-        (f"IAFSA's mean is below AFSA's, {stated}", "0 of 1", "Rastrigin, 10-D at 200"),
-        (f"IAFSA's mean is no larger than the paper's, {plane}", "1 of 1", "–"),
-        (f"IAFSA's mean is no larger than the paper's, {stated}", "0 of 1", "Rastrigin, 10-D at 200"),
-        (f"AFSA's mean is within a factor of 20 of the paper's, {plane}", "1 of 1", "–"),
-        (
-            f"AFSA's mean is within a factor of 20 of the paper's, {stated}",
-            "0 of 1",
-            "Rastrigin, 10-D at 200",
-        ),
+        (f"{claim}, {of}", *holds)
+        for claim in (
+            "IAFSA's mean is below AFSA's",
+            "IAFSA's mean is no larger than the paper's",
+            "AFSA's mean is within a factor of 20 of the paper's",
+        )
+        for of, *holds in (
+            ("the functions stated as 2-D", "1 of 1", "–"),
+            ("those stated as 10-D", "0 of 1", "Rastrigin, 10-D at 200"),
+        )
     ]
 
 
@@ -208,17 +184,13 @@ def test_a_run_that_never_reaches_a_level_counts_all_iterations():
 
 
 def test_shifted_functions_are_compared_place_by_place(database):
-    suite = dataclasses.replace(
-        SHIFTED,
-        controllers=(AFSA, IAFSA),
-        scenarios=tuple(f"function:easom-2-shifted:{k}" for k in range(6)),
-        first_seed=0,
-    )
+    scenarios = [f"function:easom-2-shifted:{k}" for k in range(6)]
+    suite = part_of(SHIFTED, (AFSA, IAFSA), scenarios, SHIFTED.num_seeds)
     rng = np.random.default_rng(1)
     values = {controller: rng.uniform(0.1, 1.0, 6) for controller in suite.controllers}
     for controller, of in values.items():
-        for k, value in enumerate(of):
-            database.add(made_run(controller, f"function:easom-2-shifted:{k}", k, value))
+        places = enumerate(zip(scenarios, of, strict=True))
+        database.add(*(made_run(controller, scenario, k, value) for k, (scenario, value) in places))
     (row,) = cells_of(make_tables(suite, database), "iafsa-shifted")
     assert row["function"] == "Easom, 2-D"
     assert row["p"] == f"{stats.wilcoxon(values[IAFSA], values[AFSA]).pvalue:.1g}"
@@ -239,24 +211,18 @@ def route():
 @pytest.fixture
 def routes(database, route):
     """AFSA goes along A*'s path and once straight through a pillar, IAFSA along the shortest path."""
-    suite = dataclasses.replace(
-        ROUTES,
-        scenarios=(route.name,),
-        num_seeds=3,
-        first_seed=0,
-        controllers=("fish-swarm+fixed:100", "improved-fish-swarm+fixed:100"),
-    )
+    suite = part_of(ROUTES, ("fish-swarm+fixed:100", "improved-fish-swarm+fixed:100"), (route.name,), 3)
     made = make_route(route.name, {})
     length, shortest = made.shortest
-    found = made.cell_paths["A*"]
-    for seed in range(3):
-        through = seed == 2
-        path, collision = ((route.start, route.target), 2.0) if through else (found, 0.0)
-        fitness = 700.0 if through else length_of(found)
+    found, course = made.cell_paths["A*"], (900.0, 800.0)
+    straight = {"final_collision": 2.0, "best_path": np.array([route.start, route.target])}
+    for seed, (fitness, of) in enumerate(
+        [(length_of(found), {"best_path": found})] * 2 + [(700.0, straight)]
+    ):
+        afsa, iafsa = ((controller, route.name, seed) for controller in suite.controllers)
         database.add(
-            made_run(suite.controllers[0], route.name, seed, fitness, (900.0, 800.0), collision, path)
+            made_run(*afsa, fitness, course, **of), made_run(*iafsa, length, course, best_path=shortest)
         )
-        database.add(made_run(suite.controllers[1], route.name, seed, length, (900.0, 800.0), 0.0, shortest))
     return suite, made
 
 
@@ -325,11 +291,6 @@ def test_the_document_shows_all_tables_and_small_figures():
     figures = list((DOCS / "results/iafsa-paper").glob("*.svg"))
     assert all(f"results/iafsa-paper/{figure.name}" in text for figure in figures)
     assert sum(figure.stat().st_size for figure in figures) < 700_000
-
-
-def test_optimizers_are_called_as_in_the_paper():
-    assert label(IAFSA) == "IAFSA, 100 members, 200 iterations"
-    assert label("hybrid-fish-swarm+fixed:100") == "HAAFSA-R, 100 members"
 
 
 def test_suites_run_what_the_tables_are_about():

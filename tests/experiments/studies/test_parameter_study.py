@@ -10,14 +10,13 @@ from experiments.catalogue import get_suite
 from experiments.documents.figures import plan, write_figures
 from experiments.documents.page import make_tables
 from experiments.plots.stored import load_cases
-from experiments.runs.database import Results, ResultsError
-from experiments.runs.run import Run
+from experiments.runs.database import ResultsError
 from experiments.statistics import ratio_interval
 from experiments.studies.spsfa.parameter_figures import draw_courses, draw_outcomes
 from experiments.studies.spsfa.parameters import CONTROLLERS, PARAMETER_STUDIES, SCENARIO
 from experiments.studies.spsfa.suites import PARAMETERS
 from helpers.builders import make_problem
-from helpers.stored_runs import cells_of
+from helpers.stored_runs import cells_of, filled_database, line, stored_run
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 
 NUM_SEEDS, ITERATIONS = 4, 6
@@ -33,34 +32,23 @@ def made_run(controller, seed):
     trace = rng.uniform(1.0, 90.0, (rows, 6))
     trace[:, 3] = np.sort(rng.uniform(310.0, 900.0, rows))[::-1]
     trace[:, 4] = np.cumsum(rng.integers(60, 2000, rows))
-    evaluations = EVALUATIONS.get(controller, 2000) + 10 * (2 * seed - NUM_SEEDS + 1)
+    spent = EVALUATIONS.get(controller, 2000) + 10 * (2 * seed - NUM_SEEDS + 1)
+    of = {"final_collision": 0.0 if seed else 2.5, "evaluations": spent, "seconds": 2e-3 * spent}
     path = make_problem(SCENARIO).points(np.zeros(31))
-    collision = 0.0 if seed else 2.5
-    return Run(
-        controller, SCENARIO, seed, trace[-1, 3], collision, evaluations, 2e-3 * evaluations, path, trace, {}
-    )
+    return stored_run((controller, SCENARIO, seed), trace, final_fitness=trace[-1, 3], best_path=path, **of)
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    database = Results(tmp_path_factory.mktemp("results") / "made.sqlite")
-    for controller in CONTROLLERS:
-        for seed in range(NUM_SEEDS):
-            database.add(made_run(controller, seed))
-    yield database
-    database.close()
+    runs = (made_run(controller, seed) for controller in CONTROLLERS for seed in range(NUM_SEEDS))
+    with filled_database(tmp_path_factory.mktemp("results"), runs) as database:
+        yield database
 
 
 @pytest.fixture(scope="module")
 def case(results):
     (found,) = load_cases(SUITE, results)
     return found
-
-
-def line(axes, text):
-    """Coordinates of the line with that label."""
-    (found,) = [each for each in axes.lines if each.get_label() == text]
-    return np.array(found.get_data(), dtype=float)
 
 
 def test_the_suite_is_the_papers_grid_with_the_printed_setting_once():
@@ -83,28 +71,13 @@ def test_a_study_varies_one_parameter_and_nothing_else(study):
 
 def test_tables_show_our_ratios_beside_the_papers(results):
     tables = make_tables(SUITE, results)
-    assert [table.name for table in tables] == [
-        "table-12-parameter-growth",
-        "table-13-parameter-decay",
-        "table-parameter-low-deviation",
-    ]
-    growth, decay, low_deviation = (cells_of([table], table.name) for table in tables)
-    assert (growth[0]["ω"], growth[0]["evaluations ratio"], growth[0]["seconds ratio"]) == (
-        "500",
-        "0.70",
-        "0.70",
-    )
-    assert (growth[0]["paper seconds"], growth[0]["paper ratio"]) == ("204.7044", "0.72")
-    assert [row["paper ratio"] for row in growth] == [
-        "0.72",
-        "0.80",
-        "1.00",
-        "0.88",
-        "0.68",
-        "0.70",
-        "1.54",
-        "1.88",
-    ]
+    names = ("table-12-parameter-growth", "table-13-parameter-decay", "table-parameter-low-deviation")
+    assert tuple(table.name for table in tables) == names
+    growth, decay, low_deviation = (cells_of(tables, name) for name in names)
+    first = [growth[0][column] for column in ("ω", "evaluations ratio", "seconds ratio", "paper seconds")]
+    assert first == ["500", "0.70", "0.70", "204.7044"]
+    paper = [row["paper ratio"] for row in growth]
+    assert paper == ["0.72", "0.80", "1.00", "0.88", "0.68", "0.70", "1.54", "1.88"]
     assert (decay[0]["η"], decay[0]["evaluations ratio"], decay[0]["paper ratio"]) == ("0.1", "2.50", "2.80")
     assert (decay[1]["η"], decay[1]["mean evaluations"], decay[1]["feasible"]) == ("**0.2**", "1,000", "75 %")
     fitness = [run.final_fitness for run in results.runs("spsfa-tip", SCENARIO, NUM_SEEDS)]
@@ -144,14 +117,13 @@ def test_interval_of_a_ratio_covers_it_and_pairs_the_seeds():
 @pytest.mark.parametrize("study", PARAMETER_STUDIES)
 def test_courses_are_medians_of_the_fitness_and_means_of_the_rest(study, case):
     panels = draw_courses(study, case).axes
+    centres = {
+        "best_fitness": np.median,
+        **dict.fromkeys(("population_size", "repair_degree", "evaluations"), np.mean),
+    }
     for value in study.values:
         text = f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"
-        for axes, name, centre in zip(
-            panels,
-            ("best_fitness", "population_size", "repair_degree", "evaluations"),
-            (np.median, np.mean, np.mean, np.mean),
-            strict=True,
-        ):
+        for axes, (name, centre) in zip(panels, centres.items(), strict=True):
             expected = centre([run.course(name) for run in case.runs[study.controller(value)]], axis=0)
             np.testing.assert_array_equal(line(axes, text)[1], expected)
     looks = {(each.get_color(), each.get_marker()) for each in panels[1].lines}

@@ -1,6 +1,7 @@
 """Tables and figures over training seeds and sets of scenarios say what the runs say."""
 
 import dataclasses
+import itertools
 import re
 
 import numpy as np
@@ -12,17 +13,16 @@ from experiments.documents.page import make_tables
 from experiments.plots.decisions import draw_decisions, load_courses
 from experiments.plots.gaps import draw_front, draw_profiles, logarithmic_ticks
 from experiments.plots.style import styles
-from experiments.runs.database import Results, ResultsError
+from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.run import Run
 from experiments.runs.suite import Family, Suite
 from experiments.statistics import holm, hypervolume
 from experiments.studies.controllers import training_seeds
 from experiments.studies.learned.suites import STUDY_FIGURES, STUDY_TABLES
 from experiments.tables.differences import difference_tables, paired_comparison_tables
 from helpers.builders import make_problem
-from helpers.stored_runs import cells_of, printed_rows
+from helpers.stored_runs import cells_of, filled_database, line, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -74,35 +74,29 @@ def evaluations(controller):
 
 
 def make_run(key, gap):
-    controller, scenario, seed = key
+    controller, _, seed = key
     rng = np.random.default_rng([SUITE.controllers.index(controller), seed])
     trace = rng.uniform(1.0, 90.0, (ITERATIONS + 1, len(WIDER)))
     if controller not in LEARNED:
         trace[:, len(HISTORY) :] = 2.0, 1.0, 1e-3
     if controller == "fixed:60":
         trace[:, 1], trace[1:, 2] = 60.0, 0.5
-    return Run(
-        controller,
-        scenario,
-        seed,
+    return stored_run(
+        key,
+        trace,
         final_fitness=known_optimum(make_problem("case1")) * (1.0 + gap),
         final_collision=0.0 if gap < 0.1 else 2.0 * FEASIBILITY_TOLERANCE,
         evaluations=evaluations(controller),
         seconds=0.25,
-        best_path=np.zeros((4, 2)),
-        trace=trace,
-        provenance={},
         columns=WIDER,
     )
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory, gaps):
-    database = Results(tmp_path_factory.mktemp("results") / "made.sqlite")
-    for key, gap in gaps.items():
-        database.add(make_run(key, gap))
-    yield database
-    database.close()
+    runs = itertools.starmap(make_run, gaps.items())
+    with filled_database(tmp_path_factory.mktemp("results"), runs) as database:
+        yield database
 
 
 @pytest.fixture(scope="module")
@@ -249,11 +243,6 @@ def test_the_front_is_what_nothing_dominates(tables, gaps):
     assert found["hypervolume"].startswith(f"{expected:.4f} [")
 
 
-def line(axes, text):
-    (found,) = [each for each in axes.lines if each.get_label() == text]
-    return np.array(found.get_data(), dtype=float)
-
-
 def test_profiles_show_the_share_of_runs(outcomes, gaps):
     figure = draw_profiles(outcomes)
     assert [axes.get_title() for axes in figure.axes] == ["case1", "fields:test", "all"]
@@ -274,6 +263,10 @@ def test_the_front_shows_every_group_and_connects_families(outcomes, gaps):
 def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(results):
     among = styles(["fixed:60", "spsfa-tip", "learned:a/*"])
     panels = draw_decisions(SUITE, results, "learned:a/*", among).axes
+    for axes in panels:  # they hold all that is drawn in them
+        low, high = axes.get_ylim()
+        assert low == 0.0
+        assert axes.dataLim.y1 < high
     assert [axes.get_ylabel() for axes in panels[::2]] == [
         "population size", "repair degree φ", "noise α", "attractiveness β₀",
     ]  # fmt: skip
@@ -291,14 +284,6 @@ def test_decisions_are_medians_over_all_training_seeds_beside_the_baseline(resul
     assert len(load_courses(SUITE, results, "spsfa-tip", FIELDS)) == 4
     panels = draw_decisions(SUITE, results, "fixed:60", among).axes
     assert [axes.get_ylabel() for axes in panels[::2]] == ["population size", "repair degree φ"]
-
-
-def test_panels_of_decisions_hold_all_that_is_drawn_in_them(results):
-    panels = draw_decisions(SUITE, results, "learned:a/*", styles(["spsfa-tip", "learned:a/*"])).axes
-    for axes in panels:
-        low, high = axes.get_ylim()
-        assert low == 0.0
-        assert axes.dataLim.y1 < high
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,17 @@ def places(a, b, c):
     return np.concatenate((long.reshape(3, 8), rows))
 
 
-FUNCTIONS = (arithmetic, selections, roundings, numbers, places)
+def mixed(a, b, c):
+    """Numbers beside lanes."""
+    x, out = load(a, 0), np.empty((4, 8))
+    store(out, 0, maximum(x, 0.5))
+    store(out, 1, minimum(0, x))
+    store(out, 2, where(x > b[0], 1, x))
+    store(out, 3, broadcast(maximum(a[0], 2) + where(a[1] > 0.0, 1, 2.5)))
+    return out
+
+
+FUNCTIONS = (arithmetic, selections, roundings, numbers, places, mixed)
 AWKWARD = np.array([0.0, -0.0, 1e-310, 1e308, -1e308, np.inf, -np.inf, np.nan])
 
 
@@ -161,21 +171,6 @@ def test_the_floor_of_numbers_known_by_hand():
     expected = [0.0, -1.0, 1.0, -1.0, -0.0, 1e300, 0.0, -1.0]
     assert compiled(roundings)(given, given, given)[0].tolist() == expected
     assert floor(given).tolist() == expected
-
-
-def mixed(a, b, c):
-    x, out = load(a, 0), np.empty((4, 8))
-    store(out, 0, maximum(x, 0.5))
-    store(out, 1, minimum(0, x))
-    store(out, 2, where(x > b[0], 1, x))
-    store(out, 3, broadcast(maximum(a[0], 2) + where(a[1] > 0.0, 1, 2.5)))
-    return out
-
-
-@pytest.mark.parametrize("seed", range(9))
-def test_numbers_stand_beside_lanes(seed):
-    arrays = inputs(seed)
-    np.testing.assert_array_equal(compiled(mixed)(*arrays), mixed(*arrays))
 
 
 FLOATS, WORDS = np.arange(8.0), np.arange(8, dtype=np.uint64)
