@@ -49,7 +49,7 @@ PHASES = {
     "optuna.Study.tell": "telling the study",
     "experiments.runs.runner.run_one": "run",
     "experiments.runs.database.Results.add": "storing runs",
-    "experiments.tables.make_tables": "tables",
+    "experiments.documents.page.make_tables": "tables",
     "experiments.documents.page.write_page": "tables",
 }
 
@@ -175,22 +175,22 @@ def _run(command: Command, log: Path, shared: tuple, moment: Moment | None) -> N
         os.dup2(output, stream)
     sys.stdout, sys.stderr = (io.TextIOWrapper(io.FileIO(n, "w"), line_buffering=True) for n in (1, 2))
     for name, value in command.patches.items():
-        owner, attribute = _find(name)
+        owner, attribute = find(name)
         setattr(owner, attribute, value)
     phase, stored = shared
     phase.value = b"start"
     for name, doing in PHASES.items():
-        owner, attribute = _find(name)
+        owner, attribute = find(name)
         setattr(owner, attribute, _announced(getattr(owner, attribute), doing, phase, stored))
     if moment is not None:
-        owner, attribute = _find(moment.function)
+        owner, attribute = find(moment.function)
         setattr(owner, attribute, _deadly(getattr(owner, attribute), moment))
     sys.argv = [command.module, *command.arguments]
     runpy.run_module(command.module, run_name="__main__", alter_sys=True)
 
 
-def _find(name: str) -> tuple[object, str]:
-    """The module or class that something belongs to, and its name there."""
+def find(name: str) -> tuple[object, str]:
+    """Return the module or class that a dotted name belongs to, and the name there."""
     *owner, attribute = name.split(".")
     for length in range(len(owner), 0, -1):
         try:
