@@ -118,9 +118,9 @@ def test_the_command_with_several_processes_that_is_killed(tmp_path):
     before, kills = 0, 0
     while len(rows(tmp_path / "killed")) < len(expected) - 4:
         running = subprocess_of(evaluation(tmp_path / "killed", jobs=2))
-        while running.poll() is None and len(rows(tmp_path / "killed")) < before + 6:
+        while running.poll() is None and len(rows(tmp_path / "killed")) < before + 1:
             time.sleep(0.05)
-        time.sleep(generator.uniform(0.0, 0.3))
+        time.sleep(generator.uniform(0.0, 0.1))
         kills += running.poll() is None
         running.kill()
         running.wait()
