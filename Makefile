@@ -102,7 +102,7 @@ check: $(INSTALLED) ## lint, formatting, types, layers, language
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python tests/language.py swarm_gym agents experiments
+	$(BIN)/python tests/language.py swarm_gym agents experiments tests
 
 format: $(INSTALLED) ## format the sources
 	$(BIN)/ruff check --fix .

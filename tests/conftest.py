@@ -21,7 +21,7 @@ def _ctrl_c_arrives():
 
 @pytest.fixture(scope="session")
 def numba_threads():
-    """How many threads kernels can be spread over here."""
+    """Return the number of threads that kernels can be spread over on this machine."""
     return numba.config.NUMBA_NUM_THREADS
 
 

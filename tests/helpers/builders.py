@@ -81,7 +81,7 @@ def walk_problem(source, seed=3, **geometry):
 
 
 def is_walker(optimizer):
-    """Whether members of an optimizer are points of a walk, and not whole paths."""
+    """Return whether members of an optimizer are points of a walk, and not whole paths."""
     return "walk" in get_optimizer(optimizer).encodings
 
 
@@ -245,7 +245,7 @@ def assert_same_as_oracle(swarms, twin, rtol=1e-10):
 
 
 def assert_same_swarm(swarms, twin):
-    """The same for fireflies on the cases of the paper, where less rounding adds up."""
+    """Compare fireflies on the cases of the SPSFA paper with the oracle, where less rounding adds up."""
     assert_same_as_oracle(swarms, twin, rtol=1e-12)
 
 
@@ -265,7 +265,7 @@ def problem_of(source, num_waypoints, seed=3, length_weight=0.3):
 
 
 def make_twins(problem, population, seed, budget=UNLIMITED):
-    """The same fireflies for the kernels and in plain Python: (swarms, tables, twin)."""
+    """Return fireflies for the kernels and their oracle in plain Python: (swarms, tables, twin)."""
     size = len(population)
     swarms, tables = begin("firefly", [problem], size, budget=budget, populations=[population], seed=seed)
     twin = oracle_twin("firefly", problem, size, budget, population=population, seed=seed)

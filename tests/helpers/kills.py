@@ -70,7 +70,7 @@ class Watched:
     """A command that runs.
 
     Attributes:
-        phase: what it is doing, or was when it was killed.
+        phase: work it is doing, or was doing when it was killed.
         stored: how many rows it has stored in a results database.
     """
 
@@ -111,7 +111,7 @@ def run_killed_at(command: Callable[[], Command], moments: Sequence[Moment], log
     """Run a command that dies at each of these moments, and then to its end.
 
     Args:
-        command: what is to run next.
+        command: function that returns the command to run next.
         moments: in the order of the starts; each is counted from a start.
         log: file for what is printed.
     """
@@ -132,12 +132,12 @@ def run_killed_at_random(
     Moments are uniform in the time that the command takes. Those after its end do not count.
 
     Args:
-        command: what is to run next in a folder.
-        check: of a folder, after every kill and at the end, with how many rows its processes have stored, and
-            how many of these were killed.
+        command: function of a folder that returns the command to run next in it.
+        check: function called after every kill and at the end with the folder, the number of rows that its
+            processes have stored, and the number of processes killed.
         folder: for the folders.
         kills: how many times a living process is to be killed.
-        seed: of the moments.
+        seed: seed of the random moments.
 
     Returns:
         What the processes were doing when they were killed.
@@ -169,7 +169,7 @@ def run_killed_at_random(
 
 
 def _run(command: Command, log: Path, shared: tuple, moment: Moment | None) -> None:
-    """What a process does."""
+    """Run a command in this process, with its phases announced and its moment of death armed."""
     output = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     for stream in (1, 2):
         os.dup2(output, stream)

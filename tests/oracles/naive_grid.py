@@ -67,7 +67,7 @@ class Bezier:
         return [de_casteljau(points, k / (NUM_SAMPLES - 1)) for k in range(NUM_SAMPLES)]
 
     def weights(self, sample):
-        """Of the free control points in a sample."""
+        """Return the weights of the free control points in a sample."""
         t, degree = sample / (NUM_SAMPLES - 1), self.num_points + 1
         return [bernstein(degree, i, t) for i in range(1, degree)]
 
@@ -144,7 +144,7 @@ class Problem:
         return tuple(self._nearest[(row + 1) * (width + 2) + column + 1].tolist())
 
     def infeasible(self, vector):
-        """Of each sample, whether its cell is blocked or outside."""
+        """Return for each sample whether its cell is blocked or outside the map."""
         return self.are_infeasible(self.path.samples(vector))
 
     def are_infeasible(self, samples):

@@ -33,7 +33,7 @@ def has_kernels(tree):
 
 
 def is_kernel_source(module):
-    """Whether a module, by its dotted name, lies in one of the places."""
+    """Return whether a module, by its dotted name, lies in one of the places."""
     parts = [place.removesuffix(".py") for place in KERNEL_SOURCES]
     return any(f"{module}.".startswith(f"swarm_gym.{part}.") for part in parts)
 

@@ -1,4 +1,4 @@
-"""What the compiled lanes do is what they say in Python."""
+"""Compiled SIMD lanes give what their Python forms give."""
 
 import os
 import subprocess
@@ -73,7 +73,7 @@ def roundings(a, b, c):
 
 
 def numbers(a, b, c):
-    """The same functions on single numbers, and masks as bits."""
+    """Return the results of the functions on single numbers, and masks as bits."""
     out = np.empty((5, 8))
     for k in range(8):
         out[0, k] = maximum(a[k], b[k])

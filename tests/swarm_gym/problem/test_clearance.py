@@ -1,4 +1,4 @@
-"""How close paths come to blocked cells, against shapely."""
+"""Clearance: how close paths come to blocked cells, against shapely."""
 
 import math
 

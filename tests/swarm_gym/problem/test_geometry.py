@@ -61,7 +61,7 @@ def segment(y0, y1, shift=0.0):
 
 
 def depth(obstacle, ends):
-    """How clearly a segment meets the open obstacle (positive) or stays off it (negative).
+    """Return the depth to which a segment meets the open obstacle; negative if it stays off it.
 
     For a polygon the depth is that of the part of the segment inside.
     """

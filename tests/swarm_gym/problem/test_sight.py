@@ -59,7 +59,7 @@ def test_segments_are_free_and_blocked_as_the_traversal_says(blocked, p, q):
 @settings(deadline=None)
 @given(maps, st.data())
 def test_segments_through_corners_and_along_edges_of_blocked_cells_too(blocked, data):
-    """Where what is free and what is not are a rounding error apart."""
+    """Check segments for which free and blocked are a rounding error apart."""
     height, width = blocked.shape
     corner = st.tuples(st.integers(0, width), st.integers(0, height)).map(
         lambda at: (at[0] - 0.5, at[1] - 0.5)
@@ -100,7 +100,7 @@ def test_rooms_are_cells_around_of_the_same_kind(blocked):
 @settings(deadline=None)
 @given(maps, points, points, points, points)
 def test_whoever_looks_through_a_shadow_sees_nothing(blocked, p, q, r, s):
-    """And whoever does not see has something in the way, which may cast one."""
+    """Check also that a blocked cell hides whatever is not seen, and may cast a shadow."""
     rooms, shadow = tabulate_rooms(blocked), np.full(3, -1.0)
     share = compiled(hidden_at)(blocked, rooms, *p, *q)
     assert (share < 0.0) == segment_is_free(blocked, *p, *q)
@@ -134,7 +134,7 @@ def test_everything_outside_the_map_is_blocked():
 
 
 def test_a_jump_does_not_end_in_a_closed_gap():
-    """Of two rooms that touch at a corner, where the free cells around a point end."""
+    """Check two rooms that touch at a corner, where the free cells around a point end."""
     blocked = np.ones((10, 10), np.bool_)
     blocked[:5, :5] = blocked[5:, 5:] = False
     rooms = tabulate_rooms(frozen(blocked))

@@ -62,7 +62,7 @@ def passable_scenario(seed, num_obstacles):
 
 
 def sag(radius):
-    """How far the polyline of an arc lies inside the circle at most."""
+    """Return the greatest distance by which the polyline of an arc lies inside the circle."""
     return radius * (1.0 - math.cos(SAMPLING_ANGLE / 2.0))
 
 
