@@ -14,6 +14,15 @@ A layout is a list of decisions, each one number of the action:
 Extended layouts have one number for each parameter of the optimizer that may change at every iteration. A
 paced size asks for 6^a times the population size at which `max_evaluations` would just last, for a in [-1,
 1].
+
+The layouts `sourced`, `sourced-normalised` and `sourced-paced` are the extended ones and then three numbers
+about new members (see `swarm_gym.sources`):
+
+| number | natural unit | scaled |
+|---|---|---|
+| smooth share: probability that a new member is a smooth bend | in [0, 1] | linear |
+| amplitude: largest offset of bends as a share of the workspace's width | in [0.01, 1] | logarithm |
+| immigrants: share of the members that are replaced in this iteration, the worst first | in [0, 1] | linear |
 """
 
 from abc import ABC, abstractmethod
@@ -30,11 +39,13 @@ from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import replaced
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
+from swarm_gym.sources import SMALLEST_AMPLITUDE
 
 Floats = NDArray[np.float64]
 
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
+LEAST_OF_SOURCES = np.array([0.0, SMALLEST_AMPLITUDE, 0.0])  # of smooth share, amplitude and immigrants
 
 
 class Scale(ABC):
@@ -145,13 +156,14 @@ class Action:
         name: str,
         settings: Settings,
         scales: dict[str, Scale],
-        defaults: dict[str, float],
+        parameters: dict[str, float],
+        sources: tuple[float, ...],
         dtype: type[np.floating],
     ):
         self.name = name
         self.labels = tuple(scales)
         self.scales = tuple(scales.values())
-        self._parameters, self._defaults = list(defaults), list(defaults.values())
+        self._parameters, self._defaults = list(parameters), [*parameters.values(), *sources]
         self._dtype = dtype
         self._smallest, self._largest = settings.min_population_size, settings.max_population_size
 
@@ -165,8 +177,8 @@ class Action:
         """Return the actions (B, k) that come closest to asking for these decisions.
 
         Args:
-            decided: (B, k) values in the layout `extended`, or (B, 2) in `natural`; then the optimizer's
-                parameters keep their defaults.
+            decided: (B, k) values in the layout `sourced`, `extended` or `natural`; decisions that these lack
+                keep their defaults.
             simulation: simulation of the B swarms, which paced layouts need.
 
         Raises:
@@ -179,7 +191,8 @@ class Action:
                 f"got {decided.shape[1]} decisions, but the action layout {self.name!r} has only "
                 f"{len(self.scales)} numbers ({', '.join(self.labels)})"
             )
-        wanted = np.concatenate([decided, np.tile(self._defaults, (len(decided), 1))[:, :missing]], axis=1)
+        kept = self._defaults[len(self._defaults) - missing :]
+        wanted = np.concatenate([decided, np.tile(kept, (len(decided), 1))], axis=1)
         numbers = [
             scale.encode(values, simulation) for scale, values in zip(self.scales, wanted.T, strict=True)
         ]
@@ -199,12 +212,20 @@ class Action:
             scale.decode(column, simulation) for scale, column in zip(self.scales, values.T, strict=True)
         ]
         within = np.minimum(np.maximum(decided[0], self._smallest), self._largest)
-        parameters = simulation.parameters
+        parameters, sources = simulation.parameters, simulation.sources
+        first_source = 2 + len(self._parameters)
         if self._parameters:
-            new = dict(zip(self._parameters, decided[2:], strict=True))
+            new = dict(zip(self._parameters, decided[2:first_source], strict=True))
             parameters = replaced(simulation.optimizer.parameter_class, parameters, new)
+        if len(decided) > first_source:
+            sources = np.stack(decided[first_source:], axis=1)
+            # Scales round: a number of -1 or 1 may stand for slightly more than its bound.
+            sources = np.clip(sources, LEAST_OF_SOURCES, 1.0)
         return Decisions(
-            np.floor(within + 0.5).astype(np.int64), np.minimum(np.maximum(decided[1], 0.0), 1.0), parameters
+            np.floor(within + 0.5).astype(np.int64),
+            np.minimum(np.maximum(decided[1], 0.0), 1.0),
+            parameters,
+            sources,
         )
 
     def _read(self, actions: object, chosen: NDArray[np.bool_]) -> Floats:
@@ -242,10 +263,12 @@ class Layout:
     Attributes:
         size: scale of the population size: `natural` (members), `logarithmic` or `paced` (both in [-1, 1]).
         extended: whether the action decides parameters of the optimizer, too.
+        sourced: whether it decides the source of new members, too.
     """
 
     size: str
     extended: bool
+    sourced: bool = False
 
 
 ACTIONS: dict[str, Layout] = {
@@ -255,7 +278,16 @@ ACTIONS: dict[str, Layout] = {
     "extended": Layout("natural", True),
     "extended-normalised": Layout("logarithmic", True),
     "extended-paced": Layout("paced", True),
+    "sourced": Layout("natural", True, True),
+    "sourced-normalised": Layout("logarithmic", True, True),
+    "sourced-paced": Layout("paced", True, True),
 }
+
+
+def includes(name: str, natural: str) -> bool:
+    """Return whether a layout has all decisions of a layout in natural units, such as `extended`."""
+    layout, part = ACTIONS[name], ACTIONS[natural]
+    return part.size == "natural" and layout.extended >= part.extended and layout.sourced >= part.sourced
 
 
 def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
@@ -263,8 +295,8 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
 
     Raises:
         UnknownNameError: if there is no layout of that name.
-        SettingError: if the layout needs an evaluation budget that is not set, or parameters that the
-            optimizer does not have.
+        SettingError: if the layout needs an evaluation budget that is not set, parameters that the
+            optimizer does not have, or sources that the encoding does not have.
     """
     layout = look_up("action layout", settings.action, ACTIONS)
     if layout.size == "paced" and settings.max_evaluations is None:
@@ -281,7 +313,7 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
         "repair degree": AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0),
     }
     decided = optimizer.decided_parameters() if layout.extended else {}
-    if layout.extended and not decided:
+    if layout.extended and not layout.sourced and not decided:
         raise SettingError(
             f"action {settings.action!r}: optimizer {optimizer.name!r} has no parameters to decide; choose a "
             "layout that is not extended"
@@ -289,6 +321,16 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     for name, parameter in decided.items():
         if parameter.decided is not None:
             scales[name] = AsItIs(*parameter.decided) if natural else Logarithmic(*parameter.decided)
+    sources: tuple[float, ...] = ()
+    if layout.sourced:
+        settings.require_sources(f"action {settings.action!r}")
+        source = settings.new_members
+        sources = source.smooth_share, source.amplitude, 0.0
+        amplitudes = SMALLEST_AMPLITUDE, 1.0
+        scales["smooth share"] = AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
+        scales["amplitude"] = AsItIs(*amplitudes) if natural else Logarithmic(*amplitudes)
+        scales["immigrants"] = AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
     dtype = np.float64 if natural else np.float32
     values = optimizer.parameter_values(settings.knobs)
-    return Action(settings.action, settings, scales, {name: getattr(values, name) for name in decided}, dtype)
+    parameters = {name: getattr(values, name) for name in decided}
+    return Action(settings.action, settings, scales, parameters, sources, dtype)

@@ -11,16 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
-from swarm_gym.compiler.random_stream import STREAM_SHAPE, fill_uniform
+from swarm_gym.compiler.random_stream import STREAM_SHAPE
 from swarm_gym.compiler.simd import NUM_LANES, load, store
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.scenarios import Point
+from swarm_gym.sources import IMMIGRANTS, NUM_SOURCE_NUMBERS, draw_newcomer
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# Rows of `Swarms.arrivals`, whose columns are the last W iterations: iteration g is in column g % W.
+BEST_SMOOTH, BECAME_BEST = range(2)
 # Columns of `Swarms.summary`.
 NUM_SUMMARIES = 5
 POPULATION_COLLISION, MEAN_COLLISION, COLLISION_DEVIATION, FEASIBLE_SHARE, DIVERSITY = range(NUM_SUMMARIES)
@@ -54,6 +57,8 @@ class Swarms(NamedTuple):
         Integers  # (B,) number of these points in the best path so far, which ends with a straight line
     )
     walked: Integers  # (B,) number of these points that a robot has passed
+    source: Floats  # (B, 4) source of new members, see `sources`
+    arrivals: Floats  # (B, 2, W) records of new members, or (B, 2, 0) for none, by iteration
 
     @classmethod
     def allocate(
@@ -65,6 +70,7 @@ class Swarms(NamedTuple):
         num_registers: int = 0,
         field_size: int = 0,
         walk_points: int = 0,
+        arrival_window: int = 0,
     ) -> "Swarms":
         """Return empty swarms."""
         members = (num_swarms, capacity)
@@ -89,6 +95,8 @@ class Swarms(NamedTuple):
             walk=np.zeros((num_swarms, walk_points, 2)),
             best_walk=np.zeros(num_swarms, dtype=np.int64),
             walked=np.zeros(num_swarms, dtype=np.int64),
+            source=np.zeros((num_swarms, NUM_SOURCE_NUMBERS)),
+            arrivals=np.full((num_swarms, 2, arrival_window), np.inf),
         )
 
     def best_walk_points(self, row: int) -> Floats:
@@ -157,14 +165,47 @@ def add_members(
     lower: Floats,
     upper: Floats,
 ) -> None:
-    """Append up to `count` members uniform in [lower, upper], shape (C,), while the budget lasts."""
-    width = lower.shape[0]
+    """Append up to `count` members from the swarm's source, while the budget lasts.
+
+    Uniform members lie in the box [lower, upper], (C,) each.
+    """
+    source, stream = swarms.source[b], swarms.stream[b]
     for _ in range(min(count, swarms.budget[b] - swarms.evaluations[b])):
-        fill_uniform(swarms.stream[b], work.noise)
-        for k in range(width):
-            work.path[k + 1] = lower[k] + (upper[k] - lower[k]) * work.noise[k]  # eq. 12
+        smooth = draw_newcomer(source, stream, table, work.noise, work.path, lower, upper)
+        best = swarms.best_fitness[b]
         evaluate_member(swarms, b, swarms.size[b], table, work)
+        note_arrival(swarms, b, smooth, swarms.fitness[b, swarms.size[b]], best)
         swarms.size[b] += 1
+
+
+@kernel(borrows=True)
+def note_arrival(swarms: Swarms, b: int, smooth: bool, fitness: float, best: float) -> None:
+    """Record a new member of this fitness, where `best` was the best fitness before, if arrivals are kept."""
+    window = swarms.arrivals.shape[2]
+    if window > 0:
+        now = swarms.iteration[b] % window
+        if smooth:
+            swarms.arrivals[b, BEST_SMOOTH, now] = min(swarms.arrivals[b, BEST_SMOOTH, now], fitness)
+        if fitness < best:
+            swarms.arrivals[b, BECAME_BEST, now] += 1.0
+
+
+@kernel(borrows=True)
+def begin_arrivals(swarms: Swarms, b: int) -> None:
+    """Delete the records that the coming iteration replaces."""
+    window = swarms.arrivals.shape[2]
+    if window > 0:
+        now = swarms.iteration[b] % window
+        swarms.arrivals[b, BEST_SMOOTH, now] = math.inf
+        swarms.arrivals[b, BECAME_BEST, now] = 0.0
+
+
+@kernel(borrows=True)
+def forget_arrivals(swarms: Swarms, b: int) -> None:
+    """Delete all records of new members: those of a first population say nothing about later ones."""
+    for k in range(swarms.arrivals.shape[2]):
+        swarms.arrivals[b, BEST_SMOOTH, k] = math.inf
+        swarms.arrivals[b, BECAME_BEST, k] = 0.0
 
 
 @kernel
@@ -220,9 +261,20 @@ def resize(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int)
 
 @kernel
 def grow(swarms: Swarms, b: int, table: Table, work: Workspace, new_size: int) -> None:
-    """Add members uniform in the box that the population spans (eq. 12)."""
+    """Add members from the source; uniform ones lie in the box that the population spans (eq. 12)."""
     lower, upper = span(swarms.positions[b], swarms.size[b], table)
     add_members(swarms, b, table, work, new_size - swarms.size[b], lower, upper)
+
+
+@kernel
+def num_staying(swarms: Swarms, b: int, new_size: int) -> int:
+    """Return how many members of swarm `b` stay when it gets `new_size` members and immigrants.
+
+    Immigrants replace their share of the members that would stay without them, but never all members.
+    """
+    staying = min(swarms.size[b], new_size)
+    replaced = math.floor(swarms.source[b, IMMIGRANTS] * staying + 0.5)
+    return max(staying - replaced, 1)
 
 
 @kernel

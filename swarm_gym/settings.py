@@ -23,6 +23,7 @@ from swarm_gym.scenarios import (
     rasterised,
     worlds_of,
 )
+from swarm_gym.sources import MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class Settings:
         initial_population_size: PS(0), size of the first population, within the two limits below.
         min_population_size: smallest population size that an action can ask for.
         max_population_size: largest population size that an action can ask for; memory grows with it.
+        source: source of new members: "uniform", as in the papers, "smooth" or "mixed"; see
+            `swarm_gym.sources`. Points of a walk and vectors of test functions can only be uniform.
+        smooth_share: probability in [0, 1] that a new member is smooth; for the source "mixed" only.
+        amplitude: largest offset of smooth members as a share of the workspace's width, in [0.01, 1].
+        bends: kind of smooth members, a name in `swarm_gym.problem.geometry.bends.BENDS`.
         mean_weight: k in [0, 1] of E(P) = k mean + (1 - k) std.
         action: layout of actions, a name in `swarm_gym.action.ACTIONS`.
         observation: layout of observations, a name in `swarm_gym.observation.OBSERVATIONS`, or several joined
@@ -75,6 +81,10 @@ class Settings:
     initial_population_size: int = 80
     min_population_size: int = 2
     max_population_size: int = 200
+    source: str = "uniform"
+    smooth_share: float = 0.5
+    amplitude: float = 0.5
+    bends: str = "harmonics"
     mean_weight: float = 0.1
     action: str = "natural"
     observation: str = "paper"
@@ -92,6 +102,9 @@ class Settings:
         self.check_population_size("initial_population_size", self.initial_population_size)
         require_integer("reference_evaluations", self.reference_evaluations, 1)
         require_number("mean_weight", self.mean_weight, 0.0, 1.0)
+        look_up("source", self.source, dict.fromkeys(SOURCES))
+        Source(self.smooth_share, self.amplitude)
+        kind_of_bends(self.bends)
         self._check_price()
         if self.max_evaluations is not None:
             require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
@@ -166,8 +179,44 @@ class Settings:
                 )
         return problems
 
+    @property
+    def new_members(self) -> Source:
+        """The source of new members, where no action decides it."""
+        share = {UNIFORM: 0.0, SMOOTH: 1.0, MIXED: self.smooth_share}[self.source]
+        return Source(share, self.amplitude)
+
+    @property
+    def decides_sources(self) -> bool:
+        """True if actions decide the source of new members."""
+        return self.action.startswith("sourced")
+
+    def require_sources(self, asked: str) -> None:
+        """Raise an error if new members can only be uniform here.
+
+        Args:
+            asked: option or value that needs other sources, for the message.
+
+        Raises:
+            SettingError: if decision vectors are not whole paths.
+        """
+        kind = _kind_of(self.worlds[0].scenario)
+        if self.encoding in kind.sourced:
+            return
+        vectors = "points of a walk" if self.encoding == "walk" else f"vectors of {kind.name}"
+        raise SettingError(
+            f"{asked}: smooth new members are whole paths, but here members are {vectors}; the only source "
+            f"is {UNIFORM!r}"
+        )
+
     def _refuse_unused(self, given: Iterable[str]) -> None:
-        """Raise an error if an option has no effect on this kind of scenario or encoding."""
+        """Raise an error if an option has no effect on this kind of scenario, encoding or source."""
+        if self.source != UNIFORM:
+            self.require_sources(f"source {self.source!r}")
+        unused = set() if self.source == MIXED else {"smooth_share"}
+        if self.source == UNIFORM and not self.decides_sources:
+            unused |= {"amplitude", "bends"}
+        for name in sorted(unused & set(given)):
+            raise SettingError(f"option {name!r} has no effect with source {self.source!r}; remove it")
         kind = _kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
             if not any(name in options for options in kind.options.values()):
@@ -232,11 +281,13 @@ class Kind(NamedTuple):
         name: name of such scenarios, in messages.
         problem: function that makes the problem of a scenario.
         options: options that have an effect on the problem, by encoding.
+        sourced: encodings whose decision vectors are whole paths, which can come from every source.
     """
 
     name: str
     problem: Callable[[Settings, Any], Problem]
     options: dict[str, tuple[str, ...]]
+    sourced: tuple[str, ...] = ()
 
 
 KINDS: dict[type, Kind] = {
@@ -247,6 +298,7 @@ KINDS: dict[type, Kind] = {
             "waypoints": ("encoding", "num_waypoints", "length_weight"),
             "walk": ("encoding", "penalty", "cell_size"),
         },
+        sourced=("waypoints",),
     ),
     GridScenario: Kind(
         "grid maps",
@@ -256,6 +308,7 @@ KINDS: dict[type, Kind] = {
             "bezier": ("encoding", "num_control_points", "penalty"),
             "walk": ("encoding", "penalty"),
         },
+        sourced=("waypoints", "bezier"),
     ),
     FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
 }

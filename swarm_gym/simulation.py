@@ -1,6 +1,7 @@
 """Episodes of an optimizer: many swarms at once, on one or several problems."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from swarm_gym.problem import Problem
 from swarm_gym.reference import gap_to_optimum
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
+from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, Source, kind_of_bends
 from swarm_gym.worlds import Worlds
 
 Floats = NDArray[np.float64]
@@ -25,7 +27,13 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NO_BUDGET = np.iinfo(np.int64).max
-RESET_OPTIONS = ("scenario", "initial_population", "initial_population_size")
+RESET_OPTIONS = (
+    "scenario",
+    "initial_population",
+    "initial_population_size",
+    "smooth_share",
+    "amplitude",
+)
 HISTORY = (
     "population_collision",
     "population_size",
@@ -42,6 +50,7 @@ class Decisions(NamedTuple):
     sizes: Integers  # (B,) population sizes
     repair_degrees: Floats  # (B,) phi in [0, 1]
     parameters: Floats  # (B, number of parameters) of the optimizer, in the order of its class of parameters
+    sources: Floats  # (B, 3) sources of new members, in the order of `sources.SOURCE_DECISIONS`
 
 
 class Simulation:
@@ -58,9 +67,11 @@ class Simulation:
         swarms: state that the kernels work on.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
-        columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters.
+        columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters, and
+            `SOURCE_DECISIONS` if actions decide them.
         history: (B, iterations + 1, number of columns) the record.
         parameters: (B, number of parameters) of the optimizer, where no action decides them.
+        sources: (B, 3) sources of new members, where no action decides them.
         initial_gap: (B,) best fitness of the first population above the lower bound; where the map has
             changed since, times what that did to the gap.
         price: (B,) cost of `reference_evaluations` evaluations in this episode.
@@ -72,6 +83,7 @@ class Simulation:
         settings: Settings,
         num_swarms: int,
         num_threads: int | None = None,
+        arrival_window: int = 0,
     ):
         require_integer("num_envs", num_swarms, 1)
         most = numba.config.NUMBA_NUM_THREADS
@@ -94,14 +106,18 @@ class Simulation:
             optimizer.num_registers(capacity),
             optimizer.field_size(self.worlds.tables),
             optimizer.walk_points(self.worlds.tables, settings.iterations),
+            arrival_window,
         )
+        self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
+        self.sources = np.tile(_as_decisions(settings.new_members), (num_swarms, 1))
         self.swarms.iterations[:] = settings.iterations
         self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
         self._anything_happens = self.worlds.ever_change or self.robots is not None
         self.parameters = optimizer.stacked_parameters(settings.knobs, num_swarms)
         self.iteration = self.swarms.iteration
         self.running = np.zeros(num_swarms, dtype=np.bool_)
-        self.columns = (*HISTORY, *optimizer.parameters)
+        decided = SOURCE_DECISIONS if settings.decides_sources else ()
+        self.columns = (*HISTORY, *optimizer.parameters, *decided)
         self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
         self.initial_gap = np.ones(num_swarms)
         self.price = np.zeros(num_swarms)
@@ -122,14 +138,15 @@ class Simulation:
         Args:
             chosen: (B,) swarms that begin an episode.
             seeds: one seed per chosen swarm; it determines the scenario and all random numbers.
-            options: `scenario` (the name of one of this environment's), `initial_population_size`, or
-                `initial_population` (decision vectors, shape (members, dimension), in map units).
+            options: `scenario` (the name of one of this environment's), `initial_population_size`,
+                `smooth_share` and `amplitude` of the first population, or `initial_population` (decision
+                vectors, shape (members, dimension), in map units).
 
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have.
         """
-        size, population, scenario = self.read_options(options)
+        size, population, scenario, source = self.read_options(options)
         swarms, rows = self.swarms, np.flatnonzero(chosen)
         budget = self.settings.max_evaluations
         for row, seed in zip(rows, seeds, strict=True):
@@ -144,6 +161,7 @@ class Simulation:
         given = population is not None
         if given:
             swarms.positions[rows, :size, : self.dimension] = population
+        swarms.source[rows, :KIND_OF_BENDS] = _as_decisions(source)
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
@@ -174,8 +192,16 @@ class Simulation:
 
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
         """Run the compiled part of a step."""
+        np.copyto(self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, where=chosen[:, None])
         self.optimizer.step(
-            self.swarms, self.worlds.tables, chosen, *decisions, self.settings.mean_weight, self.num_threads
+            self.swarms,
+            self.worlds.tables,
+            chosen,
+            decisions.sizes,
+            decisions.repair_degrees,
+            decisions.parameters,
+            self.settings.mean_weight,
+            self.num_threads,
         )
 
     def _let_happen(self, going: Flags) -> None:
@@ -293,11 +319,15 @@ class Simulation:
         record[:, 3] = swarms.best_fitness
         record[:, 4] = swarms.evaluations
         record[:, 5] = swarms.best_collision
-        record[:, len(HISTORY) :] = parameters
+        last = len(HISTORY) + parameters.shape[1]
+        record[:, len(HISTORY) : last] = parameters
+        record[:, last:] = swarms.source[:, : len(self.columns) - last]
         self.history[rows, self.iteration[rows]] = record[rows]
 
-    def read_options(self, options: Mapping[str, Any] | None) -> tuple[int, Floats | None, int | None]:
-        """Return size and content of the first population and the number of the scenario; None if not given.
+    def read_options(
+        self, options: Mapping[str, Any] | None
+    ) -> tuple[int, Floats | None, int | None, Source]:
+        """Return size, content, number of the scenario and source of a first population; None if not given.
 
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
@@ -327,13 +357,23 @@ class Simulation:
                 raise SettingError("expected initial_population or initial_population_size, got both")
             population = self._read_population(options["initial_population"])
             size = len(population)
+        source = self._read_source(options)
         self.settings.check_population_size("initial_population_size", size)
         budget = self.settings.max_evaluations
         if budget is not None and size > budget:
             raise SettingError(
                 f"initial_population_size must be at most max_evaluations, {budget}, got {size}"
             )
-        return int(size), population, scenario
+        return int(size), population, scenario, source
+
+    def _read_source(self, options: Mapping[str, Any]) -> Source:
+        """Return the source of a first population, with what the options change of that of the settings."""
+        given = {name: options[name] for name in ("smooth_share", "amplitude") if name in options}
+        for name in given:
+            self.settings.require_sources(name)
+            if "initial_population" in options:
+                raise SettingError(f"expected initial_population or {name}, got both")
+        return replace(self.settings.new_members, **given)
 
     def _read_population(self, population: object) -> Floats:
         n = self.dimension
@@ -352,3 +392,8 @@ class Simulation:
                 f"from {array.min():g} to {array.max():g}"
             )
         return array
+
+
+def _as_decisions(source: Source) -> Floats:
+    """Return a source as decisions, (3,), without immigrants; see `SOURCE_DECISIONS`."""
+    return np.array([source.smooth_share, source.amplitude, 0.0])

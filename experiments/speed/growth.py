@@ -122,7 +122,10 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
         constant = (
             np.ones(rows, dtype=np.bool_),
             Decisions(
-                np.full(rows, options["initial_population_size"]), np.zeros(rows), simulation.parameters
+                np.full(rows, options["initial_population_size"]),
+                np.zeros(rows),
+                simulation.parameters,
+                simulation.sources,
             ),
         )
         simulation.advance(*constant)

@@ -18,14 +18,18 @@ from swarm_gym.population import (
     Workspace,
     add_members,
     adopt_members,
+    begin_arrivals,
     clear,
+    forget_arrivals,
     make_workspace,
+    num_staying,
     re_evaluate_members,
     recall,
     resize,
     summarise,
 )
 from swarm_gym.problem.tables import Table, select
+from swarm_gym.sources import IMMIGRANTS
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,7 +40,7 @@ Flags = NDArray[np.bool_]
 def draw_population(
     _parameters: Parameters, swarms: Swarms, b: int, table: Table, work: Workspace, size: int
 ) -> None:
-    """Begin swarm `b`, which is empty, with members uniform in the initial bounds."""
+    """Begin swarm `b`, which is empty, with members from its source; uniform ones in the initial bounds."""
     add_members(swarms, b, table, work, size, table.initial_lower, table.initial_upper)
 
 
@@ -129,6 +133,7 @@ def begin_chosen(
             work = make_workspace(swarms.positions.shape[2])
             clear(swarms, b)
             begin(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
+            forget_arrivals(swarms, b)
             summarise(swarms, b, mean_weight)
 
 
@@ -152,6 +157,7 @@ def adopt_chosen(
             work = make_workspace(swarms.positions.shape[2])
             clear(swarms, b)
             adopt(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
+            forget_arrivals(swarms, b)
             summarise(swarms, b, mean_weight)
 
 
@@ -168,6 +174,8 @@ def step_chosen(
 ) -> None:
     """Resize the chosen swarms, advance them by one iteration and summarise them, one after the other.
 
+    Immigrants replace members while a swarm is resized: it shrinks to those that stay, and grows again.
+
     The class of `defaults` chooses the kernels and names the columns of `parameters`, (B, number of them).
     """
     for b in range(sizes.shape[0]):
@@ -175,6 +183,9 @@ def step_chosen(
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
             own = named_row(defaults, parameters, b)
+            begin_arrivals(swarms, b)
+            if swarms.source[b, IMMIGRANTS] > 0.0:
+                change_size(own, swarms, b, table, work, num_staying(swarms, b, sizes[b]))
             change_size(own, swarms, b, table, work, sizes[b])
             iterate(own, swarms, b, table, work, repair_degrees[b])
             summarise(swarms, b, mean_weight)

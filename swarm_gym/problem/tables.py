@@ -18,6 +18,7 @@ from swarm_gym.problem.analytic import table as analytic_table
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.problem.function import table as function_table
 from swarm_gym.problem.function.table import FunctionTable
+from swarm_gym.problem.geometry import bends
 from swarm_gym.problem.grid import cost as grid_cost
 from swarm_gym.problem.grid import repair as grid_repair
 from swarm_gym.problem.grid import table as grid_table
@@ -44,6 +45,16 @@ repair = kernel_by_class(
         GridTable: grid_repair.repair,
         FunctionTable: function_table.repair,
         WalkTable: walk_table.repair,
+    }
+)
+
+# draw_bend(table, amplitude, kind, noise, path): write a smooth bend into `path`
+draw_bend = kernel_by_class(
+    {
+        WaypointTable: bends.draw_bend,
+        GridTable: bends.draw_bend,
+        FunctionTable: bends.no_bend,
+        WalkTable: bends.no_bend,
     }
 )
 

@@ -43,11 +43,13 @@ from swarm_gym.population import (
     adopt_members,
     evaluate_path,
     is_spent,
+    note_arrival,
     re_evaluate_members,
     recall,
     span,
 )
 from swarm_gym.problem.tables import Table, repair
+from swarm_gym.sources import draw_newcomer
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -76,14 +78,18 @@ def _search_anywhere(
     lower: Floats,
     upper: Floats,
 ) -> None:
-    """Draw points uniform in [lower, upper], (C,) each; the best become heads of at most `limit` regions."""
+    """Draw points from the swarm's source; the best become heads of at most `limit` regions.
+
+    Uniform points lie in the box [lower, upper], (C,) each.
+    """
+    source, stream = swarms.source[b], swarms.stream[b]
     for _ in range(draws):
         if is_spent(swarms, b):
             return
-        fill_uniform(swarms.stream[b], work.noise)
-        for k in range(lower.shape[0]):
-            work.path[k + 1] = lower[k] + (upper[k] - lower[k]) * work.noise[k]
+        smooth = draw_newcomer(source, stream, table, work.noise, work.path, lower, upper)
+        best = swarms.best_fitness[b]
         fitness, collision = evaluate_path(swarms, b, table, work)
+        note_arrival(swarms, b, smooth, fitness, best)
         offer_head(regions, limit, work.path[1:], fitness, collision)
 
 

@@ -21,6 +21,7 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, rotated_shapes
+from swarm_gym.problem.geometry.bends import modes_of_components
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
 from swarm_gym.problem.padding import columns, pad
 from swarm_gym.scenarios import MapScenario, Scenario
@@ -57,6 +58,10 @@ class WaypointTable(NamedTuple):
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
+    width: Any  # largest extent of the workspace across the line, at a waypoint; in a stacked table an array
+    middle: Floats  # (C,) decision vector of the straight line
+    across: Floats  # (C,) change of the components per unit of offset
+    modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     squared_spacing: Floats  # (C,) squared x' length of the segments; tiny beyond them
     first_tile: Integers  # (C / 8 + 1,) tiles of block b: first_tile[b] .. first_tile[b + 1] - 1
     first_row: Integers  # (T,) first row of a tile
@@ -75,6 +80,10 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
         tables.upper[index],
         tables.initial_lower[index],
         tables.initial_upper[index],
+        tables.width[index],
+        tables.middle[index],
+        tables.across[index],
+        tables.modes[index],
         tables.squared_spacing[index],
         tables.first_tile[index],
         tables.first_row[index],
@@ -116,6 +125,10 @@ def tabulate(
         pad(upper),
         pad(initial_lower),
         pad(initial_upper),
+        float((upper - lower).max()),
+        pad(np.zeros(num_waypoints)),
+        pad(np.ones(num_waypoints)),
+        modes_of_components(np.arange(num_waypoints), num_waypoints),
         squared_spacing,
         first_tile,
         first_row,

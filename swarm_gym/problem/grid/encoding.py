@@ -38,6 +38,10 @@ class Encoding:
         source: (P, 2) number of that component in the decision vector.
         lower: (D,) bounds of decision vectors.
         upper: (D,) bounds of decision vectors.
+        width: largest extent of the map across the start-target line, at a free control point.
+        middle: (D,) decision vector of the straight line with evenly spaced control points.
+        across: (D,) change of the components when their control points move across the line by one unit.
+        owner: (D,) number of the free control point that a component belongs to, from 0.
         first: (M,) number of the first control point that a sample depends on.
         weights: (M, width) weights of that control point and those after it.
     """
@@ -47,6 +51,10 @@ class Encoding:
     source: Integers
     lower: Floats
     upper: Floats
+    width: float
+    middle: Floats
+    across: Floats
+    owner: Integers
     first: Integers
     weights: Floats
 
@@ -85,12 +93,19 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
     gain[1:-1] = 1.0
     source[1:-1] = np.stack([np.arange(free), free + np.arange(free)], axis=1)
     x_min, y_min, x_max, y_max = _centres(scenario)
+    axes = RotatedAxes.of(scenario)
+    x = spacing_of(scenario, free) * np.arange(1.0, free + 1)
+    least, largest = offset_bounds(scenario, x, _centres(scenario))
     return Curve(
         base,
         gain,
         source,
         np.repeat([x_min, y_min], free),
         np.repeat([x_max, y_max], free),
+        float((largest - least).max()),
+        axes.to_map(x, np.zeros(free)).T.ravel(),
+        np.repeat(axes.across, free),
+        np.tile(np.arange(free), 2),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
         np.asfortranarray(_bernstein(free + 1, BEZIER_SAMPLES)),  # as `Curve.points` goes through them
     )
@@ -119,6 +134,10 @@ def waypoints(scenario: GridScenario, num_waypoints: int) -> Encoding:
         source,
         lower,
         upper,
+        float((upper - lower).max()),
+        np.zeros(num_waypoints),
+        np.ones(num_waypoints),
+        np.arange(num_waypoints),
         np.append(np.repeat(np.arange(num_waypoints + 1), per_segment), num_waypoints),
         np.append(np.stack([1.0 - share, share], axis=1), [[0.0, 1.0]], axis=0),
     )

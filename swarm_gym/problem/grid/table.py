@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
+from swarm_gym.problem.geometry.bends import modes_of_components
 from swarm_gym.problem.grid.encoding import Encoding
 from swarm_gym.problem.padding import pad
 from swarm_gym.scenarios import GridMap
@@ -37,6 +38,10 @@ class GridTable(NamedTuple):
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
+    width: Any  # largest extent of the map across the line, at a control point; in a stacked table an array
+    middle: Floats  # (C,) decision vector of the straight line
+    across: Floats  # (C,) change of the components per unit of offset
+    modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     base: Floats  # (P, 2) control points of the zero vector
     gain: Floats  # (P, 2) change of a coordinate per unit of its component
     source: Integers  # (P, 2) place of that component in a path
@@ -61,6 +66,10 @@ def select(tables: GridTable, index: int) -> GridTable:
         tables.upper[index],
         tables.initial_lower[index],
         tables.initial_upper[index],
+        tables.width[index],
+        tables.middle[index],
+        tables.across[index],
+        tables.modes[index],
         tables.base[index],
         tables.gain[index],
         tables.source[index],
@@ -88,6 +97,10 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
         pad(encoding.upper),
         pad(encoding.lower),
         pad(encoding.upper),
+        float(encoding.width),
+        pad(encoding.middle),
+        pad(encoding.across),
+        modes_of_components(encoding.owner, len(encoding.base) - 2),
         grid.to_cells(encoding.base),
         grid.to_cells(encoding.gain) - origin,
         encoding.source + 1,  # a path begins with a zero

@@ -1,0 +1,108 @@
+"""Smooth bends: paths whose offsets from the start-target line are sums of a few smooth modes.
+
+A bend has no zigzag, unlike a path whose components are drawn one by one. There are two kinds of modes:
+
+* `harmonics`: sin(h pi t) / h for h = 1, 2, 3, with coefficients uniform in [-1, 1].
+* `stomp`: the six widest principal components of the noise of STOMP, whose covariance is the inverse of
+  A^T A for the matrix A of second differences (M. Kalakrishnan et al., "STOMP: stochastic trajectory
+  optimization for motion planning", ICRA 2011, section III-A), with normal coefficients.
+
+In both, t in (0, 1) is the place along the line. The sum is scaled so that its largest offset is uniform in
+[0, amplitude times the width of the workspace].
+"""
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.problem.padding import columns
+
+Floats = NDArray[np.float64]
+
+# Kinds of modes by the name of the option `bends`; the numbers are rows of `modes`.
+HARMONICS, STOMP = range(2)
+BENDS = {"harmonics": HARMONICS, "stomp": STOMP}
+
+NUM_HARMONICS = 3
+NUM_MODES = 6  # with two more random numbers they fit into the smallest number of columns, 8
+LARGEST_OFFSET, FIRST_COEFFICIENT = 1, 2  # places in an array of random numbers; place 0 is the caller's
+
+
+@lru_cache(maxsize=64)
+def modes(count: int) -> Floats:
+    """Return the modes of both kinds at `count` points evenly spaced between start and target.
+
+    Returns:
+        (2, NUM_MODES, count) offsets; rows beyond the modes of a kind are zeros.
+    """
+    out = np.zeros((len(BENDS), NUM_MODES, count))
+    t = np.arange(1.0, count + 1) / (count + 1)
+    for h in range(1, NUM_HARMONICS + 1):
+        out[HARMONICS, h - 1] = np.sin(h * np.pi * t) / h
+    # Row i of A is x[i - 2] - 2 x[i - 1] + x[i], where points outside are the ends, whose offset is 0.
+    differences = np.zeros((count + 2, count))
+    for row, weight in enumerate((1.0, -2.0, 1.0)):
+        differences[row : row + count] += weight * np.eye(count)
+    stiffness, directions = np.linalg.eigh(differences.T @ differences)
+    widest = min(NUM_MODES, count)  # the eigenvalues increase, so the least stiff modes come first
+    out[STOMP, :widest] = (directions[:, :widest] * np.sqrt(stiffness[0] / stiffness[:widest])).T
+    # The signs of eigenvectors depend on the library.
+    signs = np.where(out[STOMP].sum(axis=1) < -1e-9, -1.0, 1.0)
+    out[STOMP] *= signs[:, None]
+    out.setflags(write=False)
+    return out
+
+
+def modes_of_components(offsets: NDArray[np.int64], count: int) -> Floats:
+    """Return `modes` for every component of a decision vector, padded to (2, NUM_MODES, C).
+
+    Args:
+        offsets: (dimension,) number of the point, from 0, that a component belongs to.
+        count: number of points.
+    """
+    out = np.zeros((len(BENDS), NUM_MODES, columns(len(offsets))))
+    out[..., : len(offsets)] = modes(count)[..., offsets]
+    return out
+
+
+@kernel(borrows=True)
+def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
+    """Write a bend into a path, (C + 1,).
+
+    Args:
+        table: problem table with the fields `middle`, `across`, `modes` and `width`.
+        amplitude: largest offset as a share of the width of the workspace, in (0, 1].
+        kind: kind of modes, a value of `BENDS`.
+        noise: (C,) numbers uniform in [0, 1), of which place 0 is not used; changed in place.
+        path: path that is written; components stay within the bounds of the table.
+    """
+    if kind == HARMONICS:
+        count = NUM_HARMONICS
+        for h in range(count):
+            noise[FIRST_COEFFICIENT + h] = 2.0 * noise[FIRST_COEFFICIENT + h] - 1.0
+    else:
+        count = NUM_MODES
+        for h in range(0, count, 2):  # Box-Muller
+            k = FIRST_COEFFICIENT + h
+            radius, angle = math.sqrt(-2.0 * math.log(1.0 - noise[k])), 2.0 * math.pi * noise[k + 1]
+            noise[k], noise[k + 1] = radius * math.cos(angle), radius * math.sin(angle)
+    largest = 0.0
+    for k in range(table.middle.shape[0]):
+        offset = 0.0
+        for h in range(count):
+            offset += noise[FIRST_COEFFICIENT + h] * table.modes[kind, h, k]
+        path[k + 1] = offset
+        largest = max(largest, abs(offset))
+    scale = noise[LARGEST_OFFSET] * amplitude * table.width / largest if largest > 0.0 else 0.0
+    for k in range(table.middle.shape[0]):
+        place = table.middle[k] + scale * path[k + 1] * table.across[k]
+        path[k + 1] = min(max(place, table.lower[k]), table.upper[k])
+
+
+@kernel(borrows=True)
+def no_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
+    """Do nothing: decision vectors of this kind of problem are not paths beside a line."""

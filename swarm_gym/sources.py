@@ -1,0 +1,109 @@
+"""Sources of new members: where members of a first population, of growth and of immigration come from.
+
+| source | new members |
+|---|---|
+| `uniform` | uniform in a box |
+| `smooth` | smooth bends beside the start-target line, see `swarm_gym.problem.geometry.bends` |
+| `mixed` | smooth with the probability `smooth_share`, else uniform |
+
+The box of a first population has the scenario's initial bounds; later it is the box that the population spans
+(eq. 12 of the SPSFA paper).
+
+Immigrants replace the worst members of a population, those that shrinking would delete (J. Grefenstette,
+"Genetic algorithms for changing environments", PPSN 2, 1992).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.checks import look_up, require_number
+from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.problem.geometry.bends import BENDS
+from swarm_gym.problem.tables import Table, draw_bend
+
+Floats = NDArray[np.float64]
+
+UNIFORM, SMOOTH, MIXED = "uniform", "smooth", "mixed"
+SOURCES = (UNIFORM, SMOOTH, MIXED)
+SMALLEST_AMPLITUDE = 0.01
+
+# Columns of `population.Swarms.source`. The first three are decisions, in the order of a sourced action.
+NUM_SOURCE_NUMBERS = 4
+SMOOTH_SHARE, AMPLITUDE, IMMIGRANTS, KIND_OF_BENDS = range(NUM_SOURCE_NUMBERS)
+SOURCE_DECISIONS = ("smooth_share", "amplitude", "immigrants")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source of new members.
+
+    Attributes:
+        smooth_share: probability that a new member is a smooth bend, in [0, 1].
+        amplitude: largest offset of bends as a share of the workspace's width, in [0.01, 1].
+
+    Raises:
+        SettingError: for a number outside its range.
+    """
+
+    smooth_share: float = 0.0
+    amplitude: float = 0.5
+
+    def __post_init__(self) -> None:
+        require_number("smooth_share", self.smooth_share, 0.0, 1.0)
+        require_number("amplitude", self.amplitude, SMALLEST_AMPLITUDE, 1.0)
+
+    @property
+    def name(self) -> str:
+        """Name of the source, one of `SOURCES`."""
+        return {0.0: UNIFORM, 1.0: SMOOTH}.get(self.smooth_share, MIXED)
+
+    def options(self) -> dict[str, str | float]:
+        """Return the options of an environment whose new members come from this source."""
+        share = {"smooth_share": self.smooth_share} if self.name == MIXED else {}
+        amplitude = {} if self.name == UNIFORM else {"amplitude": self.amplitude}
+        return {"source": self.name, **share, **amplitude}
+
+
+def kind_of_bends(name: str) -> int:
+    """Return the number of a kind of bends, a row of the modes in problem tables.
+
+    Raises:
+        UnknownNameError: if there is no kind of that name.
+    """
+    return look_up("kind of bends", name, BENDS)
+
+
+@kernel(borrows=True)
+def draw_newcomer(
+    source: Floats,
+    stream: NDArray[np.uint64],
+    table: Table,
+    noise: Floats,
+    path: Floats,
+    lower: Floats,
+    upper: Floats,
+) -> bool:
+    """Write the position of a new member into a path, (C + 1,); return whether it is a smooth bend.
+
+    Args:
+        source: (NUM_SOURCE_NUMBERS,) source of the swarm.
+        stream: random stream of the swarm, advanced by C numbers, or 2 C if the source is mixed.
+        table: problem table.
+        noise: (C,) scratch array.
+        path: path that is written.
+        lower: (C,) lower corner of the box of a uniform member.
+        upper: (C,) its upper corner.
+    """
+    fill_uniform(stream, noise)
+    share = source[SMOOTH_SHARE]
+    if share > 0.0:
+        if noise[0] < share:
+            draw_bend(table, source[AMPLITUDE], int(source[KIND_OF_BENDS]), noise, path)
+            return True
+        fill_uniform(stream, noise)  # the first of the old numbers is known to be large
+    for k in range(lower.shape[0]):
+        path[k + 1] = lower[k] + (upper[k] - lower[k]) * noise[k]  # eq. 12
+    return False
