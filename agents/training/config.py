@@ -40,7 +40,8 @@ class TrainConfig:
     num_swarms: int = 64
     """Number of swarms that run side by side."""
     initial_population_size: int = 80
-    """Population size at the start of an episode, PS(0)."""
+    """Population size at the start of an episode, PS(0). A base that states the source of its first
+    population states the size, too."""
     min_population_size: int = 2
     """Smallest population size that the policy can choose."""
     max_population_size: int = 200

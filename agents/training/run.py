@@ -1,5 +1,6 @@
 """A training run: chunks with checkpoints and validation, which can be resumed exactly."""
 
+import dataclasses
 import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -17,7 +18,7 @@ from agents.runs.seeds import VALIDATION, training_seed
 from agents.training.config import TrainConfig
 from agents.training.events import TrainingEvents
 from agents.training.learners import make_learner
-from agents.training.learners.environments import reference_controller
+from agents.training.learners.environments import first_population, make_base, reference_controller
 from agents.training.paired_reward import PAIRED
 from agents.training.pictures import make_replay_strip
 from swarm_gym.controllers.controller import Controller
@@ -149,6 +150,8 @@ class TrainingRun:
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
         config = self.config
+        base = make_base(config)
+        source = base.first_source if base is not None else None
         manifest = {
             "action": config.action,
             "base": config.base,
@@ -162,7 +165,8 @@ class TrainingRun:
             "hidden_layers": list(config.hidden_layers),
             "lstm_size": config.lstm_size,
             "network": self.learner.network,
-            "initial_population_size": config.initial_population_size,
+            "initial_population_size": first_population(config, base)["initial_population_size"],
+            **({} if source is None else {"first_source": dataclasses.asdict(source)}),
             "max_population_size": config.max_population_size,
             "min_population_size": config.min_population_size,
             "observation": config.observation,

@@ -43,9 +43,18 @@ class TuneConfig:
     episodes: int = 24
     """Number of episodes of every candidate."""
     action: str = "natural"
-    """Decisions of open loops and constants: natural, size and phi; extended, the optimizer's too."""
+    """Decisions of open loops and constants: natural, size and phi; extended, the optimizer's too; sourced,
+    these and where new members come from, and the first population."""
     initial_population_size: int = 60
-    """Population size of open loops and constants at the start of an episode, PS(0)."""
+    """Population size of open loops and constants at the start of an episode, PS(0); with action sourced,
+    the search only starts there."""
+    initial_smooth_share: float = 0.8
+    """Share of smooth members of the first population at which the search starts; for action sourced only."""
+    initial_amplitude: float = 0.2
+    """Amplitude of smooth members of the first population at which the search starts; for action sourced."""
+    start: str = "none"
+    """Open loop at whose decisions the search starts, e.g. open-loop:three-cases-extended@0.1; its own
+    tuning is part of the effort. none is a rough guess."""
     knots: tuple[int, ...] = (0, 3, 8, 15, 40, 99)
     """Iterations at which the decisions of an open loop are tuned; it interpolates between them."""
     candidates: int = 16

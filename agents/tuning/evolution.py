@@ -86,8 +86,17 @@ class OpenLoopTuner(Tuner):
     def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
         """Write the open loop that `open-loop:<path>` reads."""
         decided = self._space.decode(self._strategy.mean)
-        config = self._config
-        save_open_loop(path, config.initial_population_size, list(config.knots), *decided, manifest)
+        save_open_loop(
+            path,
+            decided.initial_population_size,
+            list(self._config.knots),
+            decided.sizes,
+            decided.repair_degrees,
+            decided.knobs,
+            manifest,
+            decided.sources,
+            decided.first_source,
+        )
 
 
 def _arrays(content: bytes) -> dict[str, Any]:

@@ -1,9 +1,12 @@
 """The space of open loops: decisions at knots as a point of the unit cube.
 
-Every decision has its range; sizes and the optimizer's parameters are logarithmic in it, phi is a square
-root, as `swarm_gym.controllers.open_loop` interpolates them. A constant is an open loop of one knot.
+Every decision has its range; sizes, amplitudes and the optimizer's parameters are logarithmic in it, phi and
+the share of immigrants are square roots, as `swarm_gym.controllers.open_loop` interpolates them. With the
+action `sourced`, the size and source of the first population are three more coordinates. A constant is an
+open loop of one knot.
 """
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -11,16 +14,19 @@ from numpy.typing import NDArray
 
 from agents.tuning.config import TuneConfig
 from swarm_gym.checks import require_integer
+from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
+from swarm_gym.sources import SMALLEST_AMPLITUDE, SOURCE_DECISIONS, Source
 
 Floats = NDArray[np.float64]
 
-# Start of the search: rounded results of short searches on the three cases with price 0.5.
+# Start of the search: rounded results of short searches on the three cases with price 0.5; with sources, of
+# one search of 3.3 million steps with price 1 that began at `open-loop:three-cases-extended@0.1`.
 START_ITERATIONS = [0, 3, 8, 15, 40, 99]
 START: dict[str, dict[str, list[float]]] = {
     "natural": {
@@ -33,6 +39,15 @@ START: dict[str, dict[str, list[float]]] = {
         "noise": [0.3, 0.5, 12, 13, 20, 0.3],
         "attractiveness": [0.15, 0.15, 0.2, 0.15, 0.6, 0.8],
     },
+    "sourced": {
+        "population size": [32, 77, 15, 8, 32, 11],
+        "repair degree": [0.58, 0.2, 0.16, 0.66, 0.27, 0.02],
+        "noise": [1.9, 0.2, 6, 0.06, 3, 0.15],
+        "attractiveness": [0.04, 0.3, 0.26, 0.63, 0.75, 0.75],
+        "smooth_share": [0.7, 0.9, 0.6, 0.6, 0.9, 0.8],
+        "amplitude": [0.7, 0.5, 0.6, 0.6, 0.4, 0.1],
+        "immigrants": [0.3, 0.25, 0.06, 0.15, 0.75, 0.24],
+    },
 }
 BESIDE_THE_WALLS = 0.02  # CMA-ES samples badly from a mean on a bound
 
@@ -44,75 +59,168 @@ class Decided(NamedTuple):
         sizes: population sizes.
         repair_degrees: phi.
         knobs: parameters of the optimizer by name.
+        sources: decisions on new members by name; empty if the action does not have them.
+        initial_population_size: PS(0).
+        first_source: source of the first population; None if the action does not decide sources.
     """
 
     sizes: list[float]
     repair_degrees: list[float]
     knobs: dict[str, list[float]]
+    sources: dict[str, list[float]]
+    initial_population_size: int
+    first_source: Source | None
 
 
+@dataclass(frozen=True)
+class Axis:
+    """The range of a decision, and its scale: what part of [0, 1] stands for which value.
+
+    Attributes:
+        low: smallest value; above 0 if the scale is logarithmic.
+        high: largest value.
+        default: value at which a search starts if nothing better is known.
+        scale: `logarithmic`, `root` (the square root is linear) or `linear`.
+    """
+
+    low: float
+    high: float
+    default: float
+    scale: str = "logarithmic"
+
+    def encode(self, values: Floats) -> Floats:
+        """Return the places in [0, 1] of values."""
+        values = np.clip(values, self.low, self.high)
+        if self.scale == "logarithmic":
+            return np.log(values / self.low) / np.log(self.high / self.low)
+        share = (values - self.low) / (self.high - self.low)
+        return np.sqrt(share) if self.scale == "root" else share
+
+    def decode(self, places: Floats) -> Floats:
+        """Return the values at places in [0, 1]."""
+        if self.scale == "logarithmic":
+            return np.clip(self.low * (self.high / self.low) ** places, self.low, self.high)
+        share = places**2 if self.scale == "root" else places
+        return self.low + (self.high - self.low) * share
+
+
+@dataclass
 class KnotSpace:
-    """The decisions at the knots of a configuration as points in [0, 1]^(decisions x knots).
+    """The decisions at the knots of a configuration as points in [0, 1]^n.
+
+    The first coordinates are those of every decision at all knots, decision by decision. The last ones are
+    those of the first population, if they are decided.
 
     Raises:
         SettingError: for knots or an action that an open loop cannot have.
     """
 
-    def __init__(self, config: TuneConfig):
+    config: TuneConfig
+    _knots: list[int] = field(init=False)
+    _axes: dict[str, Axis] = field(init=False)
+    _first_axes: dict[str, Axis] = field(init=False)
+
+    def __post_init__(self) -> None:
+        config = self.config
         smallest, largest = config.limits.smallest, config.limits.largest
         require_integer("initial_population_size", config.initial_population_size, smallest, largest)
-        self._initial_population_size = config.initial_population_size
+        first_source = Source(config.initial_smooth_share, config.initial_amplitude)
         self._knots = _checked_knots(config.knots)
-        self._limits = config.limits
-        self._ranges = _logarithmic_ranges(config.action, config.limits, get_optimizer(config.optimizer))
+        self._optimizer = get_optimizer(config.optimizer)
+        self._axes = _axes_of(config.action, config.limits, self._optimizer)
+        self._first_axes = {}
+        if config.action == "sourced":
+            self._first_axes = {
+                "population size": Axis(float(smallest), float(largest), config.initial_population_size),
+                "smooth share": Axis(0.0, 1.0, first_source.smooth_share, "linear"),
+                "amplitude": Axis(SMALLEST_AMPLITUDE, 1.0, first_source.amplitude),
+            }
 
     @property
     def start(self) -> Floats:
         """Start of the search, inside the cube; a constant starts at the mean over the iterations."""
-        optimizer_defaults = {name: default for name, (_, _, default) in self._ranges.items()}
-        known = START["extended" if len(self._ranges) > 1 else "natural"]
+        known = self._known()
         rows = []
-        for name in ("population size", "repair degree", *list(self._ranges)[1:]):
-            values = known.get(name, [optimizer_defaults.get(name, 0.0)] * len(START_ITERATIONS))
-            scaled = np.interp(np.arange(100), START_ITERATIONS, self._scale(name, np.array(values)))
-            rows.append(scaled[self._knots] if len(self._knots) > 1 else [scaled.mean()])
+        for name, axis in self._axes.items():
+            places = axis.encode(known.get(name, np.full(Settings.iterations, axis.default)))
+            rows.append(places[self._knots] if len(self._knots) > 1 else [places.mean()])
+        rows.append([float(axis.encode(np.array(axis.default))) for axis in self._first_axes.values()])
         return np.clip(np.concatenate(rows), BESIDE_THE_WALLS, 1.0 - BESIDE_THE_WALLS)
+
+    def _known(self) -> dict[str, Floats]:
+        """Return where the search starts: decisions at every iteration, by name."""
+        if self.config.start == "none":
+            iterations = np.arange(Settings.iterations)
+            return {
+                name: axis.decode(np.interp(iterations, START_ITERATIONS, axis.encode(np.array(values))))
+                for name, values in START[self.config.action].items()
+                if (axis := self._axes.get(name))
+            }
+        controller = make_controller(self.config.start, self.config.limits)
+        if not isinstance(controller, OpenLoop):
+            raise SettingError(
+                f"start must be an open loop, e.g. open-loop:three-cases, got {self.config.start!r}"
+            )
+        rows = np.minimum(np.arange(Settings.iterations), len(controller.decisions) - 1)
+        return dict(zip(self._axes, controller.decisions[rows].T, strict=False))
 
     def decode(self, point: Floats) -> Decided:
         """Return the decisions of a point."""
-        size, repair_degree, *others = np.clip(point, 0.0, 1.0).reshape(-1, len(self._knots))
-        positive = {}
-        for (name, (low, high, _)), row in zip(self._ranges.items(), [size, *others], strict=True):
-            positive[name] = np.clip(low * (high / low) ** row, low, high).tolist()
-        return Decided(positive.pop("population size"), (repair_degree**2).tolist(), positive)
+        point = np.clip(point, 0.0, 1.0)
+        rows = point[: len(self._axes) * len(self._knots)].reshape(-1, len(self._knots))
+        values = {
+            name: axis.decode(row).tolist()
+            for (name, axis), row in zip(self._axes.items(), rows, strict=True)
+        }
+        sources = {name: values.pop(name) for name in SOURCE_DECISIONS if name in values}
+        sizes, repair_degrees = values.pop("population size"), values.pop("repair degree")
+        places = point[rows.size :]
+        first = {
+            name: float(axis.decode(place))
+            for (name, axis), place in zip(self._first_axes.items(), places, strict=True)
+        }
+        size = int(np.floor(first.get("population size", self.config.initial_population_size) + 0.5))
+        source = Source(first["smooth share"], first["amplitude"]) if first else None
+        return Decided(sizes, repair_degrees, values, sources, size, source)
 
     def controller(self, point: Floats) -> OpenLoop:
         """Return the open loop of a point."""
-        return OpenLoop(self._initial_population_size, self._knots, *self.decode(point), self._limits)
+        decided = self.decode(point)
+        return OpenLoop(
+            decided.initial_population_size,
+            self._knots,
+            decided.sizes,
+            decided.repair_degrees,
+            decided.knobs,
+            self.config.limits,
+            self.config.optimizer,
+            decided.sources,
+            decided.first_source,
+        )
 
-    def _scale(self, name: str, values: Floats) -> Floats:
-        if name == "repair degree":
-            return np.sqrt(values)
-        low, high, _ = self._ranges[name]
-        return np.log(np.clip(values, low, high) / low) / np.log(high / low)
 
-
-def _logarithmic_ranges(
-    action: str, limits: SizeLimits, optimizer: type[Optimizer]
-) -> dict[str, tuple[float, float, float]]:
-    """Return low, high and default of every decision but phi, by name."""
+def _axes_of(action: str, limits: SizeLimits, optimizer: type[Optimizer]) -> dict[str, Axis]:
+    """Return the axes of all decisions of an action by name, in the order of its numbers."""
     if action not in START:
         raise SettingError(f"action: an open loop decides in one of {', '.join(START)}, got {action!r}")
     if limits.smallest == limits.largest:
         raise SettingError(f"there is one population size only, {limits.smallest}: nothing to tune")
-    ranges = {"population size": (float(limits.smallest), float(limits.largest), 60.0)}
-    if action == "extended":
-        for name, parameter in optimizer.decided_parameters().items():
-            if parameter.decided is not None:
-                ranges[name] = (*parameter.decided, parameter.default)
-        if len(ranges) == 1:
-            raise SettingError(f"action 'extended': optimizer {optimizer.name!r} decides nothing more")
-    return ranges
+    axes = {
+        "population size": Axis(float(limits.smallest), float(limits.largest), 60.0),
+        "repair degree": Axis(0.0, 1.0, 0.0, "root"),
+    }
+    if action == "natural":
+        return axes
+    for name, parameter in optimizer.decided_parameters().items():
+        if parameter.decided is not None:
+            axes[name] = Axis(*parameter.decided, parameter.default)
+    if action == "extended" and len(axes) == 2:
+        raise SettingError(f"action 'extended': optimizer {optimizer.name!r} decides nothing more")
+    if action == "sourced":
+        axes["smooth_share"] = Axis(0.0, 1.0, 1.0, "linear")
+        axes["amplitude"] = Axis(SMALLEST_AMPLITUDE, 1.0, 0.4)
+        axes["immigrants"] = Axis(0.0, 1.0, 0.0, "root")
+    return axes
 
 
 def _checked_knots(knots: tuple[int, ...]) -> list[int]:

@@ -89,3 +89,28 @@ STATUS_MONITOR = ParameterSpace(
         "step": Span(0.02, 0.5),
     },
 )
+RESTART = ParameterSpace(
+    "restart",
+    {
+        "start": 150,
+        "size": 20,
+        "repair_degree": 0.3,
+        "noise": 2.0,
+        "attractiveness": 0.1,
+        "amplitude": 0.5,
+        "patience": 10,
+        "improvement": 0.001,
+        "immigrants": 0.5,
+    },
+    {
+        "start": Span(10, 200, size=True),
+        "size": Span(2, 100, size=True),
+        **_REPAIR,
+        "noise": Span(0.02, 100.0),
+        "attractiveness": Span(0.01, 1.0),
+        "amplitude": Span(0.05, 1.0),
+        "patience": Span(1, 50, integer=True),
+        "improvement": Span(1e-5, 0.1),
+        "immigrants": Span(0.0, 1.0, logarithmic=False),
+    },
+)

@@ -1,6 +1,7 @@
 """Evaluation of several controllers on the same episodes at once, with a loss for each."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -99,7 +100,7 @@ class SideBySide:
     def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:
         """Evaluate controllers; episode e of each has the seed `seed` + e and the same scenario."""
         count, episodes = self._shape
-        observations = self._begin([c.initial_population_size for c in controllers], seed)
+        observations = self._begin(controllers, seed)
         for controller in controllers:
             controller.reset(episodes, seed)
         ended = np.zeros(count * episodes, dtype=np.bool_)
@@ -113,21 +114,29 @@ class SideBySide:
         columns = losses, info["best_fitness"], info["evaluations"], info["scenario"]
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
-    def _begin(self, first_sizes: list[int], seed: int) -> NDArray:
+    def _begin(self, controllers: Sequence[Controller], seed: int) -> NDArray:
         """Reset all swarms and return their first observations."""
         count, episodes = self._shape
         names = self._simulation.worlds.scenario_names
         scenarios = np.tile(_balanced(len(names), episodes, seed), count)
-        sizes = np.repeat(first_sizes, episodes)
+        firsts = [_first_population(controller) for controller in controllers]
+        numbers = np.repeat([firsts.index(first) for first in firsts], episodes)
         seeds: Any = [seed + episode for episode in range(episodes)] * count
-        for scenario, size in sorted(set(zip(scenarios.tolist(), sizes.tolist(), strict=True))):
+        for scenario, number in sorted(set(zip(scenarios.tolist(), numbers.tolist(), strict=True))):
             options = {
-                "reset_mask": (scenarios == scenario) & (sizes == size),
+                "reset_mask": (scenarios == scenario) & (numbers == number),
                 "scenario": names[scenario],
-                "initial_population_size": size,
+                **firsts[number],
             }
             observations, _ = self._env.reset(seed=seeds, options=options)
         return observations
+
+
+def _first_population(controller: Controller) -> dict[str, Any]:
+    """Return the reset options of a controller's first population."""
+    source = controller.first_source
+    shares = {} if source is None else asdict(source)
+    return {"initial_population_size": controller.initial_population_size, **shares}
 
 
 def _balanced(count: int, episodes: int, seed: int) -> NDArray[np.int64]:

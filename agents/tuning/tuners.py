@@ -10,6 +10,7 @@ from agents.tuning.evolution import OpenLoopTuner
 from agents.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
     LINEAR_REDUCTION,
+    RESTART,
     SCHEDULE,
     STATUS_MONITOR,
     ParameterSpace,
@@ -20,7 +21,16 @@ from swarm_gym.checks import look_up
 from swarm_gym.errors import SettingError
 
 # Options that only some kinds have.
-SPECIAL = ("action", "initial_population_size", "knots", "candidates", "sigma")
+SPECIAL = (
+    "action",
+    "initial_population_size",
+    "initial_smooth_share",
+    "initial_amplitude",
+    "start",
+    "knots",
+    "candidates",
+    "sigma",
+)
 
 
 @dataclass(frozen=True)
@@ -48,6 +58,7 @@ TUNERS: dict[str, Kind] = {
     "schedule": _parameters(SCHEDULE),
     "linear-reduction": _parameters(LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
+    "restart": _parameters(RESTART),
     "status-monitor": _parameters(STATUS_MONITOR),
 }
 

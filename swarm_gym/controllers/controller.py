@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.sources import Source
+
 Floats = NDArray[np.float64]
 
 
@@ -36,6 +38,8 @@ class Controller(ABC):
         observation: name of the observation layout that `act` expects.
         action: name of the layout of the actions that `act` returns.
         initial_population_size: PS(0), an option of the environment.
+        first_source: source of the first population, an option of the environment; None is the
+            environment's own, which is uniform by default.
         max_evaluations: evaluation budget of an episode; None if the controller needs none.
         price: price of 100,000 evaluations; None if the controller does not observe it.
         corrects: controller whose decisions this one corrects, if any; `observation` begins with the layout
@@ -45,6 +49,7 @@ class Controller(ABC):
     observation: str = "paper"
     action: str = "natural"
     initial_population_size: int
+    first_source: Source | None = None
     max_evaluations: int | None = None
     price: float | None = None
     corrects: "Controller | None" = None
@@ -68,6 +73,8 @@ class Controller(ABC):
             "action": self.action,
             "initial_population_size": self.initial_population_size,
         }
+        if self.first_source is not None:
+            options |= self.first_source.options()
         if self.max_evaluations is not None:
             options["max_evaluations"] = self.max_evaluations
         if self.price is not None:
@@ -91,6 +98,7 @@ class Wrapper(Controller):
         self.observation = controller.observation
         self.action = controller.action
         self.initial_population_size = controller.initial_population_size
+        self.first_source = controller.first_source
         self.max_evaluations = controller.max_evaluations
         self.price = controller.price
         self.corrects = controller.corrects

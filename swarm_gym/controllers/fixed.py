@@ -1,28 +1,68 @@
-"""Controllers that ignore observations: a constant population size, and random decisions."""
+"""Controllers that ignore observations: a constant population size, and random decisions.
 
-from typing import Any
+`fixed:60` is the paper's FA-60. `fixed:60,smooth_share=1,amplitude=0.3` begins with smooth members, see
+`swarm_gym.sources`.
+"""
+
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.parameters import Range, parse_parameters
+from swarm_gym.errors import shown
+from swarm_gym.sources import SMALLEST_AMPLITUDE, Source
 
 LARGEST = 10_000
+SOURCE_RANGES = {
+    "smooth_share": Range(0.0, 1.0),
+    "amplitude": Range(SMALLEST_AMPLITUDE, 1.0),
+}
 
 
 class Fixed(Controller):
     """A constant population size without repair: FA-60, FA-80 and FA-100 of the SPSFA paper.
 
     For a size above the limits, the environment is made with a larger maximum.
+
+    Args:
+        population_size: size of every iteration, PS(0) included.
+        limits: population sizes that the environment allows.
+        source: source of the members, which a swarm of constant size needs for the first population alone;
+            None is the environment's own.
     """
 
-    def __init__(self, population_size: int, limits: SizeLimits = SizeLimits()):  # noqa: B008
+    def __init__(
+        self,
+        population_size: int,
+        limits: SizeLimits = SizeLimits(),  # noqa: B008
+        source: Source | None = None,
+    ):
         if not limits.smallest <= population_size <= LARGEST:
             raise ValueError(
                 f"a fixed population size must lie in [{limits.smallest}, {LARGEST}], got {population_size}"
             )
         self.initial_population_size = population_size
+        self.first_source = source
         self._limits = limits
+
+    @classmethod
+    def from_argument(cls, argument: str, limits: SizeLimits) -> Self:
+        """Return the controller of `60`, or of a size and its source: `60,smooth_share=1,amplitude=0.3`.
+
+        Raises:
+            ValueError: if the text does not begin with a population size.
+            SettingError: for a key or value that a source cannot have; the message lists the valid ones.
+        """
+        size, _, rest = argument.partition(",")
+        if not size.isdecimal():
+            raise ValueError(
+                f"controller {shown(f'fixed:{argument}')}: expected a population size, e.g. fixed:60 or "
+                "fixed:60,smooth_share=1"
+            )
+        source = Source(**parse_parameters(rest, SOURCE_RANGES)) if rest else None
+        return cls(int(size), limits, source)
 
     def env_options(self) -> dict[str, Any]:
         """Return the options that the environment of this controller needs."""

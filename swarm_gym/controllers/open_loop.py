@@ -1,12 +1,14 @@
 """Open loops: population size, phi and further decisions as fixed functions of the iteration.
 
-The decisions are given at a few iterations, the knots. Between knots, sizes and parameters of the optimizer
-are interpolated in the logarithm, and phi in its square root. The manifest of a file states how its knots
+The decisions are given at a few iterations, the knots. Between knots, sizes, parameters of the optimizer and
+amplitudes are interpolated in the logarithm, phi and the share of immigrants in their square roots, and the
+share of smooth members as it is. The manifest of a file states how its knots
 were tuned; see `agents.tune`.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.sources import SMALLEST_AMPLITUDE, SOURCE_DECISIONS, Source
 
 FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "data" / "open_loops"
@@ -42,6 +45,9 @@ class OpenLoop(Controller):
         knobs: further decisions at each knot by name, positive, in the order of the extended action.
         limits: population sizes that the environment allows.
         optimizer: optimizer whose parameters are the further decisions.
+        sources: decisions on new members at each knot by name, in the order of `SOURCE_DECISIONS`; without
+            them, the environment's source never changes.
+        first_source: source of the first population; None is the environment's own.
 
     Attributes:
         decisions: (iterations up to the last knot, number of decisions) decisions in natural units.
@@ -56,9 +62,11 @@ class OpenLoop(Controller):
         knobs: Mapping[str, list[float]] | None = None,
         limits: SizeLimits = SizeLimits(),  # noqa: B008
         optimizer: str = "firefly",
+        sources: Mapping[str, list[float]] | None = None,
+        first_source: Source | None = None,
     ):
-        knobs = dict(knobs or {})
-        lengths = [len(values) for values in (sizes, repair_degrees, *knobs.values())]
+        knobs, sources = dict(knobs or {}), dict(sources or {})
+        lengths = [len(values) for values in (sizes, repair_degrees, *knobs.values(), *sources.values())]
         if any(length != len(knots) for length in lengths):
             raise ValueError(f"open loop: {len(knots)} knots, but {lengths} values")
         whole = all(isinstance(knot, int | np.integer) for knot in knots)
@@ -75,20 +83,20 @@ class OpenLoop(Controller):
             raise ValueError("open loop: sizes and parameters must be positive and finite, phi in [0, 1]")
         if knobs:
             _check_knobs(knobs, optimizer)
-        self.action = "extended" if knobs else "natural"
+        if sources:
+            _check_sources(sources)
+        self.action = "sourced" if sources else "extended" if knobs else "natural"
+        self.first_source = first_source
         if not isinstance(initial_population_size, int | np.integer):
             raise ValueError(
                 f"open loop: initial_population_size must be an integer, got {shown(initial_population_size)}"
             )
         self.initial_population_size = limits.clip(int(initial_population_size))
-        iterations = np.arange(knots[-1] + 1)
-        # Clipped, since exp(log(x)) may be the next number after x, and x may be the bound of an action.
-        columns = [
-            np.clip(np.exp(np.interp(iterations, knots, np.log(column))), min(column), max(column))
-            for column in positive
-        ]
+        columns = [_between(knots, column, np.log, np.exp) for column in positive]
         columns[0] = np.clip(columns[0], limits.smallest, limits.largest)
-        columns.insert(1, np.interp(iterations, knots, np.sqrt(repair_degrees)) ** 2)
+        columns.insert(1, _between(knots, repair_degrees, np.sqrt, np.square))
+        for name, column in sources.items():
+            columns.append(_between(knots, column, *_SCALES[name]))
         self.decisions: Floats = np.stack(columns, axis=1)
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
@@ -98,6 +106,38 @@ class OpenLoop(Controller):
         """Return (B, k) decisions for the next iteration; those at the last knot hold ever after."""
         iteration = np.minimum(observations[:, ITERATION].astype(np.int64), len(self.decisions) - 1)
         return self.decisions[iteration]
+
+
+def _between(
+    knots: list[int], column: list[float], scale: Callable[[Any], Floats], back: Callable[[Any], Floats]
+) -> Floats:
+    """Return a decision at every iteration up to the last knot, interpolated on a scale.
+
+    It is clipped, since exp(log(x)) may be the next number after x, and x may be the bound of an action.
+    """
+    values = back(np.interp(np.arange(knots[-1] + 1), knots, scale(np.asarray(column, dtype=np.float64))))
+    return np.clip(values, min(column), max(column))
+
+
+# The scale on which a decision on new members is interpolated, and its inverse.
+_SCALES: dict[str, tuple[Callable[[Any], Floats], Callable[[Any], Floats]]] = {
+    "smooth_share": (np.asarray, np.asarray),
+    "amplitude": (np.log, np.exp),
+    "immigrants": (np.sqrt, np.square),
+}
+
+
+def _check_sources(sources: Mapping[str, list[float]]) -> None:
+    """Raise an error for decisions on new members that a sourced action cannot have."""
+    if tuple(sources) != SOURCE_DECISIONS:
+        raise ValueError(
+            f"open loop: decisions on new members are {', '.join(SOURCE_DECISIONS)}, in this order; got "
+            f"{', '.join(sources)}"
+        )
+    for name, column in sources.items():
+        low = SMALLEST_AMPLITUDE if name == "amplitude" else 0.0
+        if not all(low <= value <= 1.0 for value in column):
+            raise ValueError(f"open loop: {name} must lie in [{low:g}, 1], got {column}")
 
 
 def packaged_open_loops() -> list[str]:
@@ -136,6 +176,8 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
             content["repair_degrees"],
             content["knobs"],
             limits,
+            sources=content.get("sources"),
+            first_source=Source(**content["first_source"]) if content.get("first_source") else None,
         )
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
@@ -149,6 +191,8 @@ def save_open_loop(
     repair_degrees: list[float],
     knobs: Mapping[str, list[float]],
     manifest: Mapping[str, Any],
+    sources: Mapping[str, list[float]] | None = None,
+    first_source: Source | None = None,
 ) -> None:
     """Write knots and the manifest of their origin to a file, atomically."""
     content = {
@@ -158,6 +202,8 @@ def save_open_loop(
         "sizes": sizes,
         "repair_degrees": repair_degrees,
         "knobs": dict(knobs),
+        **({"sources": dict(sources)} if sources else {}),
+        **({"first_source": asdict(first_source)} if first_source else {}),
         "manifest": dict(manifest),
     }
     write_atomically(path, json.dumps(content, indent=2) + "\n")

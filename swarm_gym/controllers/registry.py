@@ -16,6 +16,7 @@ from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardControll
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
+from swarm_gym.controllers.restart import Restart
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
 from swarm_gym.controllers.tuned import load_tuned
@@ -71,12 +72,6 @@ def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> Feedf
     return NETWORKS[manifest["network"]](path, weights, manifest, limits, price, make_controller)
 
 
-def _fixed(argument: str, limits: SizeLimits) -> Controller:
-    if not argument.isdecimal():
-        raise ValueError(f"controller 'fixed:{argument}': expected a population size, e.g. fixed:60")
-    return Fixed(int(argument), limits)
-
-
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
     def checked(argument: str, limits: SizeLimits) -> Controller:
         if argument:
@@ -92,12 +87,13 @@ def _tuned(argument: str, limits: SizeLimits) -> Controller:
 
 # Family name to a function of the text after the colon and the size limits.
 CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
-    "fixed": _fixed,
+    "fixed": Fixed.from_argument,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "linear-reduction": LinearReduction.from_argument,
     "diversity-ladder": DiversityLadder.from_argument,
     "status-monitor": StatusMonitor.from_argument,
+    "restart": Restart.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "learned": load_learned,

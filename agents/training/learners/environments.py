@@ -22,7 +22,8 @@ def make_swarms(
 ) -> tuple[VectorEnv, Base | None]:
     """Return the vector environment of a configuration, and the base that the policy corrects, if any.
 
-    With a base, the columns of observations are those of the base and then those of the policy.
+    With a base, the columns of observations are those of the base and then those of the policy. A base that
+    states the source of its first population begins the episodes of the policy, too.
 
     Raises:
         ValueError: for options that exclude each other.
@@ -34,7 +35,7 @@ def make_swarms(
         raise ValueError(
             f"corrected_from {config.corrected_from}: without a base there is nothing to correct"
         )
-    controller = None if config.base == "none" else make_controller(config.base, config.limits)
+    controller = make_base(config)
     observation = config.observation
     if controller is not None:
         observation = f"{controller.observation}+{observation}"
@@ -46,7 +47,7 @@ def make_swarms(
             **config.env_options(),
             "observation": observation,
             "action": config.action,
-            "initial_population_size": config.initial_population_size,
+            **first_population(config, controller),
         },
     )
     if controller is None:
@@ -57,6 +58,18 @@ def make_swarms(
         return env, Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
     except ValueError as error:
         raise ValueError(f"base {config.base!r}: {error}") from error
+
+
+def make_base(config: TrainConfig) -> Controller | None:
+    """Return the controller that the policy corrects, if any."""
+    return None if config.base == "none" else make_controller(config.base, config.limits)
+
+
+def first_population(config: TrainConfig, base: Controller | None) -> dict[str, Any]:
+    """Return the options of the first population: those of a base that states its source, else PS(0)."""
+    if base is None or base.first_source is None:
+        return {"initial_population_size": config.initial_population_size}
+    return {"initial_population_size": base.initial_population_size, **base.first_source.options()}
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:

@@ -19,7 +19,7 @@ from agents.training.imitation import Demonstration, demonstrate, imitate
 from agents.training.learners.environments import feature_names, make_reference, make_swarms
 from agents.training.learners.learner import Learner
 from agents.training.sb3_vec_env import SB3VecEnv
-from swarm_gym.action import ACTIONS
+from swarm_gym.action import includes
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting
 from swarm_gym.controllers.learned.policy_file import Weights
@@ -42,8 +42,7 @@ class PPOLearner(Learner):
         set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
         if self._teacher is not None:
-            imitable = ("natural", "extended") if ACTIONS[config.action].extended else ("natural",)
-            if self._teacher.action not in imitable:
+            if not includes(config.action, self._teacher.action):
                 raise ValueError(
                     f"warm_start {config.warm_start!r}: a controller with actions {self._teacher.action!r} "
                     f"cannot be imitated in the layout {config.action!r}"

@@ -4,7 +4,7 @@ A policy's manifest names its kind of network, a key of `NETWORKS`. Sums run alo
 a decision does not depend on how many swarms are decided for at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from swarm_gym.errors import SettingError
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
+from swarm_gym.sources import Source
 
 MakeController = Callable[[str, SizeLimits], Controller]
 
@@ -69,6 +70,7 @@ class FeedforwardController(Controller):
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
         self.initial_population_size = self.manifest["initial_population_size"]
+        self.first_source = _source_of(path, self.manifest)
         self.max_evaluations = self.manifest["max_evaluations"]
         self._base = self._make_base(path, self._make_layout(path, limits), limits, make_controller)
         self._read_weights(weights)
@@ -146,6 +148,17 @@ class FeedforwardController(Controller):
         self.corrects = base.controller
         self.observation = f"{self.corrects.observation}+{self.observation}"
         return base
+
+
+def _source_of(path: Path, manifest: Mapping[str, Any]) -> Source | None:
+    """Return the source of the first population; None is the environment's own."""
+    given = manifest.get("first_source")
+    if given is None:
+        return None
+    try:
+        return Source(**given)
+    except (SettingError, TypeError) as error:
+        raise PolicyFileError(f"{path}: first_source: {error}") from error
 
 
 class RecurrentController(FeedforwardController):

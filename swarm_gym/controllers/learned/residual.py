@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.action import Action
+from swarm_gym.action import Action, includes
 from swarm_gym.controllers.controller import Controller, require_fitting
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.settings import Settings
@@ -47,7 +47,7 @@ class Base:
     policy observes its own columns and the decisions that the controller proposes.
 
     Args:
-        controller: controller to correct; its action layout is `natural` or `extended`.
+        controller: controller to correct; its action layout is `natural`, `extended` or `sourced`.
         layout: action layout of the sum, scaled to [-1, 1].
         corrected_from: first iteration, counted from 0, in which corrections are added.
         max_evaluations: evaluation budget of an episode; None is no budget.
@@ -65,8 +65,7 @@ class Base:
     ):
         scaled = (layout.space.low == -1.0).all() and (layout.space.high == 1.0).all()
         paced = layout.name.endswith("paced")
-        more = controller.action == "extended" and not layout.name.startswith("extended")
-        if controller.action not in ("natural", "extended") or not scaled or paced or more:
+        if not includes(layout.name, controller.action) or not scaled or paced:
             raise ValueError(
                 f"a controller with actions {controller.action!r} cannot be corrected in the layout "
                 f"{layout.name!r}"
