@@ -21,7 +21,15 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from swarm_gym.files import digest_of_sources, user_cache
 
 # Only these folders and files of the package hold kernels, which call nothing from outside of them.
-KERNEL_SOURCES = ("compiler", "population.py", "sources.py", "problem", "optimizers", "reference")
+KERNEL_SOURCES = (
+    "compiler",
+    "corridors.py",
+    "population.py",
+    "sources.py",
+    "problem",
+    "optimizers",
+    "reference",
+)
 COMPILE_TIMEOUT = 600.0  # seconds that a process waits for the kernel that another one compiles
 
 
