@@ -46,7 +46,9 @@ class SwarmBatch:
         self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
-        self.simulation = Simulation(optimizer_class, self.settings, num_swarms, num_threads)
+        self.simulation = Simulation(
+            optimizer_class, self.settings, num_swarms, num_threads, self._observation.arrival_window
+        )
         if self.settings.reward in NEED_AN_OPTIMUM:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
         self._scenario_names = np.array(

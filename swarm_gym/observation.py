@@ -9,21 +9,32 @@ A layout is a list of features, and every layout begins with three numbers about
 | `extended` | float32 | `scaled`, and size, feasible share, best fitness, change of E(P), evaluations |
 | `rich` | float32 | `extended`, and a logarithmic clock, recent progress, diversity, share of the budget |
 | `priced` | float32 | `rich`, and the price of evaluations in this episode |
+| `corridors` | float32 | `scaled`, and how good recent newcomers are, and the number of corridors in use |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names
 joined by `+`, such as `paper+rich`, stand for several layouts one after the other.
+
+`corridors` needs members that are whole paths on a map, so it refuses walks and test functions. Environments
+record newcomers only for this layout. A newcomer is drawn from the source of new members: by growth, by
+immigration, or by the search of `Multivariate` anywhere on the map. After an event on a map, it still counts
+with the fitness that it had when it was new. `swarm_gym.corridors` says what corridors are.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
+from swarm_gym.corridors import KnownCorridors, require_paths
+from swarm_gym.errors import SettingError
 from swarm_gym.population import (
+    BECAME_BEST,
+    BEST_SMOOTH,
     COLLISION_DEVIATION,
     DIVERSITY,
     FEASIBLE_SHARE,
@@ -35,7 +46,8 @@ from swarm_gym.simulation import HISTORY, Simulation
 Floats = NDArray[np.float64]
 
 ITERATION = 3  # column of every layout with the iteration, or its fraction of all; 0 only at the beginning
-RECENT = 5  # number of iterations over which recent progress is measured
+RECENT = 5  # number of iterations over which recent progress is measured, and newcomers are watched
+NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
 
 
 @dataclass(frozen=True)
@@ -47,12 +59,16 @@ class Feature:
         values: function that returns the numbers of all swarms, shape (B,).
         high: function that returns the upper bound.
         low: lower bound.
+        arrival_window: number of iterations whose new members the simulation must have recorded.
+        needs_paths: whether members must be whole paths on a map.
     """
 
     name: str
     values: Callable[[Simulation], Floats]
     high: Callable[[Simulation], float]
     low: float = 0.0
+    arrival_window: int = 0
+    needs_paths: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,18 +85,50 @@ class Observation:
     features: tuple[Feature, ...]
     dtype: type[np.floating]
 
+    @property
+    def arrival_window(self) -> int:
+        """Number of iterations whose new members the simulation must record; 0 for none."""
+        return max(feature.arrival_window for feature in self.features)
+
     def space(self, simulation: Simulation) -> Box:
-        """Return the space of one swarm's observation, shape (number of features,)."""
+        """Return the space of one swarm's observation, shape (number of features,).
+
+        Raises:
+            SettingError: if the simulation cannot be observed by this layout.
+        """
+        self._require(simulation)
         low = np.array([feature.low for feature in self.features], dtype=self.dtype)
         high = np.array([feature.high(simulation) for feature in self.features], dtype=self.dtype)
         return Box(low, high, dtype=self.dtype)
 
     def observe(self, simulation: Simulation) -> NDArray:
-        """Return new observations (B, number of features), up to rounding inside the bounds."""
+        """Return new observations (B, number of features), up to rounding inside the bounds.
+
+        Raises:
+            SettingError: if the simulation cannot be observed by this layout.
+        """
+        self._require(simulation)
         out = np.empty((simulation.num_swarms, len(self.features)), dtype=self.dtype)
         for column, feature in enumerate(self.features):
             out[:, column] = feature.values(simulation)
         return out
+
+    def _require(self, simulation: Simulation) -> None:
+        """Raise an error if the simulation lacks something that a feature needs.
+
+        Raises:
+            SettingError: naming the layout.
+        """
+        asked = f"observation {self.name!r}"
+        if any(feature.needs_paths for feature in self.features):
+            require_paths(asked, simulation.problems[0])
+        recorded = simulation.swarms.arrivals.shape[2]
+        if self.arrival_window > recorded:
+            raise SettingError(
+                f"{asked} needs records of new members of the last {self.arrival_window} iterations, but the "
+                f"simulation has them of {recorded}; make the environment with this observation, or use "
+                f"Simulation(..., arrival_window={self.arrival_window})"
+            )
 
     def __reduce__(self) -> tuple[Callable[[str], "Observation"], tuple[str]]:
         # Layouts are pickled by name, since features are functions.
@@ -135,6 +183,40 @@ def _spent(simulation: Simulation) -> Floats:
     if simulation.settings.max_evaluations is None:
         return np.zeros(simulation.num_swarms)
     return simulation.swarms.evaluations / simulation.settings.max_evaluations
+
+
+def _log_best_smooth(simulation: Simulation) -> Floats:
+    """Return (B,) log(gap of the best smooth newcomer of the last `RECENT` iterations / gap), in [0, 4].
+
+    It is 4 without such a newcomer.
+    """
+    newcomer = simulation.gap_of(simulation.swarms.arrivals[:, BEST_SMOOTH].min(axis=1))
+    ratio = np.full(simulation.num_swarms, np.exp(NO_GOOD_NEWCOMER))
+    np.divide(newcomer, simulation.gap(), out=ratio, where=np.isfinite(newcomer))
+    return np.clip(np.log(ratio), 0.0, NO_GOOD_NEWCOMER)
+
+
+def _became_best(simulation: Simulation) -> Floats:
+    """Return (B,) x / (1 + x) of the number of newcomers of the last `RECENT` iterations that became best."""
+    counts = simulation.swarms.arrivals[:, BECAME_BEST].sum(axis=1)
+    counts[simulation.swarms.size == 0] = 0.0  # nothing has been recorded before the first reset
+    return counts / (1.0 + counts)
+
+
+_KNOWN_CORRIDORS: WeakKeyDictionary[Simulation, KnownCorridors] = WeakKeyDictionary()
+
+
+def _log_corridors(simulation: Simulation) -> Floats:
+    """Return (B,) log(number of corridors that members are in) / log(largest population size).
+
+    It is 0 before the first reset.
+    """
+    known = _KNOWN_CORRIDORS.setdefault(simulation, KnownCorridors())
+    counts = np.ones(simulation.num_swarms)
+    for row in np.flatnonzero(simulation.swarms.size).tolist():
+        corridors = known.of(int(simulation.swarms.problem[row]), simulation.problem_of(row))
+        counts[row] = corridors.count(simulation.positions(row))
+    return np.log(counts) / np.log(max(simulation.settings.max_population_size, 2))
 
 
 def _one(_: Simulation) -> float:
@@ -200,6 +282,27 @@ PRICED = (
         low=-1.0,
     ),
 )
+CORRIDORS = (
+    *SCALED,
+    Feature(
+        f"log(gap of the best smooth newcomer of the last {RECENT} iterations / gap)",
+        _log_best_smooth,
+        lambda _: NO_GOOD_NEWCOMER,
+        arrival_window=RECENT,
+    ),
+    Feature(
+        f"newcomers of the last {RECENT} iterations that became the best so far, as x / (1 + x)",
+        _became_best,
+        _one,
+        arrival_window=RECENT,
+    ),
+    Feature(
+        "log number of corridors, relative to that of the largest population",
+        _log_corridors,
+        _one,
+        needs_paths=True,
+    ),
+)
 
 OBSERVATIONS: dict[str, Observation] = {
     layout.name: layout
@@ -209,6 +312,7 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("extended", EXTENDED, np.float32),
         Observation("rich", RICH, np.float32),
         Observation("priced", PRICED, np.float32),
+        Observation("corridors", CORRIDORS, np.float32),
     )
 }
 

@@ -10,6 +10,7 @@ from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
 import swarm_gym  # noqa: F401
+from helpers.builders import is_walker
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
@@ -48,11 +49,15 @@ def begun(*choices, seed=9):
 
 
 def combinations():
-    """Return all actions and observations with one optimizer, and each of them with the others."""
+    """Return all actions and observations with one optimizer, and each of them with the others.
+
+    Walkers refuse the layout `corridors`.
+    """
     return [
         (name, action, observation)
         for name, action, observation in product(IDS, ACTIONS, OBSERVATIONS)
         if "/Firefly" in name or action == "natural" or observation == "paper"
+        if observation != "corridors" or not is_walker(gymnasium.spec(name).kwargs["optimizer"])
     ]
 
 

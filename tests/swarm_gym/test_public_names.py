@@ -74,7 +74,7 @@ HISTORY_COLUMNS = (
     "best_collision",
 )  # fmt: skip
 OBSERVATION_LAYOUTS = (
-    "paper", "scaled", "extended", "rich", "priced",
+    "paper", "scaled", "extended", "rich", "priced", "corridors",
 )  # fmt: skip
 ACTION_LAYOUTS = (
     "natural", "normalised", "paced", "extended", "extended-normalised", "extended-paced",
