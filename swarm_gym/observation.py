@@ -123,7 +123,7 @@ class Observation:
         if any(feature.needs_paths for feature in self.features):
             require_paths(asked, simulation.problems[0])
         recorded = simulation.swarms.arrivals.shape[2]
-        if self.arrival_window > recorded:
+        if self.arrival_window not in (0, recorded):
             raise SettingError(
                 f"{asked} needs records of new members of the last {self.arrival_window} iterations, but the "
                 f"simulation has them of {recorded}; make the environment with this observation, or use "

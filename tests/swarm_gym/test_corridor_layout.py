@@ -14,9 +14,12 @@ from swarm_gym.corridors import obstacle_posts, posts_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import OBSERVATIONS, RECENT, make_observation
+from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.population import BECAME_BEST, BEST_SMOOTH, begin_arrivals, note_arrival
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.scenarios import Circle, Scenario
+from swarm_gym.settings import Settings
+from swarm_gym.simulation import Simulation
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": 8}
@@ -226,7 +229,9 @@ def test_members_that_are_not_whole_paths_are_refused(name, options):
     refused(lambda: small(name, **options), repr(name), "whole paths", error=SettingError)
 
 
-def test_a_simulation_without_records_of_newcomers_is_refused():
-    layout, simulation = make_observation("rich+corridors"), small("rich").simulation
+@pytest.mark.parametrize("window", [0, RECENT - 1, RECENT + 1])
+def test_a_simulation_with_other_records_of_newcomers_is_refused(window):
+    layout = make_observation("rich+corridors")
+    simulation = Simulation(Firefly, Settings(**SMALL), 1, arrival_window=window)
     for call in (layout.space, layout.observe):
         refused(lambda call=call: call(simulation), "rich+corridors", "arrival_window=5", error=SettingError)
