@@ -33,8 +33,6 @@ from swarm_gym.checks import look_up
 from swarm_gym.corridors import KnownCorridors, require_paths
 from swarm_gym.errors import SettingError
 from swarm_gym.population import (
-    BECAME_BEST,
-    BEST_SMOOTH,
     COLLISION_DEVIATION,
     DIVERSITY,
     FEASIBLE_SHARE,
@@ -42,6 +40,7 @@ from swarm_gym.population import (
     POPULATION_COLLISION,
 )
 from swarm_gym.simulation import HISTORY, Simulation
+from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH
 
 Floats = NDArray[np.float64]
 

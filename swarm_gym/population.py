@@ -17,13 +17,11 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.scenarios import Point
-from swarm_gym.sources import IMMIGRANTS, NUM_SOURCE_NUMBERS, draw_newcomer
+from swarm_gym.sources import IMMIGRANTS, NUM_SOURCE_NUMBERS, draw_newcomer, note_arrival
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Rows of `Swarms.arrivals`, whose columns are the last W iterations: iteration g is in column g % W.
-BEST_SMOOTH, BECAME_BEST = range(2)
 # Columns of `Swarms.summary`.
 NUM_SUMMARIES = 5
 POPULATION_COLLISION, MEAN_COLLISION, COLLISION_DEVIATION, FEASIBLE_SHARE, DIVERSITY = range(NUM_SUMMARIES)
@@ -58,7 +56,7 @@ class Swarms(NamedTuple):
     )
     walked: Integers  # (B,) number of these points that a robot has passed
     source: Floats  # (B, 4) source of new members, see `sources`
-    arrivals: Floats  # (B, 2, W) records of new members, or (B, 2, 0) for none, by iteration
+    arrivals: Floats  # (B, 2, W) records of new members, see `sources`; W = 0 for none
 
     @classmethod
     def allocate(
@@ -174,38 +172,9 @@ def add_members(
         smooth = draw_newcomer(source, stream, table, work.noise, work.path, lower, upper)
         best = swarms.best_fitness[b]
         evaluate_member(swarms, b, swarms.size[b], table, work)
-        note_arrival(swarms, b, smooth, swarms.fitness[b, swarms.size[b]], best)
+        fitness = swarms.fitness[b, swarms.size[b]]
+        note_arrival(swarms.arrivals[b], swarms.iteration[b], smooth, fitness, best)
         swarms.size[b] += 1
-
-
-@kernel(borrows=True)
-def note_arrival(swarms: Swarms, b: int, smooth: bool, fitness: float, best: float) -> None:
-    """Record a new member of this fitness, where `best` was the best fitness before, if arrivals are kept."""
-    window = swarms.arrivals.shape[2]
-    if window > 0:
-        now = swarms.iteration[b] % window
-        if smooth:
-            swarms.arrivals[b, BEST_SMOOTH, now] = min(swarms.arrivals[b, BEST_SMOOTH, now], fitness)
-        if fitness < best:
-            swarms.arrivals[b, BECAME_BEST, now] += 1.0
-
-
-@kernel(borrows=True)
-def begin_arrivals(swarms: Swarms, b: int) -> None:
-    """Delete the records that the coming iteration replaces."""
-    window = swarms.arrivals.shape[2]
-    if window > 0:
-        now = swarms.iteration[b] % window
-        swarms.arrivals[b, BEST_SMOOTH, now] = math.inf
-        swarms.arrivals[b, BECAME_BEST, now] = 0.0
-
-
-@kernel(borrows=True)
-def forget_arrivals(swarms: Swarms, b: int) -> None:
-    """Delete all records of new members: those of a first population say nothing about later ones."""
-    for k in range(swarms.arrivals.shape[2]):
-        swarms.arrivals[b, BEST_SMOOTH, k] = math.inf
-        swarms.arrivals[b, BECAME_BEST, k] = 0.0
 
 
 @kernel

@@ -1,7 +1,6 @@
 """Episodes of an optimizer: many swarms at once, on one or several problems."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -12,11 +11,11 @@ from numpy.typing import NDArray
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.compiler.random_stream import seed_stream
-from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import POPULATION_COLLISION, Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.reference import gap_to_optimum
+from swarm_gym.reset_options import Beginning, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
 from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, Source, kind_of_bends
@@ -27,13 +26,6 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NO_BUDGET = np.iinfo(np.int64).max
-RESET_OPTIONS = (
-    "scenario",
-    "initial_population",
-    "initial_population_size",
-    "smooth_share",
-    "amplitude",
-)
 HISTORY = (
     "population_collision",
     "population_size",
@@ -310,6 +302,15 @@ class Simulation:
         """Return the problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
+    def read_options(self, options: Mapping[str, Any] | None) -> Beginning:
+        """Return how the episodes of these reset options begin.
+
+        Raises:
+            UnknownNameError: for an option or scenario that does not exist.
+            SettingError: for a value that an option cannot have.
+        """
+        return read_reset_options(options, self.settings, self.optimizer, self.worlds)
+
     def _record(self, rows: Integers, repair_degrees: Floats, parameters: Floats) -> None:
         swarms = self.swarms
         record = np.empty((self.num_swarms, len(self.columns)))
@@ -323,75 +324,6 @@ class Simulation:
         record[:, len(HISTORY) : last] = parameters
         record[:, last:] = swarms.source[:, : len(self.columns) - last]
         self.history[rows, self.iteration[rows]] = record[rows]
-
-    def read_options(
-        self, options: Mapping[str, Any] | None
-    ) -> tuple[int, Floats | None, int | None, Source]:
-        """Return size, content, number of the scenario and source of a first population; None if not given.
-
-        Raises:
-            UnknownNameError: for an option or scenario that does not exist.
-            SettingError: for a value that an option cannot have.
-        """
-        options = {} if options is None else options
-        if not isinstance(options, Mapping):
-            raise SettingError(f"options must be a mapping from names to values, got {shown(options)}")
-        for name in options:
-            if name not in RESET_OPTIONS:
-                raise UnknownNameError("reset option", name, RESET_OPTIONS)
-        scenario = None
-        if "scenario" in options:
-            names = self.worlds.scenario_names
-            if not isinstance(options["scenario"], str) or options["scenario"] not in names:
-                raise UnknownNameError("scenario of this environment", options["scenario"], names)
-            scenario = names.index(options["scenario"])
-        size = options.get("initial_population_size", self.settings.initial_population_size)
-        population = None
-        if "initial_population" in options:
-            if not self.optimizer.adopts:
-                raise SettingError(
-                    f"initial_population: {self.optimizer.name} makes its first population itself; use "
-                    "initial_population_size"
-                )
-            if "initial_population_size" in options:
-                raise SettingError("expected initial_population or initial_population_size, got both")
-            population = self._read_population(options["initial_population"])
-            size = len(population)
-        source = self._read_source(options)
-        self.settings.check_population_size("initial_population_size", size)
-        budget = self.settings.max_evaluations
-        if budget is not None and size > budget:
-            raise SettingError(
-                f"initial_population_size must be at most max_evaluations, {budget}, got {size}"
-            )
-        return int(size), population, scenario, source
-
-    def _read_source(self, options: Mapping[str, Any]) -> Source:
-        """Return the source of a first population, with what the options change of that of the settings."""
-        given = {name: options[name] for name in ("smooth_share", "amplitude") if name in options}
-        for name in given:
-            self.settings.require_sources(name)
-            if "initial_population" in options:
-                raise SettingError(f"expected initial_population or {name}, got both")
-        return replace(self.settings.new_members, **given)
-
-    def _read_population(self, population: object) -> Floats:
-        n = self.dimension
-        try:
-            with np.errstate(over="ignore"):  # becomes infinite, which is refused below
-                array = np.asarray(population, dtype=np.float64)
-        except Exception as error:  # an object that converts itself to an array can raise anything
-            raise SettingError(f"initial_population must be numbers, got {shown(population)}") from error
-        if array.ndim != 2 or array.shape[1] != n:
-            raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
-        lower, upper = self.worlds.common_bounds
-        lower, upper = lower[:n], upper[:n]
-        if not ((array >= lower) & (array <= upper)).all():
-            raise SettingError(
-                "initial_population must be finite and inside the bounds of decision vectors, got values "
-                f"from {array.min():g} to {array.max():g}"
-            )
-        return array
 
 
 def _as_decisions(source: Source) -> Floats:

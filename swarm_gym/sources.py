@@ -35,6 +35,10 @@ NUM_SOURCE_NUMBERS = 4
 SMOOTH_SHARE, AMPLITUDE, IMMIGRANTS, KIND_OF_BENDS = range(NUM_SOURCE_NUMBERS)
 SOURCE_DECISIONS = ("smooth_share", "amplitude", "immigrants")
 
+# Rows of records of new members, (2, W), whose columns are the last W iterations: iteration g is in column
+# g % W. They hold the best fitness of smooth members, and the number of those that became the best so far.
+BEST_SMOOTH, BECAME_BEST = range(2)
+
 
 @dataclass(frozen=True)
 class Source:
@@ -107,3 +111,33 @@ def draw_newcomer(
     for k in range(lower.shape[0]):
         path[k + 1] = lower[k] + (upper[k] - lower[k]) * noise[k]  # eq. 12
     return False
+
+
+@kernel(borrows=True)
+def note_arrival(arrivals: Floats, iteration: int, smooth: bool, fitness: float, best: float) -> None:
+    """Record a new member of this fitness, where `best` was the best fitness so far, if W > 0."""
+    window = arrivals.shape[1]
+    if window > 0:
+        now = iteration % window
+        if smooth:
+            arrivals[BEST_SMOOTH, now] = min(arrivals[BEST_SMOOTH, now], fitness)
+        if fitness < best:
+            arrivals[BECAME_BEST, now] += 1.0
+
+
+@kernel(borrows=True)
+def begin_arrivals(arrivals: Floats, iteration: int) -> None:
+    """Delete the records that those of an iteration replace."""
+    window = arrivals.shape[1]
+    if window > 0:
+        now = iteration % window
+        arrivals[BEST_SMOOTH, now] = np.inf
+        arrivals[BECAME_BEST, now] = 0.0
+
+
+@kernel(borrows=True)
+def forget_arrivals(arrivals: Floats) -> None:
+    """Delete all records: those of a first population say nothing about later members."""
+    for k in range(arrivals.shape[1]):
+        arrivals[BEST_SMOOTH, k] = np.inf
+        arrivals[BECAME_BEST, k] = 0.0

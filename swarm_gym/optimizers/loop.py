@@ -18,9 +18,7 @@ from swarm_gym.population import (
     Workspace,
     add_members,
     adopt_members,
-    begin_arrivals,
     clear,
-    forget_arrivals,
     make_workspace,
     num_staying,
     re_evaluate_members,
@@ -29,7 +27,7 @@ from swarm_gym.population import (
     summarise,
 )
 from swarm_gym.problem.tables import Table, select
-from swarm_gym.sources import IMMIGRANTS
+from swarm_gym.sources import IMMIGRANTS, begin_arrivals, forget_arrivals
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -133,7 +131,7 @@ def begin_chosen(
             work = make_workspace(swarms.positions.shape[2])
             clear(swarms, b)
             begin(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
-            forget_arrivals(swarms, b)
+            forget_arrivals(swarms.arrivals[b])
             summarise(swarms, b, mean_weight)
 
 
@@ -157,7 +155,7 @@ def adopt_chosen(
             work = make_workspace(swarms.positions.shape[2])
             clear(swarms, b)
             adopt(named_row(defaults, parameters, b), swarms, b, table, work, sizes[b])
-            forget_arrivals(swarms, b)
+            forget_arrivals(swarms.arrivals[b])
             summarise(swarms, b, mean_weight)
 
 
@@ -183,7 +181,7 @@ def step_chosen(
             table = select(tables, swarms.problem[b])
             work = make_workspace(swarms.positions.shape[2])
             own = named_row(defaults, parameters, b)
-            begin_arrivals(swarms, b)
+            begin_arrivals(swarms.arrivals[b], swarms.iteration[b])
             if swarms.source[b, IMMIGRANTS] > 0.0:
                 change_size(own, swarms, b, table, work, num_staying(swarms, b, sizes[b]))
             change_size(own, swarms, b, table, work, sizes[b])

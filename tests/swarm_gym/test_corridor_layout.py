@@ -15,11 +15,11 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import OBSERVATIONS, RECENT, make_observation
 from swarm_gym.optimizers.firefly import Firefly
-from swarm_gym.population import BECAME_BEST, BEST_SMOOTH, begin_arrivals, note_arrival
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.scenarios import Circle, Scenario
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
+from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH, begin_arrivals, note_arrival
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": 8}
@@ -96,10 +96,12 @@ def test_newcomers_of_the_last_iterations_are_observed():
     ]
     for g, coming in enumerate(newcomers):
         swarms.iteration[0] = g
-        begin_arrivals(swarms, 0)
+        begin_arrivals(swarms.arrivals[0], swarms.iteration[0])
         for smooth, gaps, becomes in coming:
             fitness = bound + gaps * gap
-            note_arrival(swarms, 0, smooth, fitness, np.inf if becomes else fitness)
+            note_arrival(
+                swarms.arrivals[0], swarms.iteration[0], smooth, fitness, np.inf if becomes else fitness
+            )
         swarms.iteration[0] = g + 1
         watched = [one for some in newcomers[max(g + 1 - RECENT, 0) : g + 1] for one in some]
         smooth_gaps = [gaps for smooth, gaps, _ in watched if smooth]

@@ -24,9 +24,10 @@ from experiments.runs.database import Results
 from swarm_gym.action import ACTIONS
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
-from swarm_gym.simulation import HISTORY, RESET_OPTIONS
+from swarm_gym.simulation import HISTORY
 
 ROOT = Path(__file__).parents[2]
 POLICIES = ROOT / "swarm_gym/controllers/data/policies"

@@ -43,13 +43,12 @@ from swarm_gym.population import (
     adopt_members,
     evaluate_path,
     is_spent,
-    note_arrival,
     re_evaluate_members,
     recall,
     span,
 )
 from swarm_gym.problem.tables import Table, repair
-from swarm_gym.sources import draw_newcomer
+from swarm_gym.sources import draw_newcomer, note_arrival
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -89,7 +88,7 @@ def _search_anywhere(
         smooth = draw_newcomer(source, stream, table, work.noise, work.path, lower, upper)
         best = swarms.best_fitness[b]
         fitness, collision = evaluate_path(swarms, b, table, work)
-        note_arrival(swarms, b, smooth, fitness, best)
+        note_arrival(swarms.arrivals[b], swarms.iteration[b], smooth, fitness, best)
         offer_head(regions, limit, work.path[1:], fitness, collision)
 
 

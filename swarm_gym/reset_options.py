@@ -1,0 +1,103 @@
+"""The options of `reset`: scenario, and size, source or content of the first population."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import SettingError, UnknownNameError, shown
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.settings import Settings
+from swarm_gym.sources import Source
+from swarm_gym.worlds import Worlds
+
+Floats = NDArray[np.float64]
+
+SOURCE_OPTIONS = ("smooth_share", "amplitude")
+RESET_OPTIONS = ("scenario", "initial_population", "initial_population_size", *SOURCE_OPTIONS)
+
+
+class Beginning(NamedTuple):
+    """The beginning of episodes.
+
+    Attributes:
+        size: size of the first population.
+        population: decision vectors of its members, (size, dimension); None if they are drawn.
+        scenario: number of the scenario; None if the seed draws it.
+        source: source of the members, if they are drawn.
+    """
+
+    size: int
+    population: Floats | None
+    scenario: int | None
+    source: Source
+
+
+def read_reset_options(
+    options: Mapping[str, Any] | None, settings: Settings, optimizer: type[Optimizer], worlds: Worlds
+) -> Beginning:
+    """Return how episodes begin with these options; what they leave out is as in the settings.
+
+    Raises:
+        UnknownNameError: for an option or scenario that does not exist.
+        SettingError: for a value that an option cannot have.
+    """
+    options = {} if options is None else options
+    if not isinstance(options, Mapping):
+        raise SettingError(f"options must be a mapping from names to values, got {shown(options)}")
+    for name in options:
+        if name not in RESET_OPTIONS:
+            raise UnknownNameError("reset option", name, RESET_OPTIONS)
+    scenario = None
+    if "scenario" in options:
+        names = worlds.scenario_names
+        if not isinstance(options["scenario"], str) or options["scenario"] not in names:
+            raise UnknownNameError("scenario of this environment", options["scenario"], names)
+        scenario = names.index(options["scenario"])
+    size = options.get("initial_population_size", settings.initial_population_size)
+    population = None
+    if "initial_population" in options:
+        if not optimizer.adopts:
+            raise SettingError(
+                f"initial_population: {optimizer.name} makes its first population itself; use "
+                "initial_population_size"
+            )
+        for name in ("initial_population_size", *SOURCE_OPTIONS):
+            if name in options:
+                raise SettingError(f"expected initial_population or {name}, got both")
+        population = _read_population(options["initial_population"], worlds)
+        size = len(population)
+    settings.check_population_size("initial_population_size", size)
+    budget = settings.max_evaluations
+    if budget is not None and size > budget:
+        raise SettingError(f"initial_population_size must be at most max_evaluations, {budget}, got {size}")
+    return Beginning(int(size), population, scenario, _read_source(options, settings))
+
+
+def _read_source(options: Mapping[str, Any], settings: Settings) -> Source:
+    """Return the source of a first population, with what the options change of that of the settings."""
+    given = {name: options[name] for name in SOURCE_OPTIONS if name in options}
+    for name in given:
+        settings.require_sources(name)
+    return replace(settings.new_members, **given)
+
+
+def _read_population(population: object, worlds: Worlds) -> Floats:
+    n = worlds.problems[0].dimension
+    try:
+        with np.errstate(over="ignore"):  # becomes infinite, which is refused below
+            array = np.asarray(population, dtype=np.float64)
+    except Exception as error:  # an object that converts itself to an array can raise anything
+        raise SettingError(f"initial_population must be numbers, got {shown(population)}") from error
+    if array.ndim != 2 or array.shape[1] != n:
+        raise SettingError(f"initial_population must have shape (members, {n}), got {array.shape}")
+    lower, upper = worlds.common_bounds
+    lower, upper = lower[:n], upper[:n]
+    if not ((array >= lower) & (array <= upper)).all():
+        raise SettingError(
+            "initial_population must be finite and inside the bounds of decision vectors, got values "
+            f"from {array.min():g} to {array.max():g}"
+        )
+    return array
