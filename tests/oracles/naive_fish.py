@@ -120,7 +120,7 @@ class ImprovedFishSwarm(FishSwarm):
             if self.is_spent():
                 return
             parts = zip(lower, upper, fish.position, strict=True)
-            opposite = self.member([low + high - x for low, high, x in parts])
+            opposite = self.member(self.clipped([low + high - x for low, high, x in parts]))
             if opposite.fitness < fish.fitness:
                 self.members[i] = opposite
 

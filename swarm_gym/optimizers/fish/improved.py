@@ -82,7 +82,11 @@ def begin(
     work: Workspace,
     size: int,
 ) -> None:
-    """Draw a population, then keep the better one of each member and its opposite (eq. 8 to 10)."""
+    """Draw a population, then keep the better one of each member and its opposite (eq. 8 to 10).
+
+    A smooth member may lie outside the initial bounds. Its opposite may then leave the workspace, and is put
+    on the bounds.
+    """
     loop.draw_population(parameters, swarms, b, table, work, size)
     width = swarms.positions.shape[2]
     for i in range(swarms.size[b]):
@@ -90,7 +94,7 @@ def begin(
             break
         for k in range(width):
             opposite = table.initial_lower[k] + table.initial_upper[k] - swarms.positions[b, i, k]
-            work.path[k + 1] = opposite
+            work.path[k + 1] = min(max(opposite, table.lower[k]), table.upper[k])
         fitness, collision = evaluate_path(swarms, b, table, work)
         if fitness < swarms.fitness[b, i]:
             swarms.fitness[b, i], swarms.collision[b, i] = fitness, collision
