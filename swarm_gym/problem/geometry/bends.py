@@ -50,9 +50,8 @@ def modes(count: int) -> Floats:
     stiffness, directions = np.linalg.eigh(differences.T @ differences)
     widest = min(NUM_MODES, count)  # the eigenvalues increase, so the least stiff modes come first
     out[STOMP, :widest] = (directions[:, :widest] * np.sqrt(stiffness[0] / stiffness[:widest])).T
-    # The signs of eigenvectors depend on the library.
-    signs = np.where(out[STOMP].sum(axis=1) < -1e-9, -1.0, 1.0)
-    out[STOMP] *= signs[:, None]
+    # The signs of eigenvectors depend on the library; here each begins with a positive offset.
+    out[STOMP] *= np.where(out[STOMP, :, :1] < 0.0, -1.0, 1.0)
     out.setflags(write=False)
     return out
 
