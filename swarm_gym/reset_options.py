@@ -81,7 +81,12 @@ def _read_source(options: Mapping[str, Any], settings: Settings) -> Source:
     given = {name: options[name] for name in SOURCE_OPTIONS if name in options}
     for name in given:
         settings.require_sources(name)
-    return replace(settings.new_members, **given)
+    source = replace(settings.new_members, **given)
+    if "amplitude" in given and "smooth_share" not in given and source.smooth_share == 0.0:
+        raise SettingError(
+            "amplitude has no effect with uniform members; remove it, or give smooth_share in (0, 1], too"
+        )
+    return source
 
 
 def _read_population(population: object, worlds: Worlds) -> Floats:

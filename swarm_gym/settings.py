@@ -200,8 +200,8 @@ class Settings:
             SettingError: if decision vectors are not whole paths.
         """
         kind = _kind_of(self.worlds[0].scenario)
-        if self.encoding in kind.sourced:
-            return
+        if self.encoding in kind.sourced or self.encoding not in kind.options:
+            return  # an encoding that this kind of scenario does not have is refused when problems are made
         vectors = "points of a walk" if self.encoding == "walk" else f"vectors of {kind.name}"
         raise SettingError(
             f"{asked}: smooth new members are whole paths, but here members are {vectors}; the only source "
@@ -216,7 +216,11 @@ class Settings:
         if self.source == UNIFORM and not self.decides_sources:
             unused |= {"amplitude", "bends"}
         for name in sorted(unused & set(given)):
-            raise SettingError(f"option {name!r} has no effect with source {self.source!r}; remove it")
+            others = [MIXED] if name == "smooth_share" else [SMOOTH, MIXED]
+            raise SettingError(
+                f"option {name!r} has no effect with source {self.source!r}; remove it, or choose source "
+                f"{' or '.join(map(repr, others))}"
+            )
         kind = _kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
             if not any(name in options for options in kind.options.values()):

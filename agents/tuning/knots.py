@@ -129,7 +129,9 @@ class KnotSpace:
         self._optimizer = get_optimizer(config.optimizer)
         self._axes = _axes_of(config.action, config.limits, self._optimizer)
         self._first_axes = {}
-        if config.action == "sourced":
+        if config.action != "sourced":
+            _refuse_first_source(config)
+        else:
             self._first_axes = {
                 "population size": Axis(float(smallest), float(largest), config.initial_population_size),
                 "smooth share": Axis(0.0, 1.0, first_source.smooth_share, "linear"),
@@ -159,10 +161,17 @@ class KnotSpace:
         controller = make_controller(self.config.start, self.config.limits)
         if not isinstance(controller, OpenLoop):
             raise SettingError(
-                f"start must be an open loop, e.g. open-loop:three-cases, got {self.config.start!r}"
+                f"start must be none or an open loop, e.g. open-loop:three-cases, got {self.config.start!r}"
+            )
+        parameters = self._optimizer.decided_parameters()
+        known = {"population size", "repair degree", *parameters, *SOURCE_DECISIONS}
+        if unknown := [name for name in controller.names if name not in known]:
+            raise SettingError(
+                f"start {self.config.start!r} decides {', '.join(unknown)}, but the parameters of optimizer "
+                f"{self._optimizer.name!r} are {', '.join(parameters)}; choose an open loop for this optimizer"
             )
         rows = np.minimum(np.arange(Settings.iterations), len(controller.decisions) - 1)
-        return dict(zip(self._axes, controller.decisions[rows].T, strict=False))
+        return dict(zip(controller.names, controller.decisions[rows].T, strict=True))
 
     def decode(self, point: Floats) -> Decided:
         """Return the decisions of a point."""
@@ -221,6 +230,13 @@ def _axes_of(action: str, limits: SizeLimits, optimizer: type[Optimizer]) -> dic
         axes["amplitude"] = Axis(SMALLEST_AMPLITUDE, 1.0, 0.4)
         axes["immigrants"] = Axis(0.0, 1.0, 0.0, "root")
     return axes
+
+
+def _refuse_first_source(config: TuneConfig) -> None:
+    """Raise an error for a source of the first population where the search does not decide it."""
+    for name in ("initial_smooth_share", "initial_amplitude"):
+        if (given := getattr(config, name)) != getattr(TuneConfig, name):
+            raise SettingError(f"{name} needs action 'sourced', got {given!r} with action {config.action!r}")
 
 
 def _checked_knots(knots: tuple[int, ...]) -> list[int]:

@@ -8,7 +8,7 @@ were tuned; see `agents.tune`.
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ class OpenLoop(Controller):
         first_source: source of the first population; None is the environment's own.
 
     Attributes:
+        names: names of the decisions; those of sizes and phi are "population size" and "repair degree".
         decisions: (iterations up to the last knot, number of decisions) decisions in natural units.
     """
 
@@ -81,7 +82,7 @@ class OpenLoop(Controller):
             0 <= degree <= 1 for degree in repair_degrees
         ):
             raise ValueError("open loop: sizes and parameters must be positive and finite, phi in [0, 1]")
-        if knobs:
+        if knobs or sources:
             _check_knobs(knobs, optimizer)
         if sources:
             _check_sources(sources)
@@ -92,6 +93,7 @@ class OpenLoop(Controller):
                 f"open loop: initial_population_size must be an integer, got {shown(initial_population_size)}"
             )
         self.initial_population_size = limits.clip(int(initial_population_size))
+        self.names = "population size", "repair degree", *knobs, *sources
         columns = [_between(knots, column, np.log, np.exp) for column in positive]
         columns[0] = np.clip(columns[0], limits.smallest, limits.largest)
         columns.insert(1, _between(knots, repair_degrees, np.sqrt, np.square))
@@ -176,11 +178,32 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
             content["repair_degrees"],
             content["knobs"],
             limits,
-            sources=content.get("sources"),
-            first_source=Source(**content["first_source"]) if content.get("first_source") else None,
+            sources=_decisions_on_sources(content),
+            first_source=_first_source(content),
         )
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
+
+
+def _decisions_on_sources(content: Mapping[str, Any]) -> Mapping[str, list[float]] | None:
+    """Return the decisions on new members of a file; None if it has none."""
+    if "sources" not in content:
+        return None
+    sources = content["sources"]
+    if not isinstance(sources, dict) or not sources:
+        raise ValueError(f"sources must have {', '.join(SOURCE_DECISIONS)}, got {shown(sources)}")
+    return sources
+
+
+def _first_source(content: Mapping[str, Any]) -> Source | None:
+    """Return the source of the first population of a file; None if it has none."""
+    if "first_source" not in content:
+        return None
+    numbers = content["first_source"]
+    names = [f.name for f in fields(Source)]
+    if not isinstance(numbers, dict) or sorted(numbers) != sorted(names):
+        raise ValueError(f"first_source must have {' and '.join(names)}, got {shown(numbers)}")
+    return Source(**numbers)
 
 
 def save_open_loop(
