@@ -62,9 +62,10 @@ OPTIONS = (
     "scenario", "encoding", "num_waypoints", "num_control_points", "length_weight", "penalty",
     "cell_size", "iterations", "initial_population_size", "min_population_size", "max_population_size",
     "mean_weight", "action", "observation", "reward", "price", "reference_evaluations", "max_evaluations",
+    "source", "smooth_share", "amplitude", "bends",
 )  # fmt: skip
 RESET_OPTION_NAMES = (
-    "scenario", "initial_population", "initial_population_size",
+    "scenario", "initial_population", "initial_population_size", "smooth_share", "amplitude",
 )  # fmt: skip
 INFO = (
     "best_collision", "best_fitness", "best_path", "driven", "evaluations", "feasible_share",
@@ -79,6 +80,7 @@ OBSERVATION_LAYOUTS = (
 )  # fmt: skip
 ACTION_LAYOUTS = (
     "natural", "normalised", "paced", "extended", "extended-normalised", "extended-paced",
+    "sourced", "sourced-normalised", "sourced-paced",
 )  # fmt: skip
 REWARD_NAMES = (
     "progress", "final", "final-gap", "optimality",
@@ -221,11 +223,11 @@ COMMANDS = {
         "--warm-start",
     ),
     "agents.tune": (
-        "--action", "--address", "--backend", "--candidates", "--episodes",
-        "--initial-population-size", "--jobs", "--knots", "--max-population-size",
+        "--action", "--address", "--backend", "--candidates", "--episodes", "--initial-amplitude",
+        "--initial-population-size", "--initial-smooth-share", "--jobs", "--knots", "--max-population-size",
         "--min-population-size", "--name", "--optimizer", "--output", "--preset", "--price",
-        "--resume", "--reward", "--runs", "--scenarios", "--seed", "--seeds", "--sigma", "--threads",
-        "--total-steps", "--what",
+        "--resume", "--reward", "--runs", "--scenarios", "--seed", "--seeds", "--sigma", "--start",
+        "--threads", "--total-steps", "--what",
     ),
     "agents.distil": (
         "--episodes", "--numbers", "--output", "--report-seeds", "--rounds", "--seed",
