@@ -12,6 +12,7 @@ from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import Swarms, make_workspace
 from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, WalkProblem
+from swarm_gym.problem.geometry.bends import BENDS
 from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario, rasterised
@@ -154,11 +155,13 @@ def begin(
     populations=None,
     seed=0,
     parameters=None,
+    source=None,
 ):
     """Swarms of an optimizer, one per problem, seeded by number from `seed` on; and their stacked tables.
 
     First populations are drawn, or given, (members, dimension) for each problem; by parameters, where the
-    optimizer has some that matter to begin with.
+    optimizer has some that matter to begin with. New members come from a `naive_sources.Source`, if one is
+    given.
     """
     num, cls = len(problems), get_optimizer(optimizer)
     dimension = problems[0].dimension
@@ -173,6 +176,9 @@ def begin(
         cls.walk_points(tables, iterations),
     )
     swarms.problem[:], swarms.budget[:], swarms.iterations[:] = np.arange(num), budget, iterations
+    if source is not None:
+        kind = BENDS[source.bends]
+        swarms.source[:] = source.smooth_share, source.amplitude, source.immigrants, kind
     for b in range(num):
         swarms.stream[b] = seed_stream(np.random.SeedSequence(seed + b))
         if populations is not None:
@@ -202,12 +208,22 @@ def advance(optimizer, swarms, tables, size, repair_degree, parameters=None, num
 
 
 def oracle_twin(
-    optimizer, problem, size, budget=UNLIMITED, iterations=10, population=None, seed=0, parameters=None
+    optimizer,
+    problem,
+    size,
+    budget=UNLIMITED,
+    iterations=10,
+    population=None,
+    seed=0,
+    parameters=None,
+    source=None,
 ):
     """The first swarm of `begin` in plain Python; of those that begin by parameters, with these."""
     stream = naive.Stream(seed_stream(np.random.SeedSequence(seed)))
     oracle = naive_swarm.oracle_of(problem)
     twin = naive_optimizers.NAIVE[optimizer](oracle, stream, iterations, budget)
+    if source is not None:
+        twin.source = source
     if parameters:
         twin.parameters = type(twin.parameters)(
             **get_optimizer(optimizer).parameter_values(parameters)._asdict()

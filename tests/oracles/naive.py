@@ -44,8 +44,11 @@ class Stream:
         self.lanes = [Sfc64([row[lane] for row in words]) for lane in range(8)]
 
     def uniform(self, n):
-        rounds = n // 8 + 1
-        return [self.lanes[k % 8].uniform() for k in range(8 * rounds)][:n]
+        return self.padded_uniform(n)[:n]
+
+    def padded_uniform(self, n):
+        """Return all numbers that are drawn for a vector of n, whose count is a multiple of eight."""
+        return [self.lanes[k % 8].uniform() for k in range(8 * (n // 8 + 1))]
 
     def words(self):
         return [list(row) for row in zip(*(lane.words() for lane in self.lanes), strict=True)]

@@ -58,6 +58,11 @@ class Bezier:
         extremes = extremes_of_centres(scenario.map)
         self.lower, self.upper = [[ends[k] for ends in extremes for _ in range(num_points)] for k in (0, 1)]
 
+    def beside_the_line(self, offsets):
+        """Return the vector whose control points are evenly spaced, at these offsets from the line."""
+        points = naive.map_points(self.scenario, offsets)[1:-1]
+        return [x for x, _ in points] + [y for _, y in points]
+
     def control_points(self, vector):
         d = self.num_points
         return [self.scenario.start, *((vector[i], vector[d + i]) for i in range(d)), self.scenario.target]
@@ -102,6 +107,9 @@ class Waypoints:
             upper.append(max(high, 0.0))
         return lower, upper
 
+    def beside_the_line(self, offsets):
+        return list(offsets)
+
     def control_points(self, vector):
         return naive.map_points(self.scenario, vector)
 
@@ -136,6 +144,12 @@ class Problem:
         self.initial_lower, self.initial_upper = self.lower, self.upper
         self.unit_length = math.sqrt(self.dimension)
         self._nearest = problem.table.nearest
+        self.num_points = problem.num_points
+        across = Waypoints(problem.scenario, self.num_points)
+        self.width = max(high - low for low, high in zip(across.lower, across.upper, strict=True))
+
+    def beside_the_line(self, offsets):
+        return self.path.beside_the_line(offsets)
 
     def nearest_free(self, column, row):
         """The free cell that the package takes for the nearest one of a cell, or of the border beside it."""

@@ -7,7 +7,7 @@ problem is an object with `dimension`, `unit_length` (the divisor of Euclidean l
 
 import math
 
-from oracles import naive, naive_functions, naive_grid, naive_walks
+from oracles import naive, naive_functions, naive_grid, naive_sources, naive_walks
 
 
 class Analytic:
@@ -15,10 +15,17 @@ class Analytic:
 
     def __init__(self, problem):
         self.scenario, self.length_weight = problem.scenario, problem.length_weight
-        self.dimension = problem.num_waypoints
+        self.dimension = self.num_points = problem.num_waypoints
         self.unit_length = math.sqrt(self.dimension)
         self.lower, self.upper = naive.bounds(self.scenario, self.dimension)
         self.initial_lower, self.initial_upper = (bound.tolist() for bound in problem.initial_bounds)
+
+    @property
+    def width(self):
+        return max(high - low for low, high in zip(self.lower, self.upper, strict=True))
+
+    def beside_the_line(self, offsets):
+        return list(offsets)
 
     def cost(self, vector):
         return naive.evaluate(self.scenario, vector, self.length_weight)
@@ -52,6 +59,8 @@ def scaled(lower, upper, uniforms):
 
 class Swarm:
     """A swarm of any optimizer: members, the best so far, evaluations and their budget."""
+
+    source = naive_sources.Source()
 
     def __init__(self, problem, stream, iterations, budget=10**9):
         self.problem, self.stream, self.iterations, self.budget = problem, stream, iterations, budget
@@ -88,10 +97,11 @@ class Swarm:
         return self.problem.repaired(position, repair_degree) if repair_degree > 0 else position
 
     def draw(self, count, lower, upper):
-        """Draw up to `count` new members, uniform in a box."""
+        """Draw up to `count` new members from the source; uniform ones lie in a box."""
         drawn = []
         while len(drawn) < count and not self.is_spent():
-            drawn.append(self.member(scaled(lower, upper, self.uniform())))
+            new = naive_sources.newcomer(self.problem, self.source, self.stream, lower, upper)
+            drawn.append(self.member(new))
         return drawn
 
     def begin(self, size):
@@ -136,6 +146,9 @@ class Swarm:
         return self.members
 
     def step(self, size, repair_degree, parameters):
+        if self.source.immigrants > 0:
+            staying = min(len(self.stored()), size)
+            self.resize(max(staying - math.floor(self.source.immigrants * staying + 0.5), 1))
         self.resize(size)
         self.iterate(repair_degree, **parameters._asdict())
         self.iteration += 1

@@ -1,0 +1,93 @@
+"""Plain-Python oracle for sources of new members: uniform in a box, or smooth bends beside the line.
+
+A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`, which turns the
+offsets of evenly spaced points from the start-target line into a decision vector.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from oracles import naive
+
+NUM_HARMONICS, NUM_STOMP = 3, 6
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source of new members, with the share of members that immigrants replace."""
+
+    smooth_share: float = 0.0
+    amplitude: float = 0.5
+    bends: str = "harmonics"
+    immigrants: float = 0.0
+
+
+def newcomer(problem, source, stream, lower, upper):
+    """Return the position of a new member."""
+    numbers = stream.padded_uniform(problem.dimension)
+    if source.smooth_share > 0:
+        if numbers[0] < source.smooth_share:
+            return bend(problem, source, numbers)
+        numbers = stream.padded_uniform(problem.dimension)
+    return [a + (b - a) * u for a, b, u in zip(lower, upper, numbers, strict=False)]
+
+
+def bend(problem, source, numbers):
+    """Return a bend inside the bounds; number 1 says how large it is, those from 2 on what form it has."""
+    offsets = form(source.bends, numbers[2:], problem.num_points)
+    largest = max(abs(offset) for offset in offsets)
+    scale = numbers[1] * source.amplitude * problem.width / largest
+    vector = problem.beside_the_line([scale * offset for offset in offsets])
+    return [naive.clip(*values) for values in zip(vector, problem.lower, problem.upper, strict=True)]
+
+
+def form(bends, numbers, count):
+    """Return the offsets of `count` evenly spaced points before they are scaled."""
+    if bends == "harmonics":
+        terms = [
+            [
+                (2 * numbers[h - 1] - 1) * math.sin(h * math.pi * j / (count + 1)) / h
+                for j in range(1, count + 1)
+            ]
+            for h in range(1, NUM_HARMONICS + 1)
+        ]
+    else:
+        terms = [
+            [normal * y for y in mode]
+            for normal, mode in zip(normals(numbers), principal(count), strict=False)
+        ]
+    return [math.fsum(column) for column in zip(*terms, strict=True)]
+
+
+def normals(numbers):
+    """Return six normal numbers, by Box and Muller."""
+    found = []
+    for u, v in zip(numbers[0:NUM_STOMP:2], numbers[1:NUM_STOMP:2], strict=True):
+        radius = math.sqrt(-2 * math.log(1 - u))
+        found += [radius * math.cos(2 * math.pi * v), radius * math.sin(2 * math.pi * v)]
+    return found
+
+
+@cache
+def covariance(count):
+    """Return the inverse of A^T A, where A takes second differences and all points outside are zero."""
+    rows = np.zeros((count + 2, count))
+    for i in range(count + 2):
+        for j, weight in ((i - 2, 1.0), (i - 1, -2.0), (i, 1.0)):
+            if 0 <= j < count:
+                rows[i, j] = weight
+    return np.linalg.inv(rows.T @ rows)
+
+
+@cache
+def principal(count):
+    """Return the widest principal components; the first point of each lies on the left of the line."""
+    variances, directions = np.linalg.eigh(covariance(count))
+    modes = []
+    for k in reversed(range(max(count - NUM_STOMP, 0), count)):
+        mode = directions[:, k] * math.sqrt(variances[k] / variances[-1])
+        modes.append((mode if mode[0] > 0 else -mode).tolist())
+    return modes
