@@ -1,7 +1,7 @@
 """Plain-Python oracle for sources of new members: uniform in a box, or smooth bends beside the line.
 
-A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`, which turns the
-offsets of evenly spaced points from the start-target line into a decision vector.
+A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`, which
+turns the offsets of evenly spaced points from the start-target line into a decision vector.
 """
 
 import math
@@ -47,18 +47,14 @@ def bend(problem, source, numbers):
 def form(bends, numbers, count):
     """Return the offsets of `count` evenly spaced points before they are scaled."""
     if bends == "harmonics":
+        places = [j / (count + 1) for j in range(1, count + 1)]
         terms = [
-            [
-                (2 * numbers[h - 1] - 1) * math.sin(h * math.pi * j / (count + 1)) / h
-                for j in range(1, count + 1)
-            ]
+            [(2 * numbers[h - 1] - 1) * math.sin(h * math.pi * t) / h for t in places]
             for h in range(1, NUM_HARMONICS + 1)
         ]
     else:
-        terms = [
-            [normal * y for y in mode]
-            for normal, mode in zip(normals(numbers), principal(count), strict=False)
-        ]
+        weighted = zip(normals(numbers), principal(count), strict=False)
+        terms = [[normal * y for y in mode] for normal, mode in weighted]
     return [math.fsum(column) for column in zip(*terms, strict=True)]
 
 

@@ -14,6 +14,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from helpers.builders import options_for
+from helpers.newcomers import PATH_OPTIMIZERS
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -35,8 +36,8 @@ def actions(seed):
     return np.stack([generator.integers(2, 31, 8), generator.random(8).round(1)], axis=1)
 
 
-def alone(seed, optimizer="firefly"):
-    env = SwarmEnv(optimizer, **OPTIONS)
+def alone(seed, optimizer="firefly", **options):
+    env = SwarmEnv(optimizer, **OPTIONS, **options)
     env.reset(seed=seed)
     return [env.step(action) for action in actions(seed)]
 
@@ -72,6 +73,12 @@ def test_in_any_vector_width_with_any_number_of_threads(singles, width, threads,
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
 def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
     assert_same_in_a_vector(lambda seed: alone(seed, optimizer), 5, optimizer=optimizer)
+
+
+@pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
+def test_in_a_vector_as_alone_with_members_from_every_source(optimizer):
+    options = {"source": "mixed", "smooth_share": 0.4, "bends": "stomp"}
+    assert_same_in_a_vector(lambda seed: alone(seed, optimizer, **options), 5, optimizer=optimizer, **options)
 
 
 duplications = pytest.mark.parametrize(
