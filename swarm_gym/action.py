@@ -248,9 +248,12 @@ class Action:
             wrong = chosen & ~valid.all(axis=1)
             if wrong.any():
                 row = int(np.argmax(wrong))
+                number = int(np.argmin(valid[row]))
+                low, high = float(space.low[number]), float(space.high[number])
                 raise ActionError(
-                    f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action "
-                    f"space [{space.low.tolist()}, {space.high.tolist()}] ({', '.join(self.labels)})"
+                    f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action space "
+                    f"({', '.join(self.labels)}): {self.labels[number]} must lie in [{low:g}, {high:g}], got "
+                    f"{float(values[row, number])}"
                 )
             values = np.where(chosen[:, None], values, space.low)
         return values
