@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.checks import require_number
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
@@ -138,8 +139,8 @@ def _check_sources(sources: Mapping[str, list[float]]) -> None:
         )
     for name, column in sources.items():
         low = SMALLEST_AMPLITUDE if name == "amplitude" else 0.0
-        if not all(low <= value <= 1.0 for value in column):
-            raise ValueError(f"open loop: {name} must lie in [{low:g}, 1], got {column}")
+        for value in column:
+            require_number(f"open loop: {name}", value, low, 1.0)
 
 
 def packaged_open_loops() -> list[str]:
@@ -154,7 +155,7 @@ def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:
     if list(knobs) != list(decided):
         raise ValueError(
             f"open loop: further decisions of {optimizer!r} are {', '.join(decided)}, in this order; got "
-            f"{', '.join(knobs)}"
+            f"{', '.join(knobs) or 'none'}"
         )
     for name, span in decided.items():
         low, high = span or (0.0, 0.0)
@@ -192,6 +193,9 @@ def _decisions_on_sources(content: Mapping[str, Any]) -> Mapping[str, list[float
     sources = content["sources"]
     if not isinstance(sources, dict) or not sources:
         raise ValueError(f"sources must have {', '.join(SOURCE_DECISIONS)}, got {shown(sources)}")
+    for name, column in sources.items():
+        if not isinstance(column, list):
+            raise ValueError(f"{name} must be a list with a number for each knot, got {shown(column)}")
     return sources
 
 

@@ -15,11 +15,15 @@ from swarm_gym.controllers.open_loop import (
     packaged_open_loops,
     save_open_loop,
 )
+from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.sources import Source
 
 KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]
 ONE = [0], [9.0], [0.5]
 KNOBS = {"noise": [0.2, 5.0, 1.0], "attractiveness": [0.1, 0.4, 0.2]}
+SOURCES = {"smooth_share": [1.0, 0.2, 0.6], "amplitude": [0.5, 0.01, 1.0], "immigrants": [0.0, 0.36, 1.0]}
+ONE_OF_EACH = {"noise": [1.0], "attractiveness": [0.1]}
 
 
 def between(knots, values, iteration):
@@ -47,6 +51,36 @@ def test_decisions_are_interpolated_in_logarithm_and_square_root():
         assert row.tolist() == pytest.approx(expected, rel=1e-12)
     assert (loop.action, loop.initial_population_size) == ("extended", 60)
     assert OpenLoop(60, KNOTS, SIZES, DEGREES).action == "natural"
+
+
+def test_decisions_on_new_members_are_interpolated_each_on_its_scale():
+    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=Source(1.0, 0.3))
+    for iteration, row in enumerate(decided(loop, range(12))):
+        expected = [
+            between(KNOTS, SOURCES["smooth_share"], iteration),
+            math.exp(between(KNOTS, [math.log(v) for v in SOURCES["amplitude"]], iteration)),
+            between(KNOTS, [math.sqrt(v) for v in SOURCES["immigrants"]], iteration) ** 2,
+        ]
+        assert row[4:].tolist() == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_array_equal(
+        decided(loop, range(12))[:, :4], decided(OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS), range(12))
+    )
+    assert loop.action == "sourced"
+    options = loop.env_options()
+    assert (options["source"], options["amplitude"]) == ("smooth", 0.3)
+
+
+def test_an_episode_of_a_sourced_open_loop_begins_with_its_first_source():
+    sources = {"smooth_share": [0.0, 0.5], "amplitude": [0.01, 1.0], "immigrants": [0.0, 1.0]}
+    knobs = {"noise": [1.0] * 2, "attractiveness": [0.1] * 2}
+    loop = OpenLoop(8, [0, 4], [8.0, 9.0], [0.0, 0.5], knobs, sources=sources, first_source=Source(0.5, 0.2))
+    env = SwarmEnv(iterations=6, **loop.env_options())
+    observation, _ = env.reset(seed=1)
+    assert env.simulation.swarms.source[0, :2].tolist() == [0.5, 0.2]
+    loop.reset(1)
+    for _ in range(6):
+        observation, *_ = env.step(loop.act(observation[None])[0])
+    np.testing.assert_array_equal(env.simulation.history[0, 1:, -3:], decided(loop, range(6))[:, -3:])
 
 
 def test_sizes_keep_the_limits():
@@ -100,12 +134,80 @@ def test_impossible_knots_are_refused(arguments, message):
         OpenLoop(60, *arguments)
 
 
+WHOLE = {"smooth_share": [1.0], "amplitude": [0.5], "immigrants": [0.1]}
+WRONG_SOURCES = [
+    ({"smooth_share": [1.0], "amplitude": [0.5]}, "in this order; got smooth_share, amplitude"),
+    ({name: WHOLE[name] for name in reversed(WHOLE)}, "in this order; got immigrants"),
+    ({**WHOLE, "more": [1.0]}, "in this order; got .*more"),
+    ({**WHOLE, "smooth_share": [1.1]}, r"smooth_share must lie in \[0, 1\], got 1.1"),
+    ({**WHOLE, "amplitude": [0.0]}, r"amplitude must lie in \[0.01, 1\], got 0.0"),
+    ({**WHOLE, "immigrants": [-0.5]}, r"immigrants must lie in \[0, 1\], got -0.5"),
+    ({**WHOLE, "immigrants": [math.nan]}, "immigrants must lie in .*nan"),
+    ({**WHOLE, "immigrants": [0.1, 0.2]}, "1 knots, but"),
+    ({**WHOLE, "immigrants": []}, "1 knots, but"),
+]
+
+
+@pytest.mark.parametrize(("sources", "message"), WRONG_SOURCES)
+def test_impossible_decisions_on_new_members_are_refused(sources, message):
+    with pytest.raises(ValueError, match=message):
+        OpenLoop(60, *ONE, ONE_OF_EACH, sources=sources)
+
+
+def test_decisions_on_new_members_need_those_of_the_optimizer():
+    with pytest.raises(ValueError, match=r"further decisions of 'firefly' are noise, attractiveness"):
+        OpenLoop(60, *ONE, sources=WHOLE)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        *({"sources": sources} for sources, _ in WRONG_SOURCES),
+        *({"sources": value} for value in (None, [], {}, 3, "all", [1.0], {"smooth_share": 1.0})),
+        *({"sources": {**WHOLE, "amplitude": value}} for value in (["a"], [None], 0.5, "a", [[0.5]])),
+        {"knobs": {}},
+        *({"first_source": value} for value in (None, [], {}, 0, "smooth", [1.0, 0.5])),
+        {"first_source": {"smooth_share": 1.0}},
+        {"first_source": {"smooth_share": 1.0, "amplitude": 0.5, "more": 1}},
+        *(
+            {"first_source": {"smooth_share": share, "amplitude": amplitude}}
+            for share, amplitude in ((1.5, 0.5), (0.5, 0.0), (math.nan, 0.5), ("a", 0.5), (0.5, None), (True, 1))
+        ),
+    ],
+)  # fmt: skip
+def test_a_file_with_wrong_sources_is_refused_by_name(tmp_path, changes):
+    path = tmp_path / "some.json"
+    save_open_loop(path, 60, *ONE, ONE_OF_EACH, {}, WHOLE, Source(1.0, 0.5))
+    load_open_loop(str(path))
+    path.write_text(json.dumps({**json.loads(path.read_text()), **changes}))
+    with pytest.raises(OpenLoopFileError, match=r"some\.json"):
+        load_open_loop(str(path))
+
+
 def test_what_is_saved_is_read_back(tmp_path):
     path = tmp_path / "some.json"
     save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {"seed": 3})
     ours, theirs = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS), load_open_loop(str(path))
     np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
     assert json.loads(path.read_text())["manifest"] == {"seed": 3}
+
+
+def test_sources_that_are_saved_are_read_back(tmp_path):
+    path, first_source = tmp_path / "some.json", Source(0.25, 0.125)
+    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {}, SOURCES, first_source)
+    ours = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=first_source)
+    theirs = load_open_loop(str(path))
+    np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
+    assert theirs.first_source == first_source
+    assert theirs.env_options() == ours.env_options()
+
+
+def test_a_file_without_sources_has_none(tmp_path):
+    path = tmp_path / "some.json"
+    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {})
+    assert not {"sources", "first_source"} & set(json.loads(path.read_text()))
+    loop = load_open_loop(str(path))
+    assert (loop.first_source, "source" in loop.env_options()) == (None, False)
 
 
 @pytest.mark.parametrize(
