@@ -168,7 +168,7 @@ class KnotSpace:
         if unknown := [name for name in controller.names if name not in known]:
             raise SettingError(
                 f"start {self.config.start!r} decides {', '.join(unknown)}, but the parameters of optimizer "
-                f"{self._optimizer.name!r} are {', '.join(parameters)}; choose an open loop for this optimizer"
+                f"{self._optimizer.name!r} are {', '.join(parameters)}; choose an open loop for it"
             )
         rows = np.minimum(np.arange(Settings.iterations), len(controller.decisions) - 1)
         return dict(zip(controller.names, controller.decisions[rows].T, strict=True))

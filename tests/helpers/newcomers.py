@@ -38,3 +38,9 @@ def naively_drawn(problem, source, count, seed=0):
     box = oracle.initial_lower, oracle.initial_upper
     positions = [naive_sources.newcomer(oracle, source, stream, *box) for _ in range(count)]
     return np.array(positions), stream.words()
+
+
+def action_of(optimizer, size, repair_degree, *sources):
+    """Return an action in natural units that keeps the optimizer's parameters."""
+    parameters = get_optimizer(optimizer).decided_parameters().values()
+    return np.array([size, repair_degree, *(parameter.default for parameter in parameters), *sources])

@@ -1,6 +1,6 @@
 """Plain-Python oracle for sources of new members: uniform in a box, or smooth bends beside the line.
 
-A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`, which
+A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`. That
 turns the offsets of evenly spaced points from the start-target line into a decision vector.
 """
 

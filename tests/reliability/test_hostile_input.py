@@ -320,9 +320,16 @@ def test_whatever_a_file_says_it_is_a_controller_or_refused(tmp_path, kind):
         path.write_bytes(content)
         decides_or_is_refused(f"{kind}:{path}", KINDS[kind])
 
-    @given(changes=st.dictionaries(st.sampled_from(sorted(whole)), json_values, min_size=1, max_size=3))
+    more = ["first_source", "sources"] if kind == "open-loop" else []
+    keys = st.sampled_from(sorted([*whole, *more]))
+
+    @given(changes=st.dictionaries(keys, json_values, min_size=1, max_size=3))
     @example(changes={"knots": [0, 10**18]} if kind == "open-loop" else {})
     @example(changes={"knots": [0, 10**30]} if kind == "open-loop" else {})
+    @example(
+        changes={"first_source": {"smooth_share": 10**400, "amplitude": 1}} if kind == "open-loop" else {}
+    )
+    @example(changes={"sources": {"smooth_share": [0.5]}} if kind == "open-loop" else {})
     @example(changes={"initial_population_size": 40.5})
     @example(changes={"initial_population_size": float("nan")})
     @fuzzed
@@ -464,9 +471,10 @@ def test_what_cannot_be_shown_is_refused(kind, env, make):
 
 
 KEYS = st.sampled_from(
-    ["scenario", "initial_population_size", "initial_population", "reset_mask", "more", 3, None]
-)
-options = st.dictionaries(KEYS, anything | st.sampled_from(["case1", "case2", 4, 5, 7]), max_size=3)
+    ["scenario", "initial_population_size", "initial_population", "smooth_share", "amplitude", "reset_mask",
+     "more", 3, None]
+)  # fmt: skip
+options = st.dictionaries(KEYS, anything | st.sampled_from(["case1", "case2", 4, 5, 7, 1, 0.5]), max_size=3)
 
 
 @pytest.mark.fuzzed
@@ -484,6 +492,8 @@ def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(kin
     @example(seed=-HUGE, given=None)
     @example(seed=np.zeros(()), given=None)
     @example(seed=5, given={"scenario": "case9"})
+    @example(seed=5, given={"smooth_share": HUGE, "amplitude": 0.5})
+    @example(seed=5, given={"smooth_share": np.longdouble("1e-4000"), "amplitude": Stubborn()})
     @example(seed=[3, -1], given=None)
     @fuzzed
     def check(seed, given):

@@ -1,4 +1,4 @@
-"""Environments whose new members come from other sources: options, actions, resets, equal bits, refusals."""
+"""Environments whose new members come from other sources: options, actions, resets, equal bits."""
 
 import copy
 import pickle
@@ -8,12 +8,10 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from helpers.builders import is_walker
-from helpers.newcomers import PATH_OPTIMIZERS
-from helpers.refusals import refused
+from helpers.newcomers import PATH_OPTIMIZERS, action_of
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import ActionError, SettingError, UnknownNameError
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import HISTORY
@@ -26,12 +24,6 @@ all_optimizers = pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
 
 def small(optimizer="firefly", **options):
     return SwarmEnv(optimizer, **{**SMALL, **options})
-
-
-def action_of(optimizer, size, repair_degree, *sources):
-    """Return an action in natural units that keeps the optimizer's parameters."""
-    parameters = get_optimizer(optimizer).decided_parameters().values()
-    return np.array([size, repair_degree, *(parameter.default for parameter in parameters), *sources])
 
 
 def members(env):
@@ -213,6 +205,33 @@ def test_newcomers_of_a_smooth_action_are_smooth():
     assert roughness(members(env)[8:]).max() < 0.5 * roughness(first).min()
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"scenario": "dynamic:case3-drive@1,every=1,distance=80", "num_waypoints": 9},
+        {"scenario": "dynamic:rooms:0-drive@1,every=1,distance=8", "encoding": "bezier"},
+    ],
+    ids=["analytic", "curve"],
+)
+def test_bends_lie_beside_the_line_from_the_robot_to_the_target(options):
+    own = {name: value for name, value in SMALL.items() if name != "num_waypoints"}
+    env = SwarmEnv(**{**own, "iterations": 12, **options}, action="sourced")
+    env.reset(seed=3, options={"smooth_share": 1.0})
+    moved = False
+    for _ in range(11):
+        env.step(action_of("firefly", 9, 1.0, 1.0, 0.3, 0.5))
+        worlds, number = env.simulation.worlds, env.simulation.swarms.problem[0]
+        problem, begun = worlds.problems[number], worlds.problems[0]
+        for name in ("width", "middle", "across", "modes"):
+            np.testing.assert_array_equal(getattr(worlds.tables, name)[number], getattr(problem.table, name))
+        low, high = problem.bounds
+        positions = members(env)[:, : problem.dimension]
+        assert (low <= positions).all()
+        assert (positions <= high).all()
+        moved |= problem.scenario.start != begun.scenario.start
+    assert moved
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_scaled_actions_ask_for_the_same_as_natural_ones(layout):
     """Each end of a range, and the default where an extended or natural decision lacks a number."""
@@ -231,97 +250,3 @@ def test_scaled_actions_ask_for_the_same_as_natural_ones(layout):
         decided = action_of("firefly", 9, 0.5)[None, :kept]
         read = action.decode(action.encode(decided, env.simulation), chosen, env.simulation)
         np.testing.assert_allclose(read.sources[0], [0.25, 0.3, 0.0], rtol=1e-5, atol=1e-7)
-
-
-# Refusals.
-
-WALKING = "points of a walk"
-
-
-@pytest.mark.parametrize(
-    ("optimizer", "options", "words"),
-    [
-        ("firefly", {"source": "bends"}, ("source", "'bends'", "uniform", "smooth", "mixed")),
-        ("firefly", {"source": 3}, ("source", "3", "uniform")),
-        ("firefly", {"source": "smooth", "bends": "sines"}, ("bends", "'sines'", "harmonics", "stomp")),
-        ("firefly", {"source": "smooth", "bends": None}, ("bends", "None", "harmonics")),
-        *(
-            ("firefly", {"source": "mixed", "smooth_share": value}, ("smooth_share", shown))
-            for value, shown in ((-0.1, "[0, 1], got -0.1"), (1.5, "[0, 1], got 1.5"),
-                                 (float("nan"), "got nan"), ("half", "number, got 'half'"))
-        ),
-        *(
-            ("firefly", {"source": "smooth", "amplitude": value}, ("amplitude", shown))
-            for value, shown in ((0, "[0.01, 1], got 0"), (-0.5, "got -0.5"), (1.5, "got 1.5"),
-                                 ("wide", "number, got 'wide'"), (float("nan"), "got nan"))
-        ),
-        ("firefly", {"smooth_share": 0.5}, ("'smooth_share'", "'uniform'", "'mixed'")),
-        ("firefly", {"source": "smooth", "smooth_share": 0.5}, ("'smooth_share'", "'smooth'", "'mixed'")),
-        ("firefly", {"amplitude": 0.5}, ("'amplitude'", "'uniform'", "'smooth' or 'mixed'")),
-        ("firefly", {"source": "uniform", "bends": "stomp"}, ("'bends'", "'uniform'", "'smooth' or 'mixed'")),
-        ("firefly", {"source": "smooth", "encoding": "bezier"}, ("encoding", "'bezier'", "grid maps")),
-        *(
-            (optimizer, {given: value}, (repr(value), WALKING, "'uniform'"))
-            for optimizer in ("ant-colony", "glowworm")
-            for given, value in (("source", "smooth"), ("source", "mixed"), ("action", "sourced"))
-        ),
-        ("glowworm", {"source": "smooth", "encoding": "walk"}, (WALKING,)),
-        *(
-            ("firefly", {"scenario": "function:rastrigin-3", given: value}, (repr(value), "test functions"))
-            for given, value in (("source", "smooth"), ("source", "mixed"), ("action", "sourced-normalised"))
-        ),
-    ],
-)  # fmt: skip
-def test_options_that_cannot_be_are_refused_by_value_with_what_is_valid(optimizer, options, words):
-    refused(lambda: SwarmEnv(optimizer, **options), *words, error=(SettingError, UnknownNameError))
-
-
-@pytest.mark.parametrize(
-    ("sources", "words"),
-    [
-        ((1.5, 0.5, 0.0), ("smooth share must lie in [0, 1], got 1.5",)),
-        ((0.5, 0.0, 0.0), ("amplitude must lie in [0.01, 1], got 0",)),
-        ((0.5, 1.2, 0.0), ("amplitude must lie in [0.01, 1], got 1.2",)),
-        ((0.5, 0.5, -0.1), ("immigrants must lie in [0, 1], got -0.1",)),
-        ((0.5, 0.5, float("nan")), ("immigrants must lie in [0, 1], got nan",)),
-        ((0.5, 0.5), ("shape", "7")),
-    ],
-)
-def test_actions_that_cannot_be_are_refused_and_change_nothing(sources, words):
-    env = small(action="sourced")
-    env.reset(seed=1)
-    before = [np.copy(field) for field in env.simulation.swarms]
-    refused(lambda: env.step(action_of("firefly", 9, 0.5, *sources)), *words, error=ActionError)
-    for one, other in zip(before, env.simulation.swarms, strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
-GIVEN = {"initial_population": np.zeros((3, 9))}
-
-
-@pytest.mark.parametrize(
-    ("optimizer", "options", "words"),
-    [
-        ("firefly", {"smooth_share": 1.5}, ("smooth_share", "[0, 1]", "1.5")),
-        ("firefly", {"smooth_share": float("nan")}, ("smooth_share", "nan")),
-        ("firefly", {"smooth_share": "all"}, ("smooth_share", "number", "'all'")),
-        ("firefly", {"smooth_share": np.array([0.5])}, ("smooth_share", "number")),
-        ("firefly", {"smooth_share": 1.0, "amplitude": 0.0}, ("amplitude", "[0.01, 1]", "0")),
-        ("firefly", {"smooth_share": 1.0, "amplitude": None}, ("amplitude", "number", "None")),
-        ("firefly", {"amplitude": 0.5}, ("amplitude", "no effect", "smooth_share")),
-        ("firefly", {**GIVEN, "smooth_share": 1.0}, ("initial_population or smooth_share", "both")),
-        ("firefly", {**GIVEN, "smooth_share": 1.0, "amplitude": 0.5}, ("initial_population or", "both")),
-        ("ant-colony", {"smooth_share": 1.0}, ("smooth_share", WALKING, "'uniform'")),
-        ("glowworm", {"amplitude": 0.5}, ("amplitude", WALKING, "'uniform'")),
-    ],
-)
-def test_reset_options_that_cannot_be_are_refused_and_change_nothing(optimizer, options, words):
-    own = {
-        name: value for name, value in SMALL.items() if not is_walker(optimizer) or name != "num_waypoints"
-    }
-    env = SwarmEnv(optimizer, **own)
-    env.reset(seed=1)
-    before = [np.copy(field) for field in env.simulation.swarms]
-    refused(lambda: env.reset(seed=2, options=options), *words, error=SettingError)
-    for one, other in zip(before, env.simulation.swarms, strict=True):
-        np.testing.assert_array_equal(one, other)

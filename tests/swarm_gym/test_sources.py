@@ -70,7 +70,7 @@ def test_the_share_of_smooth_members_is_the_one_asked_for(share):
 
 
 def test_uniform_members_of_a_mixed_source_fill_the_box():
-    """They are drawn anew, since the number that decided against a bend is known to be large."""
+    """Draw uniform members anew, since the number that decided against a bend is known to be large."""
     problem = make_problem("case1", 9)
     positions, smooth, _ = drawn(problem, Source(0.9), 4000)
     low, high = problem.initial_bounds

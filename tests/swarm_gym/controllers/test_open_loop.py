@@ -171,7 +171,7 @@ def test_decisions_on_new_members_need_those_of_the_optimizer():
         {"first_source": {"smooth_share": 1.0, "amplitude": 0.5, "more": 1}},
         *(
             {"first_source": {"smooth_share": share, "amplitude": amplitude}}
-            for share, amplitude in ((1.5, 0.5), (0.5, 0.0), (math.nan, 0.5), ("a", 0.5), (0.5, None), (True, 1))
+            for share, amplitude in ((1.5, 1), (0.5, 0), (math.nan, 1), ("a", 1), (0.5, None), (True, 1))
         ),
     ],
 )  # fmt: skip
