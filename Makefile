@@ -10,8 +10,8 @@ EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
 STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
-KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_golden.py \
-    test_corridors.py scenarios/test_functions.py)
+KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_sources.py \
+    test_corridors.py test_golden.py scenarios/test_functions.py)
 BOUNDS_TESTS = $(KERNEL_TESTS) tests/reliability/test_determinism.py \
     $(addprefix tests/swarm_gym/,test_vector_env.py controllers/test_schedules.py)
 # A command that is left out with OFFLINE=1.
