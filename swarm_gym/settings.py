@@ -188,13 +188,13 @@ class Settings:
     @property
     def decides_sources(self) -> bool:
         """True if actions decide the source of new members."""
-        return self.action.startswith("sourced")
+        return isinstance(self.action, str) and self.action.startswith("sourced")
 
     def require_sources(self, asked: str) -> None:
         """Raise an error if new members can only be uniform here.
 
         Args:
-            asked: option or value that needs other sources, for the message.
+            asked: option or action that needs other sources, for the message.
 
         Raises:
             SettingError: if decision vectors are not whole paths.
