@@ -36,7 +36,7 @@ def naively_drawn(problem, source, count, seed=0):
     """Return new members and the words of the stream as the oracle has them."""
     stream, oracle = naive.Stream(seed_stream(np.random.SeedSequence(seed))), naive_swarm.oracle_of(problem)
     box = oracle.initial_lower, oracle.initial_upper
-    positions = [naive_sources.newcomer(oracle, source, stream, *box) for _ in range(count)]
+    positions = [naive_sources.newcomer(oracle, source, stream, *box)[0] for _ in range(count)]
     return np.array(positions), stream.words()
 
 

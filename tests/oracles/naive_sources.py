@@ -26,13 +26,13 @@ class Source:
 
 
 def newcomer(problem, source, stream, lower, upper):
-    """Return the position of a new member."""
+    """Return the position of a new member, and whether it is a smooth bend."""
     numbers = stream.padded_uniform(problem.dimension)
     if source.smooth_share > 0:
         if numbers[0] < source.smooth_share:
-            return bend(problem, source, numbers)
+            return bend(problem, source, numbers), True
         numbers = stream.padded_uniform(problem.dimension)
-    return [a + (b - a) * u for a, b, u in zip(lower, upper, numbers, strict=False)]
+    return [a + (b - a) * u for a, b, u in zip(lower, upper, numbers, strict=False)], False
 
 
 def bend(problem, source, numbers):

@@ -67,6 +67,7 @@ class Swarm:
         self.members = []
         self.evaluations, self.iteration = 0, 0
         self.best = (math.inf, math.inf, None)
+        self.best_smooth, self.became_best = math.inf, 0  # among the new members of an iteration
 
     def is_spent(self):
         return self.evaluations >= self.budget
@@ -100,8 +101,12 @@ class Swarm:
         """Draw up to `count` new members from the source; uniform ones lie in a box."""
         drawn = []
         while len(drawn) < count and not self.is_spent():
-            new = naive_sources.newcomer(self.problem, self.source, self.stream, lower, upper)
+            new, smooth = naive_sources.newcomer(self.problem, self.source, self.stream, lower, upper)
+            best = self.best[0]
             drawn.append(self.member(new))
+            if smooth:
+                self.best_smooth = min(self.best_smooth, drawn[-1].fitness)
+            self.became_best += drawn[-1].fitness < best
         return drawn
 
     def begin(self, size):
@@ -146,6 +151,7 @@ class Swarm:
         return self.members
 
     def step(self, size, repair_degree, parameters):
+        self.best_smooth, self.became_best = math.inf, 0
         if self.source.immigrants > 0:
             staying = min(len(self.stored()), size)
             self.resize(max(staying - math.floor(self.source.immigrants * staying + 0.5), 1))

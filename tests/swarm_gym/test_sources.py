@@ -26,7 +26,7 @@ from swarm_gym.sources import IMMIGRANTS, SOURCE_DECISIONS, kind_of_bends
 from swarm_gym.sources import Source as OwnSource
 
 all_optimizers = pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
-# Optimizers that shrink and grow member by member, and those whose smallest population is one member.
+# Optimizers that shrink and grow member by member.
 BY_MEMBER = [name for name in PATH_OPTIMIZERS if name != "multivariate"]
 PROBLEMS = {
     "waypoints": lambda: make_problem("case1", 9),
@@ -43,7 +43,8 @@ SOURCES = {
     "mixed": Source(0.4, 0.7, "stomp", 0.5),
     "all": Source(0.6, 0.2, "harmonics", 1.0),
 }
-# (size, repair degree): growing, shrinking, the same size, and one member or two.
+WINDOW = 4  # iterations of which new members are recorded
+# (size, repair degree): growing, shrinking, the same size, and two members.
 PLAN = [(7, 0.0), (12, 0.5), (12, 0.0), (5, 1.0), (2, 0.0), (9, 0.0)]
 
 
@@ -83,9 +84,10 @@ def test_uniform_members_of_a_mixed_source_fill_the_box():
 
 
 def run(optimizer, problem, source, plan=PLAN, **options):
-    """Advance a swarm and its oracle along a plan, and compare them after every step."""
+    """Advance a swarm and its oracle along a plan; compare them and their new members after every step."""
     options = {"size": 7, "iterations": len(plan), "source": source, **options}
     swarms, tables = begin(optimizer, [problem], **options)
+    swarms = swarms._replace(arrivals=np.full((1, 2, WINDOW), 7.0))
     twin = oracle_twin(optimizer, problem, **options)
     assert_same_as_oracle(swarms, twin)
     for size, repair_degree in plan:
@@ -95,6 +97,9 @@ def run(optimizer, problem, source, plan=PLAN, **options):
         values = advance(optimizer, swarms, tables, size, repair_degree, parameters)
         twin.step(size, repair_degree, values)
         assert_same_as_oracle(swarms, twin)
+        recorded = swarms.arrivals[0, :, (swarms.iteration[0] - 1) % WINDOW]
+        assert recorded[BECAME_BEST] == twin.became_best
+        assert recorded[BEST_SMOOTH] == pytest.approx(twin.best_smooth, rel=1e-9)
     return swarms
 
 
