@@ -49,7 +49,7 @@ def form(bends, numbers, count):
     if bends == "harmonics":
         places = [j / (count + 1) for j in range(1, count + 1)]
         terms = [
-            [(2 * numbers[h - 1] - 1) * math.sin(h * math.pi * t) / h for t in places]
+            [(2 * numbers[h - 1] - 1) * math.sin(h * math.pi * t) / h**1.5 for t in places]
             for h in range(1, NUM_HARMONICS + 1)
         ]
     else:

@@ -2,7 +2,7 @@
 
 A bend has no zigzag, unlike a path whose components are drawn one by one. There are two kinds of modes:
 
-* `harmonics`: sin(h pi t) / h for h = 1, 2, 3, with coefficients uniform in [-1, 1].
+* `harmonics`: sin(h pi t) / h^1.5 for h = 1, 2, 3, with coefficients uniform in [-1, 1].
 * `stomp`: the six widest principal components of the noise of STOMP, whose covariance is the inverse of
   A^T A for the matrix A of second differences (M. Kalakrishnan et al., "STOMP: stochastic trajectory
   optimization for motion planning", ICRA 2011, section III-A), with normal coefficients.
@@ -28,6 +28,7 @@ HARMONICS, STOMP = range(2)
 BENDS = {"harmonics": HARMONICS, "stomp": STOMP}
 
 NUM_HARMONICS = 3
+DECAY = 1.5  # exponent of the decay of harmonics; see docs/readings.md
 NUM_MODES = 6  # with two more random numbers they fit into the smallest number of columns, 8
 LARGEST_OFFSET, FIRST_COEFFICIENT = 1, 2  # places in an array of random numbers; place 0 is the caller's
 
@@ -42,7 +43,7 @@ def modes(count: int) -> Floats:
     out = np.zeros((len(BENDS), NUM_MODES, count))
     t = np.arange(1.0, count + 1) / (count + 1)
     for h in range(1, NUM_HARMONICS + 1):
-        out[HARMONICS, h - 1] = np.sin(h * np.pi * t) / h
+        out[HARMONICS, h - 1] = np.sin(h * np.pi * t) / h**DECAY
     # Row i of A is x[i - 2] - 2 x[i - 1] + x[i], where points outside are the ends, whose offset is 0.
     differences = np.zeros((count + 2, count))
     for row, weight in enumerate((1.0, -2.0, 1.0)):
