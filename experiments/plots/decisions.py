@@ -19,6 +19,9 @@ DECISIONS = {
     "repair_degree": "repair degree φ",
     "noise": "noise α",
     "attractiveness": "attractiveness β₀",
+    "smooth_share": "smooth share of new members",
+    "amplitude": "amplitude of new members",
+    "immigrants": "share of immigrants",
 }
 ALWAYS = ("population_size", "repair_degree")  # always drawn; others only if the controller varies them
 CHANCE = "random"
@@ -44,8 +47,8 @@ def deciding_groups(suite: Suite, results: Results) -> list[str]:
 def draw_decisions(suite: Suite, results: Results, group: str, among: Mapping[str, Style]) -> Figure:
     """Draw decisions of a group and of the baseline by iteration, over all runs of all training seeds.
 
-    Each decision has a row, each set of scenarios a column. A parameter of the optimizer has a row only if
-    the group varies it.
+    Each decision has a row, each set of scenarios a column. A parameter of the optimizer or a decision on new
+    members has a row only if the group varies it.
     """
     sets = scenario_sets(suite.scenarios)
     shown = [key for key in (suite.baseline, group) if key in among]

@@ -1,11 +1,15 @@
 """Display names of controllers in tables and figures."""
 
+from swarm_gym.controllers.fixed import SOURCE_RANGES
 from swarm_gym.controllers.names import ALL_SEEDS, ControllerName
+from swarm_gym.controllers.parameters import parse_parameters
+from swarm_gym.sources import SMOOTH, UNIFORM, Source
 
 # From the MOA paper, the IAFSA paper and the paper of Brand and Yu; R stands for reconstruction.
 OPTIMIZER_LABELS = {
     "ant-colony": "ants",
     "elite-genetic": "EGA",
+    "firefly": "FA",
     "fish-swarm": "AFSA",
     "generational-firefly": "FA (generational)",
     "glowworm": "glowworms",
@@ -22,30 +26,50 @@ FITTED = {
     "open-loop": "open loop",
     "tuned": "tuned schedule",
 }
+# Names of groups of training or tuning seeds, where they differ: what is tuned need not be a schedule.
+GROUPS = {"tuned": "tuned"}
 
 
 def label(controller: str) -> str:
     """Return the display name: `fixed:60` is FA-60 and `spsfa` is SPSFA, as in the SPSFA paper.
 
     A group of training seeds, `learned:three-cases/*`, is "learned three-cases", without the parentheses of a
-    single policy. Its price, if any, follows after an @.
+    single policy; a group of tunings, `open-loop:a/*@1`, is "open loop a@1". A price follows after an @. The
+    source of a first population follows in words: `fixed:60,smooth_share=1` is "FA-60 (smooth)".
     """
     name = ControllerName.parse(controller)
     if name.optimizer in OPTIMIZER_LABELS:
         length = "" if name.iterations is None else f", {name.iterations} iterations"
-        members = name.parameters if name.family == "fixed" else name.controller
-        return f"{OPTIMIZER_LABELS[name.optimizer]}, {members} members{length}"
+        members, parts = _members(name) if name.family == "fixed" else (str(name.controller), ())
+        source = "".join(f", {part}" for part in parts)
+        return f"{OPTIMIZER_LABELS[name.optimizer]}, {members} members{source}{length}"
     return controller if name.optimizer is not None else _controller_label(name)
 
 
 def _controller_label(name: ControllerName) -> str:
-    if name.seed == ALL_SEEDS:
-        return f"learned {name.recipe}{name.price_suffix}"
+    if name.seed == ALL_SEEDS and name.family in FITTED:
+        return f"{GROUPS.get(name.family, FITTED[name.family])} {name.recipe}{name.price_suffix}"
     if name.family == "fixed":
-        return f"FA-{name.argument}"
+        members, parts = _members(name)
+        return f"FA-{members} ({', '.join(parts)})" if parts else f"FA-{members}"
     if name.family in FITTED and name.argument:
         return f"{FITTED[name.family]} ({name.argument})"
     if name.family in ("spsfa", "spsfa-tip"):
         family, parameters = name.family.upper(), name.argument.replace(",", ", ")
         return f"{family} ({parameters})" if parameters else family
     return str(name)
+
+
+def _members(name: ControllerName) -> tuple[str, tuple[str, ...]]:
+    """Return the constant size of a population and its source in words; no words if the name states none."""
+    size, _, rest = name.argument.partition(",")
+    if not rest:
+        return size, ()
+    stated = parse_parameters(rest, SOURCE_RANGES)
+    source = Source(**stated)
+    if source.name == UNIFORM:
+        return size, (UNIFORM,)
+    parts = [SMOOTH if source.name == SMOOTH else f"{100 * source.smooth_share:g} % {SMOOTH}"]
+    if "amplitude" in stated:
+        parts.append(f"amplitude {source.amplitude:g}")
+    return size, tuple(parts)

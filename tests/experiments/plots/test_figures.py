@@ -365,6 +365,14 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("learned:three-cases/*@0.3", "learned three-cases@0.3"),
         ("improved-fish-swarm(200)+fixed:100", "IAFSA, 100 members, 200 iterations"),
         ("hybrid-fish-swarm+fixed:100", "HAAFSA-R, 100 members"),
+        ("open-loop:three-cases-sourced/*@1", "open loop three-cases-sourced@1"),
+        ("tuned:three-cases-restart/*", "tuned three-cases-restart"),
+        ("fixed:60,smooth_share=1", "FA-60 (smooth)"),
+        ("fixed:60,smooth_share=0", "FA-60 (uniform)"),
+        ("fixed:20,smooth_share=0.4,amplitude=0.3", "FA-20 (40 % smooth, amplitude 0.3)"),
+        ("particle-swarm+fixed:60,smooth_share=1", "PSO-w, 60 members, smooth"),
+        ("fish-swarm+fixed:60,smooth_share=1,amplitude=0.5", "AFSA, 60 members, smooth, amplitude 0.5"),
+        ("firefly(50)+fixed:60", "FA, 60 members, 50 iterations"),
     ],
 )
 def test_controllers_are_called_as_in_their_papers_and_groups_by_their_recipe(controller, expected):
