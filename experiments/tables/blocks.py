@@ -1,0 +1,70 @@
+"""Makers of the marked blocks of documents that show tables and figures of several suites."""
+
+import re
+from dataclasses import replace
+
+from experiments.tables.document import MADE_WITH, ResultsFolder
+from experiments.tables.reshape import join, select, shorten_heads, split, spread
+from experiments.tables.table import Table
+
+GAP_COLUMNS = (
+    "scenarios", "controller", "mean gap", "inter-quartile mean", "median", "max", "std",
+    "feasible", "mean evaluations", "mean seconds",
+)  # fmt: skip
+
+
+def decisions_name(group: str) -> str:
+    """Return the name of the figure of a group's decisions, by the key of the group."""
+    return f"decisions-{re.sub(r'[^a-z0-9]+', '-', group.lower().replace('/*', '-seeds')).strip('-')}"
+
+
+def made_with(suite: str, results: ResultsFolder) -> str:
+    """Return the line with seeds, versions and commit of a suite's runs."""
+    return results.text(f"{suite}/{MADE_WITH}")
+
+
+def figure(folder: str, suite: str, name: str, text: str, results: ResultsFolder) -> str:
+    """Return a figure of a suite as Markdown.
+
+    Args:
+        folder: folder of the document's figures, seen from the document.
+        suite: name of the suite.
+        name: name of the figure.
+        text: text that stands for the figure where it cannot be shown.
+        results: results of several suites.
+    """
+    file = f"{name}.svg" if name == suite else f"{suite}-{name}.svg"
+    results.show(f"{suite}/figure-{name}.svg", file)
+    return f"![{text}]({folder}/{file})"
+
+
+def whole(suite: str, name: str, results: ResultsFolder, columns: tuple[str, ...] = ()) -> str:
+    """Return a table with its caption, or some of its columns."""
+    table = results.table(f"{suite}/{name}")
+    return shorten_heads(select(table, columns or table.columns)).markdown()
+
+
+def by_set(table: Table) -> str:
+    """Return a table for each set of scenarios, headed by the set."""
+    return "\n".join(
+        replace(part, caption=scenario_set).markdown() for scenario_set, part in split(table).items()
+    )
+
+
+def whole_by_set(suite: str, name: str, results: ResultsFolder, columns: tuple[str, ...] = ()) -> str:
+    """Return a table, or some of its columns, as one table for each set of scenarios."""
+    table = results.table(f"{suite}/{name}")
+    return by_set(select(table, columns or table.columns))
+
+
+def gaps(suite: str, results: ResultsFolder, columns: tuple[str, ...] = GAP_COLUMNS) -> str:
+    """Return quality, cost, and which controllers are on the front of both."""
+    found = select(results.table(f"{suite}/gaps"), columns)
+    front = results.table(f"{suite}/front")
+    return by_set(join(found, front, ("scenarios", "controller"), "on the front"))
+
+
+def value_by_set(suite: str, name: str, keys: tuple[str, ...], value: str, results: ResultsFolder) -> str:
+    """Return one value of a table, with a column for each set of scenarios."""
+    caption = value if value == "p" else value.capitalize()
+    return replace(spread(results.table(f"{suite}/{name}"), keys, value), caption=caption).markdown()
