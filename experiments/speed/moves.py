@@ -1,7 +1,8 @@
-"""Time of a firefly move with evaluation, of its parts, of whole runs, and of the same move in NumPy."""
+"""Time of a firefly move with evaluation, of its parts, of whole runs, in NumPy, and of new members."""
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -17,8 +18,18 @@ from swarm_gym.population import Workspace, make_workspace
 from swarm_gym.problem.analytic.cost import evaluate
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.problem.padding import columns
+from swarm_gym.sources import (
+    AMPLITUDE,
+    NUM_SOURCE_NUMBERS,
+    SMOOTH_SHARE,
+    Source,
+    draw_newcomer,
+)
 
 SIZE = 60
+UNIFORM, SMOOTH = "new member, uniform", "new member, smooth"
+# New members with their evaluation, by the name of the quantity.
+NEW_MEMBERS = {UNIFORM: Source(), SMOOTH: Source(1.0)}
 REPAIR_DEGREE = 0.2
 CALLS = 20_000
 
@@ -32,6 +43,8 @@ def quantities() -> Iterator[Quantity]:
         yield Quantity(f"{case}: FA-60 run of 100 iterations", "ms", run_milliseconds(case))
         for name, part in PARTS.items():
             yield Quantity(f"{case}: {name}", "ns", part_nanoseconds(case, part))
+        for name, source in NEW_MEMBERS.items():
+            yield Quantity(f"{case}: {name}", "ns", new_member_nanoseconds(case, source))
 
 
 def summary(measurements: list[Measurement]) -> list[Measurement]:
@@ -43,7 +56,14 @@ def summary(measurements: list[Measurement]) -> list[Measurement]:
         derived(f"{case}: NumPy / swarm_gym", "times", b / a)
         for case, a, b in zip(CASES, ours, theirs, strict=True)
     ]
-    return [*ratios, derived("move with evaluation, mean of the cases", "us", float(np.mean(ours)))]
+    mean = derived("move with evaluation, mean of the cases", "us", float(np.mean(ours)))
+    births = [
+        derived(
+            f"{case}: {SMOOTH} / uniform", "times", found[f"{case}: {SMOOTH}"] / found[f"{case}: {UNIFORM}"]
+        )
+        for case in CASES
+    ]
+    return [*ratios, mean, *births]
 
 
 def per_move(case: str, repair_degree: float, iterations: int = 100) -> Callable[[], float]:
@@ -155,5 +175,28 @@ def part_nanoseconds(
         work.path[1 : n + 1] = np.cumsum(rng.normal(0.0, 3.0, n))
         work.noise[:] = rng.random(len(work.noise))
         return seconds_of(lambda: part(problem.table, work, CALLS)) / CALLS * 1e9
+
+    return once
+
+
+@entry
+def _new_members(table: WaypointTable, work: Workspace, source: np.ndarray, calls: int) -> float:
+    stream, total = np.ones(STREAM_SHAPE, dtype=np.uint64), 0.0
+    for _ in range(calls):
+        draw_newcomer(source, stream, table, work.noise, work.path, table.initial_lower, table.initial_upper)
+        total += evaluate(table, work.path)[0]
+    return total
+
+
+def new_member_nanoseconds(case: str, source: Source) -> Callable[[], float]:
+    """Return a function that measures the birth of a member in a first population, with its evaluation."""
+    problem = analytic_problem(case)
+    work = make_workspace(columns(problem.dimension))
+    numbers = np.zeros(NUM_SOURCE_NUMBERS)
+    numbers[[SMOOTH_SHARE, AMPLITUDE]] = source.smooth_share, source.amplitude
+    births = partial(_new_members, problem.table, work, numbers, CALLS)
+
+    def once() -> float:
+        return seconds_of(births) / CALLS * 1e9
 
     return once

@@ -182,6 +182,7 @@ def test_a_figure_is_the_median_after_a_run_that_is_thrown_away_and_what_takes_l
             lambda: start.first_step(start.FIRST_STEP, cold=False), id="first step", marks=pytest.mark.slow
         ),
         *(partial(moves.part_nanoseconds, "case1", part) for part in moves.PARTS.values()),
+        *(partial(moves.new_member_nanoseconds, "case1", source) for source in moves.NEW_MEMBERS.values()),
         *(lambda name=name: ours_per_evaluation(bezier.environment(name)) for name in bezier.OURS),
     ],
 )
@@ -233,6 +234,14 @@ def test_the_stopwatch_of_training_adds_up_what_a_method_takes():
 def test_a_group_that_is_not_there_is_refused_before_anything_is_measured():
     with pytest.raises(UnknownNameError, match="nonsense"):
         measure_groups(("moves", "nonsense"), repeats=5)
+
+
+def test_new_members_are_compared_with_uniform_ones():
+    quantities = numbered(moves.quantities())
+    found = {m.name: m.median for m in quantities}
+    ratios = {m.name: m.median for m in moves.summary(quantities)}
+    uniform = found["case2: new member, uniform"]
+    assert ratios["case2: new member, smooth / uniform"] == found["case2: new member, smooth"] / uniform
 
 
 # The page.
