@@ -35,8 +35,7 @@ class Episode:
         self._env = gymnasium.make(
             environment_id(runs.optimizer),
             scenario=scenario,
-            **{**suite.options, **runs.options},
-            **self._controller.env_options(),
+            **{**suite.options, **runs.options, **self._controller.env_options()},
         )
         self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
         self.info: dict[str, Any] = {}

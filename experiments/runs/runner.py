@@ -179,7 +179,9 @@ def _identity(name: str, controller: Controller) -> Any:
             _identity(base, controller_of(base)),
         )
     if isinstance(controller, OpenLoop):
-        return controller.initial_population_size, controller.decisions.tolist()
+        first = controller.first_source
+        source = () if first is None else (dataclasses.astuple(first),)
+        return controller.initial_population_size, controller.decisions.tolist(), *source
     return controller.lines() if isinstance(controller, DistilledRule) else name
 
 
