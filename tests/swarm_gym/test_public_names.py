@@ -186,21 +186,23 @@ PRESETS = (
 SUITE_NAMES = (
     "paper", "headline", "generalisation", "out-of-distribution", "ablation", "parameters", "moa-paper",
     "iafsa-functions", "iafsa-shifted", "iafsa-routes", "brand-yu-static", "brand-yu-dynamic",
-    "brand-yu-grids", "dynamic",
+    "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-optimizers",
+    "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
 )  # fmt: skip
 COLLECTION_NAMES = (
-    "iafsa-paper", "brand-yu",
+    "iafsa-paper", "brand-yu", "newcomers-study",
 )  # fmt: skip
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "gaps", "differences", "duels", "front",
     "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
-    "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids",
+    "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids", "corridors",
+    "newcomers-claims", "newcomers-optimizers",
 )  # fmt: skip
 FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
-    "recovery", "profiles", "front", "decisions", "parameters",
+    "recovery", "profiles", "front", "decisions", "parameters", "first-populations", "corridors",
 )  # fmt: skip
-DOCUMENT_NAMES = ("results", "study", "moa", "iafsa", "brand-yu", "dynamic", "scaling")
+DOCUMENT_NAMES = ("results", "study", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling")
 DATABASE = {
     "configuration": ("key", "value"),
     "runs": (

@@ -103,7 +103,16 @@ def test_a_figure_that_is_no_longer_shown_is_deleted(documents):
 
 
 def test_documents_are_published_by_name():
-    assert list(DOCUMENTS) == ["results", "brand-yu", "dynamic", "iafsa", "study", "moa", "scaling"]
+    assert list(DOCUMENTS) == [
+        "results",
+        "brand-yu",
+        "dynamic",
+        "iafsa",
+        "study",
+        "moa",
+        "newcomers",
+        "scaling",
+    ]
     for documents in DOCUMENTS.values():
         for document in documents:
             assert (ROOT / document.path).is_file()

@@ -3,13 +3,14 @@
 import pytest
 
 from agents import make_controller
-from agents.runs.seeds import TEST
+from agents.runs.seeds import TEST, VALIDATION
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
 from experiments.runs.suite import FRESH_SEEDS, Family
 from experiments.studies.controllers import training_seeds
 from experiments.studies.learned.suites import Fitted, controllers_of, families_of
+from experiments.studies.newcomers.suites import NEVER_USED
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.scenarios import expand_name
@@ -100,10 +101,25 @@ def test_suites_run_on_test_seeds(suite):
     assert list(suite.seeds) == list(suite.scenarios)
     for seeds in suite.seeds.values():
         assert len(seeds) == suite.num_seeds
-        assert seeds[0] in TEST
-        assert seeds[-1] in TEST
-    if suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
-        assert min(seeds[0] for seeds in suite.seeds.values()) == FRESH_SEEDS
+        among = VALIDATION if "bends" in suite.options else TEST  # the kind of bends is chosen by results
+        assert seeds[0] in among
+        assert seeds[-1] in among
+    first = min(seeds[0] for seeds in suite.seeds.values())
+    if "bends" in suite.options:
+        assert all(name.startswith(("case", "random-fields:validation:")) for name in suite.scenarios)
+    elif suite.name.startswith("newcomers"):
+        assert first == NEVER_USED
+    elif suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
+        assert first == FRESH_SEEDS
+
+
+def test_seeds_and_fields_of_the_newest_study_are_in_no_other():
+    newest = {name for name in SUITES if name.startswith("newcomers")}
+    others = [suite for name, suite in SUITES.items() if name not in newest]
+    assert max(seeds[-1] for suite in others for seeds in suite.seeds.values()) < NEVER_USED
+    fields = {scenario for name in newest for scenario in SUITES[name].scenarios if ":test:" in scenario}
+    assert len(fields) == 200
+    assert fields.isdisjoint(scenario for suite in others for scenario in suite.scenarios)
 
 
 def test_fields_have_a_seed_of_their_own():

@@ -1,0 +1,1 @@
+"""The study of new members drawn as smooth bends."""

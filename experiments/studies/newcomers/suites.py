@@ -1,0 +1,180 @@
+"""Suites of the study of new members, shown in docs/newcomers.md.
+
+A recipe has no packaged controllers until its files ship. Then enter the number of its tuning or training
+seeds, the second argument of `training_seeds`, in place of 0.
+"""
+
+from agents.runs.seeds import VALIDATION
+from experiments.runs.suite import Family, Suite
+from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
+from swarm_gym.scenarios import expand_name
+
+# Test seeds of other studies end below; no controller was chosen by results of these.
+NEVER_USED = 20_000
+
+PRICES = (0.1, 0.5, 1, 2)  # of 100,000 evaluations, which open loops with sources are tuned for
+
+# Controllers of the three cases.
+PRINTED = (*FIXED_SIZES, "spsfa-tip")
+TUNED_SCHEDULE = ("tuned:three-cases",)
+EXTENDED_LOOPS = (
+    "open-loop:three-cases-extended@2",
+    "open-loop:three-cases-extended",
+    "open-loop:three-cases-extended@0.1",
+    "open-loop:three-cases-extended-13-knots@0.02",
+)
+CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 0, 1)
+RESTART = training_seeds("tuned:three-cases-restart", 0)
+SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 0, *PRICES)
+SOURCED_LOOPS_13 = training_seeds("open-loop:three-cases-sourced-13-knots", 0, *PRICES)
+LEARNED = training_seeds("learned:three-cases-sourced", 0)
+LEARNED_PPO = training_seeds("learned:three-cases-sourced-ppo", 0)
+
+# Controllers of random fields.
+FIELD_LOOPS = training_seeds("open-loop:random-fields-sourced", 0, 1)
+FIELD_LEARNED = training_seeds("learned:random-fields-sourced", 0)
+
+# Keys of groups whose decisions the document shows; those that were not run are left out.
+LOOKED_INTO = (
+    "learned:three-cases-extended/*@2",
+    "open-loop:three-cases-sourced/*@1",
+    "open-loop:three-cases-sourced-13-knots/*@1",
+    "tuned:three-cases-restart/*",
+    "learned:three-cases-sourced/*",
+    "learned:three-cases-sourced-ppo/*",
+)
+
+
+def families(*found: Family) -> tuple[Family, ...]:
+    """Return those families that have controllers."""
+    return tuple(family for family in found if family.controllers)
+
+
+def controllers(found: tuple[Family, ...]) -> tuple[str, ...]:
+    """Return the controllers of all families."""
+    return tuple(controller for family in found for controller in family.controllers)
+
+
+CASE_FAMILIES = families(
+    Family("printed", PRINTED),
+    Family("tuned schedule", TUNED_SCHEDULE),
+    Family("open loops (extended)", EXTENDED_LOOPS),
+    Family("learned (extended)", HEADLINE_EXTENDED),
+    Family("constants (sourced)", CONSTANTS),
+    Family("restart rule", RESTART),
+    Family("open loops (sourced, 6 knots)", SOURCED_LOOPS),
+    Family("open loops (sourced, 13 knots)", SOURCED_LOOPS_13),
+    Family("learned (sourced)", LEARNED),
+    Family("learned by PPO (sourced)", LEARNED_PPO),
+)
+# With sources against without, and seeing against not seeing; pairs that were not run are left out.
+CASE_PAIRS = (
+    ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
+    ("open-loop:three-cases-sourced/*@1", "learned:three-cases-extended/*@2"),
+    ("open-loop:three-cases-sourced/*@1", "open-loop:three-cases-sourced-constant/*@1"),
+    ("open-loop:three-cases-sourced-13-knots/*@1", "open-loop:three-cases-sourced/*@1"),
+    ("learned:three-cases-sourced/*", "open-loop:three-cases-sourced/*@1"),
+    ("learned:three-cases-sourced/*", "open-loop:three-cases-sourced-13-knots/*@1"),
+    ("learned:three-cases-sourced-ppo/*", "learned:three-cases-sourced/*"),
+    ("tuned:three-cases-restart/*", "open-loop:three-cases-sourced/*@1"),
+)
+NEWCOMERS = Suite(
+    name="newcomers",
+    controllers=controllers(CASE_FAMILIES),
+    scenarios=CASES,
+    num_seeds=200,
+    baseline="open-loop:three-cases-extended@0.1",
+    pairs=CASE_PAIRS,
+    first_seed=NEVER_USED,
+    families=CASE_FAMILIES,
+    tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "newcomers-claims"),
+    figures=("first-populations", "corridors", "front", "decisions", "profiles"),
+)
+
+FIELD_FAMILIES = families(
+    Family("printed", ("fixed:60", "spsfa-tip")),
+    Family("tuned schedule", ("tuned:random-fields",)),
+    Family("open loops (extended)", ("open-loop:random-fields-extended",)),
+    Family("learned (extended)", training_seeds("learned:random-fields-extended", 5)),
+    Family("open loops (sourced)", FIELD_LOOPS),
+    Family("learned (sourced)", FIELD_LEARNED),
+)
+FIELD_PAIRS = (
+    ("learned:random-fields-extended/*", "open-loop:random-fields-extended"),
+    ("open-loop:random-fields-sourced/*@1", "learned:random-fields-extended/*"),
+    ("learned:random-fields-sourced/*", "open-loop:random-fields-sourced/*@1"),
+)
+# Fields that no other suite runs; each has a seed of its own.
+FIELDS = Suite(
+    name="newcomers-fields",
+    controllers=controllers(FIELD_FAMILIES),
+    scenarios=expand_name("random-fields:test:200-399"),
+    num_seeds=1,
+    baseline="open-loop:random-fields-extended",
+    pairs=FIELD_PAIRS,
+    first_seed=NEVER_USED,
+    seed_step=1,
+    families=FIELD_FAMILIES,
+    tables=("gaps", "near-optimum", "differences", "duels", "front"),
+    figures=("front", "profiles"),
+)
+
+# Optimizers whose members are whole paths. A swarm of constant size needs new members for its first
+# population alone.
+WHOLE_PATHS = (
+    "firefly", "generational-firefly", "particle-swarm", "elite-genetic", "multivariate", "fish-swarm",
+    "improved-fish-swarm", "hybrid-fish-swarm",
+)  # fmt: skip
+UNIFORM_MEMBERS = "fixed:60"
+SMOOTH_MEMBERS = f"{UNIFORM_MEMBERS},smooth_share=1,amplitude=0.5"
+OPTIMIZERS = Suite(
+    name="newcomers-optimizers",
+    controllers=tuple(
+        f"{optimizer}+{members}" for optimizer in WHOLE_PATHS for members in (UNIFORM_MEMBERS, SMOOTH_MEMBERS)
+    ),
+    scenarios=CASES,
+    num_seeds=100,
+    baseline=f"firefly+{UNIFORM_MEMBERS}",
+    first_seed=NEVER_USED,
+    tables=("newcomers-optimizers",),
+    figures=(),
+)
+
+# Both kinds of bends with the same controllers. The kind is chosen by them, so seeds and fields are those of
+# validation.
+BENDS = ("harmonics", "stomp")
+BEND_CONTROLLERS = tuple(
+    f"fixed:{size},smooth_share=1,amplitude={amplitude:g}"
+    for size in (20, 60)
+    for amplitude in (0.2, 0.35, 0.5)
+)
+
+
+def _bends(kind: str, name: str, scenarios: tuple[str, ...], num_seeds: int, seed_step: int = 0) -> Suite:
+    return Suite(
+        name=name,
+        controllers=BEND_CONTROLLERS,
+        scenarios=scenarios,
+        num_seeds=num_seeds,
+        baseline=BEND_CONTROLLERS[0],
+        options={"source": "smooth", "bends": kind},
+        first_seed=VALIDATION[0],
+        seed_step=seed_step,
+        tables=("gaps",),
+        figures=(),
+    )
+
+
+# By kind: the suite on the cases, and that on fields. They are two, since each field has one seed only.
+BEND_SUITES = {
+    kind: (
+        _bends(kind, f"newcomers-{kind}", CASES, 64),
+        _bends(
+            kind, f"newcomers-{kind}-fields", expand_name("random-fields:validation:0-63"), 1, seed_step=1
+        ),
+    )
+    for kind in BENDS
+}
+
+SUITES = (NEWCOMERS, FIELDS, OPTIMIZERS, *(suite for pair in BEND_SUITES.values() for suite in pair))
+COLLECTIONS = {"newcomers-study": tuple(suite.name for suite in SUITES)}
