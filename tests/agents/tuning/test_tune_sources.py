@@ -8,13 +8,13 @@ import pytest
 from agents import make_controller
 from agents.runs.seeds import TRAINING_START
 from agents.tuning.config import TuneConfig
-from agents.tuning.knots import BESIDE_THE_WALLS, KnotSpace
+from agents.tuning.knots import BESIDE_THE_WALLS, START, KnotSpace
 from agents.tuning.run import TuningRun
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuners import kind_defaults
 from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 from swarm_gym.env import SwarmEnv
-from swarm_gym.sources import Source
+from swarm_gym.sources import SOURCE_DECISIONS, Source
 
 TINY = {"episodes": 4, "scenarios": ("case3", "case1"), "max_population_size": 12}
 STEPS = 4 * 4 * 100  # of a generation of four candidates
@@ -75,13 +75,12 @@ RANGES = [
 DEFAULTS = [60.0, 0.0004, 2.0, 0.1, 0.98, 0.4, 0.0004]
 
 
-def test_a_search_without_a_start_begins_with_smooth_members_and_hardly_any_immigrants():
+def test_a_search_without_a_start_begins_at_what_a_search_found():
     begin = (space := KnotSpace(TuneConfig(action="sourced", initial_population_size=40))).decode(space.start)
-    assert begin.sources["smooth_share"] == pytest.approx([0.98] * 6)
-    assert begin.sources["amplitude"] == pytest.approx([0.4] * 6)
-    assert begin.sources["immigrants"] == pytest.approx([0.0004] * 6)
+    for name in SOURCE_DECISIONS:
+        assert begin.sources[name] == pytest.approx(START["sourced"][name])
     assert begin.initial_population_size == 40
-    assert (begin.first_source.smooth_share, begin.first_source.amplitude) == pytest.approx((0.98, 0.5))
+    assert (begin.first_source.smooth_share, begin.first_source.amplitude) == pytest.approx((0.8, 0.2))
 
 
 @pytest.mark.parametrize(
@@ -194,7 +193,7 @@ def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path):
         ({"initial_amplitude": 0.0}, r"amplitude must lie in \[0.01, 1\], got 0.0"),
         ({"initial_population_size": 13}, "initial_population_size.*13"),
         ({"action": "extended", "initial_smooth_share": 0.5}, "initial_smooth_share needs action 'sourced'"),
-        ({"action": "natural", "initial_amplitude": 0.2}, "initial_amplitude needs action .*, got 0.2"),
+        ({"action": "natural", "initial_amplitude": 0.3}, "initial_amplitude needs action .*, got 0.3"),
         ({"what": "schedule", "action": "natural", "candidates": 16, "initial_population_size": 60,
           "start": "open-loop:three-cases"}, "start: not an option of what 'schedule'"),
         ({"optimizer": "ant-colony"}, "action 'sourced'.*points of a walk"),

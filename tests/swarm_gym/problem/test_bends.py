@@ -48,7 +48,8 @@ def distance_from_uniform(values):
 
 def test_harmonics_are_sines_whose_height_falls_with_their_frequency():
     root = math.sqrt(0.5)
-    expected = [[root, 1.0, root], [0.5, 0.0, -0.5], [root / 3, -1 / 3, root / 3]]
+    second, third = 2**-1.5, 3**-1.5
+    expected = [[root, 1.0, root], [second, 0.0, -second], [third * root, -third, third * root]]
     np.testing.assert_allclose(modes(3)[HARMONICS, :3], expected, atol=1e-15)
     assert (modes(3)[HARMONICS, 3:] == 0).all()
 
