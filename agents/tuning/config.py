@@ -55,6 +55,9 @@ class TuneConfig:
     start: str = "none"
     """Open loop at whose decisions the search starts, e.g. open-loop:three-cases-extended@0.1; its own
     tuning is part of the effort. none is a rough guess."""
+    held: tuple[str, ...] = ()
+    """Decisions of open loops that are held at a value instead of searched, e.g. immigrants=0
+    first_smooth_share=1; for ablations."""
     knots: tuple[int, ...] = (0, 3, 8, 15, 40, 99)
     """Iterations at which the decisions of an open loop are tuned; it interpolates between them."""
     candidates: int = 16

@@ -17,6 +17,7 @@ from swarm_gym.checks import require_integer
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.controllers.parameters import Number, Range, parse_parameters
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
@@ -49,6 +50,8 @@ START: dict[str, dict[str, list[float]]] = {
         "immigrants": [0.14, 0.22, 0.31, 0.12, 0.59, 0.33],
     },
 }
+# Names of the decisions about the first population.
+FIRST_SIZE, FIRST_SHARE, FIRST_AMPLITUDE = "first size", "first smooth share", "first amplitude"
 BESIDE_THE_WALLS = 0.02  # CMA-ES samples badly from a mean on a bound
 
 
@@ -109,16 +112,17 @@ class KnotSpace:
     """The decisions at the knots of a configuration as points in [0, 1]^n.
 
     The first coordinates are those of every decision at all knots, decision by decision. The last ones are
-    those of the first population, if they are decided.
+    those of the first population, if they are decided. Decisions that are held have no coordinates.
 
     Raises:
-        SettingError: for knots or an action that an open loop cannot have.
+        SettingError: for knots or an action that an open loop cannot have, or a decision that cannot be held.
     """
 
     config: TuneConfig
     _knots: list[int] = field(init=False)
     _axes: dict[str, Axis] = field(init=False)
     _first_axes: dict[str, Axis] = field(init=False)
+    _held: dict[str, Number] = field(init=False)
 
     def __post_init__(self) -> None:
         config = self.config
@@ -133,20 +137,22 @@ class KnotSpace:
             _refuse_first_source(config)
         else:
             self._first_axes = {
-                "population size": Axis(float(smallest), float(largest), config.initial_population_size),
-                "smooth share": Axis(0.0, 1.0, first_source.smooth_share, "linear"),
-                "amplitude": Axis(SMALLEST_AMPLITUDE, 1.0, first_source.amplitude),
+                FIRST_SIZE: Axis(float(smallest), float(largest), config.initial_population_size),
+                FIRST_SHARE: Axis(0.0, 1.0, first_source.smooth_share, "linear"),
+                FIRST_AMPLITUDE: Axis(SMALLEST_AMPLITUDE, 1.0, first_source.amplitude),
             }
+        self._held = _read_held(config.held, {**self._axes, **self._first_axes})
 
     @property
     def start(self) -> Floats:
         """Start of the search, inside the cube; a constant starts at the mean over the iterations."""
         known = self._known()
         rows = []
-        for name, axis in self._axes.items():
+        for name, axis in self._searched(self._axes).items():
             places = axis.encode(known.get(name, np.full(Settings.iterations, axis.default)))
             rows.append(places[self._knots] if len(self._knots) > 1 else [places.mean()])
-        rows.append([float(axis.encode(np.array(axis.default))) for axis in self._first_axes.values()])
+        first = self._searched(self._first_axes).values()
+        rows.append([float(axis.encode(np.array(axis.default))) for axis in first])
         return np.clip(np.concatenate(rows), BESIDE_THE_WALLS, 1.0 - BESIDE_THE_WALLS)
 
     def _known(self) -> dict[str, Floats]:
@@ -176,21 +182,24 @@ class KnotSpace:
     def decode(self, point: Floats) -> Decided:
         """Return the decisions of a point."""
         point = np.clip(point, 0.0, 1.0)
-        rows = point[: len(self._axes) * len(self._knots)].reshape(-1, len(self._knots))
-        values = {
-            name: axis.decode(row).tolist()
-            for (name, axis), row in zip(self._axes.items(), rows, strict=True)
+        axes, first_axes = self._searched(self._axes), self._searched(self._first_axes)
+        rows = point[: len(axes) * len(self._knots)].reshape(-1, len(self._knots))
+        found = {
+            name: axis.decode(row).tolist() for (name, axis), row in zip(axes.items(), rows, strict=True)
         }
+        held = {name: [float(value)] * len(self._knots) for name, value in self._held.items()}
+        values = {name: found[name] if name in found else held[name] for name in self._axes}
         sources = {name: values.pop(name) for name in SOURCE_DECISIONS if name in values}
         sizes, repair_degrees = values.pop("population size"), values.pop("repair degree")
-        places = point[rows.size :]
-        first = {
-            name: float(axis.decode(place))
-            for (name, axis), place in zip(self._first_axes.items(), places, strict=True)
-        }
-        size = int(np.floor(first.get("population size", self.config.initial_population_size) + 0.5))
-        source = Source(first["smooth share"], first["amplitude"]) if first else None
+        places = zip(first_axes.items(), point[rows.size :], strict=True)
+        first = {**self._held, **{name: float(axis.decode(place)) for (name, axis), place in places}}
+        size = int(np.floor(first.get(FIRST_SIZE, self.config.initial_population_size) + 0.5))
+        source = Source(first[FIRST_SHARE], first[FIRST_AMPLITUDE]) if self._first_axes else None
         return Decided(sizes, repair_degrees, values, sources, size, source)
+
+    def _searched(self, axes: dict[str, Axis]) -> dict[str, Axis]:
+        """Return the axes of the decisions that are not held."""
+        return {name: axis for name, axis in axes.items() if name not in self._held}
 
     def controller(self, point: Floats) -> OpenLoop:
         """Return the open loop of a point."""
@@ -230,6 +239,13 @@ def _axes_of(action: str, limits: SizeLimits, optimizer: type[Optimizer]) -> dic
         axes["amplitude"] = Axis(SMALLEST_AMPLITUDE, 1.0, 0.4)
         axes["immigrants"] = Axis(0.0, 1.0, 0.0, "root")
     return axes
+
+
+def _read_held(held: tuple[str, ...], axes: dict[str, Axis]) -> dict[str, Number]:
+    """Return the values of decisions that are held, such as `immigrants=0`, by name."""
+    ranges = {name.replace(" ", "_"): Range(axis.low, axis.high) for name, axis in axes.items()}
+    values = parse_parameters(",".join(held), ranges)
+    return {name: values[known] for name in axes if (known := name.replace(" ", "_")) in values}
 
 
 def _refuse_first_source(config: TuneConfig) -> None:

@@ -27,6 +27,7 @@ SPECIAL = (
     "initial_smooth_share",
     "initial_amplitude",
     "start",
+    "held",
     "knots",
     "candidates",
     "sigma",

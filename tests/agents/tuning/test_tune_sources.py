@@ -178,9 +178,25 @@ def test_a_resumed_run_equals_one_that_was_not_stopped(tmp_path):
     assert resumed.run().read_text() == whole.read_text()
 
 
+def test_held_decisions_keep_their_value_and_are_not_searched():
+    free = KnotSpace(TuneConfig(action="sourced"))
+    held = KnotSpace(TuneConfig(action="sourced", held=("immigrants=0", "noise=2.5", "first_smooth_share=1")))
+    assert len(held.start) == len(free.start) - 2 * len(KNOTS) - 1
+    point = np.random.default_rng(0).random(len(held.start))
+    decided = held.decode(point)
+    assert decided.sources["immigrants"] == [0.0] * len(KNOTS)
+    assert decided.knobs["noise"] == [2.5] * len(KNOTS)
+    assert decided.first_source.smooth_share == 1.0
+    assert held.controller(point).names == free.controller(free.start).names
+    np.testing.assert_allclose(held.decode(held.start).sizes, free.decode(free.start).sizes)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        ({"held": ("immigrants=2",)}, r"immigrants must lie in \[0, 1\], got 2.0"),
+        ({"held": ("courage=1",)}, "unknown parameter 'courage'; valid: .*first_amplitude"),
+        ({"action": "natural", "held": ("immigrants=0",)}, "unknown parameter 'immigrants'"),
         ({"start": "fixed:5"}, "start must be none or an open loop, e.g. open-loop:three-.*'fixed:5'"),
         ({"start": "nonsense"}, "nonsense.*open-loop"),
         ({"start": "open-loop:nowhere"}, "nowhere.*three-cases"),
