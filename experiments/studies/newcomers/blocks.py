@@ -8,6 +8,7 @@ from functools import partial
 from experiments.runs.groups import group_controllers
 from experiments.studies.newcomers.bends import bends_table, stored_outcomes
 from experiments.studies.newcomers.suites import (
+    ABLATION,
     BEND_SUITES,
     FIELDS,
     LOOKED_INTO,
@@ -79,11 +80,6 @@ def _claims(results: ResultsFolder) -> str:
     return table.markdown() if table.rows else ""
 
 
-def _ablation(results: ResultsFolder) -> str:  # noqa: ARG001
-    """Return nothing: the suite that takes single decisions away from controllers is not defined yet."""
-    return ""
-
-
 def _suite_blocks(suite: str) -> dict[str, Block]:
     """Return the blocks that every suite with gaps has."""
     return {
@@ -119,7 +115,10 @@ BLOCKS: dict[str, Block] = {
         figure, FIGURES, NEWCOMERS.name, "corridors", "the best path of each corridor in which most runs end"
     ),
     **_suite_blocks(FIELDS.name),
-    "ablation": _ablation,
+    "ablation": partial(_gaps, ABLATION.name),
+    "ablation-near-optimum": partial(whole, ABLATION.name, "near-optimum"),
+    "ablation-differences": partial(_by_set, ABLATION.name, "differences"),
+    "ablation-made-with": partial(made_with, ABLATION.name),
     "optimizers": partial(whole, OPTIMIZERS.name, "newcomers-optimizers"),
     "optimizers-made-with": partial(made_with, OPTIMIZERS.name),
 }

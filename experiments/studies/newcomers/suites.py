@@ -17,12 +17,15 @@ PRICES = (0.1, 0.5, 1, 2)  # of 100,000 evaluations, which open loops with sourc
 # Controllers of the three cases.
 PRINTED = (*FIXED_SIZES, "spsfa-tip")
 TUNED_SCHEDULE = ("tuned:three-cases",)
+BASELINE = "open-loop:three-cases-extended@0.1"
 EXTENDED_LOOPS = (
     "open-loop:three-cases-extended@2",
     "open-loop:three-cases-extended",
     "open-loop:three-cases-extended@0.1",
     "open-loop:three-cases-extended-13-knots@0.02",
 )
+# Tuned without sources on the objective of the open loops with sources, with as many steps in all.
+RIVALS = training_seeds("open-loop:three-cases-extended-long", 0, 1)
 CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 0, 1)
 RESTART = training_seeds("tuned:three-cases-restart", 0)
 SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 0, *PRICES)
@@ -59,6 +62,7 @@ CASE_FAMILIES = families(
     Family("printed", PRINTED),
     Family("tuned schedule", TUNED_SCHEDULE),
     Family("open loops (extended)", EXTENDED_LOOPS),
+    Family("open loops (extended, as many steps)", RIVALS),
     Family("learned (extended)", HEADLINE_EXTENDED),
     Family("constants (sourced)", CONSTANTS),
     Family("restart rule", RESTART),
@@ -83,7 +87,7 @@ NEWCOMERS = Suite(
     controllers=controllers(CASE_FAMILIES),
     scenarios=CASES,
     num_seeds=200,
-    baseline="open-loop:three-cases-extended@0.1",
+    baseline=BASELINE,
     pairs=CASE_PAIRS,
     first_seed=NEVER_USED,
     families=CASE_FAMILIES,
@@ -117,6 +121,24 @@ FIELDS = Suite(
     families=FIELD_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front"),
     figures=("front", "profiles"),
+)
+
+# Open loops that were tuned with single decisions held at a value, and the one that decides all.
+ABLATIONS = ("no-immigrants", "no-smooth-growth", "no-smooth-members", "only-smooth-members")
+ABLATION_FAMILIES = families(
+    Family("all decisions", training_seeds("open-loop:three-cases-sourced", 0, 1)),
+    *(Family(name, training_seeds(f"open-loop:ablation-{name}", 0, 1)) for name in ABLATIONS),
+)
+ABLATION = Suite(
+    name="newcomers-ablation",
+    controllers=(BASELINE, *controllers(ABLATION_FAMILIES)),
+    scenarios=CASES,
+    num_seeds=200,
+    baseline=BASELINE,
+    first_seed=NEVER_USED,
+    families=ABLATION_FAMILIES,
+    tables=("gaps", "near-optimum", "differences"),
+    figures=(),
 )
 
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first
@@ -176,5 +198,11 @@ BEND_SUITES = {
     for kind in BENDS
 }
 
-SUITES = (NEWCOMERS, FIELDS, OPTIMIZERS, *(suite for pair in BEND_SUITES.values() for suite in pair))
+SUITES = (
+    NEWCOMERS,
+    FIELDS,
+    ABLATION,
+    OPTIMIZERS,
+    *(suite for pair in BEND_SUITES.values() for suite in pair),
+)
 COLLECTIONS = {"newcomers-study": tuple(suite.name for suite in SUITES)}
