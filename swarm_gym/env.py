@@ -25,13 +25,14 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         observation, info = env.reset(seed=0)
         observation, reward, terminated, truncated, info = env.step(np.array([60.0, 0.5]))
 
-    **Action**, layout `natural`: float64, shape (2,), or (2 + number of decided parameters,) if extended.
+    **Action**, layout `natural`: float64, shape (2,); the layouts `extended` and `sourced` have more numbers.
 
     | number | from | to |
     |---|---|---|
     | size of the next population, rounded to an integer | min_population_size | max_population_size |
     | repair degree phi; 0 is no repair | 0 | 1 |
     | layout `extended`: each parameter of the optimizer that may change at every iteration | low | high |
+    | layout `sourced`: those, then smooth share, amplitude and immigrants (see `swarm_gym.action`) | 0 | 1 |
 
     Other layouts have numbers in [-1, 1], float32, for networks; see `swarm_gym.action`.
 
@@ -54,7 +55,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     **Episode**: `reset` evaluates the first population; its E(P) is the first observation. The seed
     determines the scenario and all random numbers. Options of `reset` are `scenario`,
-    `initial_population_size` and `initial_population`. The episode terminates after `iterations` steps, or
+    `initial_population_size`, `smooth_share` and `amplitude` of the first population, and
+    `initial_population`. The episode terminates after `iterations` steps, or
     when `max_evaluations` are spent; it is never truncated.
 
     **Info**:
@@ -129,8 +131,9 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         Args:
             seed: natural number that determines the scenario and all random numbers of this episode and the
                 following ones; None goes on with the present random generator.
-            options: `scenario`, the name of one of this environment's scenarios; `initial_population_size`;
-                or `initial_population`, decision vectors, shape (members, dimension), in map units.
+            options: `scenario`, the name of one of this environment's scenarios; `initial_population_size`,
+                `smooth_share` and `amplitude`; or `initial_population`, decision vectors, shape
+                (members, dimension), in map units.
 
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
