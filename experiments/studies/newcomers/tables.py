@@ -11,6 +11,7 @@ from experiments.statistics import Difference, difference
 from experiments.studies.newcomers.blocks import BLOCKS
 from experiments.studies.newcomers.corridors import corridor_tables
 from experiments.studies.newcomers.suites import (
+    BASELINE,
     SMOOTH_MEMBERS,
     UNIFORM_MEMBERS,
 )
@@ -40,7 +41,33 @@ class Comparison:
 
 
 # Sentences of the document; those about groups that were not run are left out.
-COMPARISONS: tuple[Comparison, ...] = ()
+SOURCED = "open-loop:three-cases-sourced/*@1"
+COMPARISONS: tuple[Comparison, ...] = (
+    Comparison(
+        "Open loops that decide sources end closer to the optimum than the baseline.", SOURCED, BASELINE
+    ),
+    Comparison(
+        "They end closer to it than open loops without sources that were tuned with as many steps.",
+        SOURCED,
+        "open-loop:three-cases-extended-long/*@1",
+    ),
+    Comparison(
+        "They end closer to it than policies that decide size, φ, noise and attractiveness.",
+        SOURCED,
+        "learned:three-cases-extended/*@2",
+    ),
+    Comparison(
+        "They end closer to it than constant decisions on the same things.",
+        SOURCED,
+        "open-loop:three-cases-sourced-constant/*@1",
+    ),
+    Comparison("They end closer to it than the restart rule.", SOURCED, "tuned:three-cases-restart/*"),
+    Comparison(
+        "Policies that correct such an open loop end closer to it than open loops.",
+        "learned:three-cases-sourced/*",
+        SOURCED,
+    ),
+)
 
 
 def claim_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
