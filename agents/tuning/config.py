@@ -53,8 +53,8 @@ class TuneConfig:
     initial_amplitude: float = 0.2
     """Amplitude of smooth members of the first population at which the search starts; for action sourced."""
     start: str = "none"
-    """Open loop at whose decisions the search starts, e.g. open-loop:three-cases-extended@0.1; its own
-    tuning is part of the effort. none is a rough guess."""
+    """Open loop at whose decisions, and first population if it states a source, the search starts, e.g.
+    open-loop:three-cases-extended@0.1; its own tuning is part of the effort. none is a rough guess."""
     held: tuple[str, ...] = ()
     """Decisions of open loops that are held at a value instead of searched, e.g. immigrants=0
     first_smooth_share=1; for ablations."""

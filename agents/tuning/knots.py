@@ -7,6 +7,7 @@ open loop of one knot.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -136,8 +137,11 @@ class KnotSpace:
         if config.action != "sourced":
             _refuse_first_source(config)
         else:
+            first_size = config.initial_population_size
+            if (loop := self._start_loop) is not None and loop.first_source is not None:
+                first_size, first_source = loop.initial_population_size, loop.first_source
             self._first_axes = {
-                FIRST_SIZE: Axis(float(smallest), float(largest), config.initial_population_size),
+                FIRST_SIZE: Axis(float(smallest), float(largest), first_size),
                 FIRST_SHARE: Axis(0.0, 1.0, first_source.smooth_share, "linear"),
                 FIRST_AMPLITUDE: Axis(SMALLEST_AMPLITUDE, 1.0, first_source.amplitude),
             }
@@ -155,20 +159,28 @@ class KnotSpace:
         rows.append([float(axis.encode(np.array(axis.default))) for axis in first])
         return np.clip(np.concatenate(rows), BESIDE_THE_WALLS, 1.0 - BESIDE_THE_WALLS)
 
+    @cached_property
+    def _start_loop(self) -> OpenLoop | None:
+        """The open loop at which the search starts, if one is named."""
+        if self.config.start == "none":
+            return None
+        controller = make_controller(self.config.start, self.config.limits)
+        if not isinstance(controller, OpenLoop):
+            raise SettingError(
+                f"start must be none or an open loop, e.g. open-loop:three-cases, got {self.config.start!r}"
+            )
+        return controller
+
     def _known(self) -> dict[str, Floats]:
         """Return where the search starts: decisions at every iteration, by name."""
-        if self.config.start == "none":
+        if self._start_loop is None:
             iterations = np.arange(Settings.iterations)
             return {
                 name: axis.decode(np.interp(iterations, START_ITERATIONS, axis.encode(np.array(values))))
                 for name, values in START[self.config.action].items()
                 if (axis := self._axes.get(name))
             }
-        controller = make_controller(self.config.start, self.config.limits)
-        if not isinstance(controller, OpenLoop):
-            raise SettingError(
-                f"start must be none or an open loop, e.g. open-loop:three-cases, got {self.config.start!r}"
-            )
+        controller = self._start_loop
         parameters = self._optimizer.decided_parameters()
         known = {"population size", "repair degree", *parameters, *SOURCE_DECISIONS}
         if unknown := [name for name in controller.names if name not in known]:
