@@ -96,8 +96,9 @@ def test_the_search_begins_at_the_start_and_its_points_cover_the_ranges(action):
     begin = space.decode(space.start)
     np.testing.assert_allclose(begin.sizes, START[action]["population size"], rtol=1e-9)
     np.testing.assert_allclose(begin.repair_degrees, START[action]["repair degree"], atol=0.0005)
-    assert list(begin.knobs) == list(START[action])[2:]
-    for name, values in begin.knobs.items():
+    others = begin.knobs | begin.sources
+    assert list(others) == list(START[action])[2:]
+    for name, values in others.items():
         np.testing.assert_allclose(values, START[action][name], rtol=0.15)  # kept off the bounds
     low, high = (space.decode(np.full(len(space.start), corner)) for corner in (0.0, 1.0))
     assert (set(low.sizes), set(high.sizes)) == ({2.0}, {200.0})
