@@ -8,7 +8,6 @@ from functools import partial
 from experiments.runs.groups import group_controllers
 from experiments.studies.newcomers.bends import bends_table, stored_outcomes
 from experiments.studies.newcomers.suites import (
-    ABLATION,
     BEND_SUITES,
     FIELDS,
     LOOKED_INTO,
@@ -115,10 +114,6 @@ BLOCKS: dict[str, Block] = {
         figure, FIGURES, NEWCOMERS.name, "corridors", "the best path of each corridor in which most runs end"
     ),
     **_suite_blocks(FIELDS.name),
-    "ablation": partial(_gaps, ABLATION.name),
-    "ablation-near-optimum": partial(whole, ABLATION.name, "near-optimum"),
-    "ablation-differences": partial(_by_set, ABLATION.name, "differences"),
-    "ablation-made-with": partial(made_with, ABLATION.name),
     "optimizers": partial(whole, OPTIMIZERS.name, "newcomers-optimizers"),
     "optimizers-made-with": partial(made_with, OPTIMIZERS.name),
 }

@@ -12,7 +12,7 @@ from swarm_gym.scenarios import expand_name
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
 
-PRICES = (0.1, 0.5, 1, 2)  # of 100,000 evaluations, which open loops with sources are tuned for
+PRICES = (1, 2, 5)  # of 100,000 evaluations, which open loops with sources are tuned for
 
 # Controllers of the three cases.
 PRINTED = (*FIXED_SIZES, "spsfa-tip")
@@ -23,18 +23,19 @@ EXTENDED_LOOPS = (
     "open-loop:three-cases-extended",
     "open-loop:three-cases-extended@0.1",
     "open-loop:three-cases-extended-13-knots@0.02",
+    "open-loop:three-cases-extended-long@1",
 )
 # Tuned without sources on the objective of the open loops with sources, with as many steps in all.
 RIVALS = training_seeds("open-loop:three-cases-extended-long", 0, 1)
 CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 0, 1)
 RESTART = training_seeds("tuned:three-cases-restart", 0)
-SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 0, *PRICES)
+SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 5, *PRICES)
 SOURCED_LOOPS_13 = training_seeds("open-loop:three-cases-sourced-13-knots", 0, *PRICES)
 LEARNED = training_seeds("learned:three-cases-sourced", 0)
 LEARNED_PPO = training_seeds("learned:three-cases-sourced-ppo", 0)
 
 # Controllers of random fields.
-FIELD_LOOPS = training_seeds("open-loop:random-fields-sourced", 0, 1)
+FIELD_LOOPS = training_seeds("open-loop:random-fields-sourced", 5, 1)
 FIELD_LEARNED = training_seeds("learned:random-fields-sourced", 0)
 
 # Keys of groups whose decisions the document shows; those that were not run are left out.
@@ -123,24 +124,6 @@ FIELDS = Suite(
     figures=("front", "profiles"),
 )
 
-# Open loops that were tuned with single decisions held at a value, and the one that decides all.
-ABLATIONS = ("no-immigrants", "no-smooth-growth", "no-smooth-members", "only-smooth-members")
-ABLATION_FAMILIES = families(
-    Family("all decisions", training_seeds("open-loop:three-cases-sourced", 0, 1)),
-    *(Family(name, training_seeds(f"open-loop:ablation-{name}", 0, 1)) for name in ABLATIONS),
-)
-ABLATION = Suite(
-    name="newcomers-ablation",
-    controllers=(BASELINE, *controllers(ABLATION_FAMILIES)),
-    scenarios=CASES,
-    num_seeds=200,
-    baseline=BASELINE,
-    first_seed=NEVER_USED,
-    families=ABLATION_FAMILIES,
-    tables=("gaps", "near-optimum", "differences"),
-    figures=(),
-)
-
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first
 # population alone.
 WHOLE_PATHS = (
@@ -201,7 +184,6 @@ BEND_SUITES = {
 SUITES = (
     NEWCOMERS,
     FIELDS,
-    ABLATION,
     OPTIMIZERS,
     *(suite for pair in BEND_SUITES.values() for suite in pair),
 )
