@@ -12,7 +12,7 @@ from swarm_gym.scenarios import expand_name
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
 
-PRICES = (1, 2, 5)  # of 100,000 evaluations, which open loops with sources are tuned for
+PRICES = (1, 5)  # of 100,000 evaluations, which open loops with sources are tuned for
 
 # Controllers of the three cases.
 PRINTED = (*FIXED_SIZES, "spsfa-tip")
@@ -27,7 +27,7 @@ EXTENDED_LOOPS = (
 )
 # Tuned without sources on the objective of the open loops with sources, with as many steps in all.
 RIVALS = training_seeds("open-loop:three-cases-extended-long", 0, 1)
-CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 0, 1)
+CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 5, 1)
 RESTART = training_seeds("tuned:three-cases-restart", 0)
 SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 5, *PRICES)
 SOURCED_LOOPS_13 = training_seeds("open-loop:three-cases-sourced-13-knots", 0, *PRICES)
