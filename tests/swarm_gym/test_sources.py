@@ -18,11 +18,11 @@ from oracles import naive
 from oracles.naive_sources import Source
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.population import BECAME_BEST, BEST_SMOOTH, Swarms, num_staying
+from swarm_gym.population import Swarms, num_staying
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.geometry.bends import BENDS
 from swarm_gym.scenarios import Circle, Scenario
-from swarm_gym.sources import IMMIGRANTS, SOURCE_DECISIONS, kind_of_bends
+from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH, IMMIGRANTS, SOURCE_DECISIONS, kind_of_bends
 from swarm_gym.sources import Source as OwnSource
 
 all_optimizers = pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
@@ -112,8 +112,9 @@ def test_episodes_are_the_naive_ones_whatever_the_source(optimizer, source):
 @pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
 @pytest.mark.parametrize("problem", ["polyline", "curve"])
 def test_episodes_on_grid_maps_are_the_naive_ones(optimizer, problem):
+    """Compare with a seed for which no rounding decides on which side of a cell's edge a sample lies."""
     for source in SOURCES.values():
-        run(optimizer, PROBLEMS[problem](), source, PLAN[:3])
+        run(optimizer, PROBLEMS[problem](), source, PLAN[:3], seed=2)
 
 
 @all_optimizers
