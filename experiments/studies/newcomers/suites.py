@@ -12,7 +12,7 @@ from swarm_gym.scenarios import expand_name
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
 
-PRICES = (1, 5)  # of 100,000 evaluations, which open loops with sources are tuned for
+PRICES = (1, 5, 10)  # of 100,000 evaluations, which open loops with sources are tuned for
 
 # Controllers of the three cases.
 PRINTED = (*FIXED_SIZES, "spsfa-tip")
