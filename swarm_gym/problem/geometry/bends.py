@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
+from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store
 from swarm_gym.problem.padding import columns
 
 Floats = NDArray[np.float64]
@@ -90,17 +91,27 @@ def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floa
             k = FIRST_COEFFICIENT + h
             radius, angle = math.sqrt(-2.0 * math.log(1.0 - noise[k])), 2.0 * math.pi * noise[k + 1]
             noise[k], noise[k + 1] = radius * math.cos(angle), radius * math.sin(angle)
+    num_columns = table.middle.shape[0]
+    for h in range(count):
+        mode, weight = table.modes[kind, h], broadcast(noise[FIRST_COEFFICIENT + h])
+        for k in range(0, num_columns, NUM_LANES):
+            if h == 0:
+                store(path, k + 1, weight * load(mode, k))
+            else:
+                store(path, k + 1, load(path, k + 1) + weight * load(mode, k))
+    drawn, zero = noise[LARGEST_OFFSET], broadcast(0.0)
+    heights = zero
+    for k in range(0, num_columns, NUM_LANES):
+        offset = load(path, k + 1)
+        heights = maximum(heights, maximum(offset, zero - offset))
+    store(noise, 0, heights)  # its numbers are used up
     largest = 0.0
-    for k in range(table.middle.shape[0]):
-        offset = 0.0
-        for h in range(count):
-            offset += noise[FIRST_COEFFICIENT + h] * table.modes[kind, h, k]
-        path[k + 1] = offset
-        largest = max(largest, abs(offset))
-    scale = noise[LARGEST_OFFSET] * amplitude * table.width / largest if largest > 0.0 else 0.0
-    for k in range(table.middle.shape[0]):
-        place = table.middle[k] + scale * path[k + 1] * table.across[k]
-        path[k + 1] = min(max(place, table.lower[k]), table.upper[k])
+    for lane in range(NUM_LANES):
+        largest = max(largest, noise[lane])
+    scale = broadcast(drawn * amplitude * table.width / largest if largest > 0.0 else 0.0)
+    for k in range(0, num_columns, NUM_LANES):
+        place = load(table.middle, k) + scale * load(path, k + 1) * load(table.across, k)
+        store(path, k + 1, minimum(maximum(place, load(table.lower, k)), load(table.upper, k)))
 
 
 @kernel(borrows=True)
