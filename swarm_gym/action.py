@@ -39,13 +39,12 @@ from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import replaced
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
-from swarm_gym.sources import SMALLEST_AMPLITUDE
+from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
 
 Floats = NDArray[np.float64]
 
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
-LEAST_OF_SOURCES = np.array([0.0, SMALLEST_AMPLITUDE, 0.0])  # of smooth share, amplitude and immigrants
 
 
 class Scale(ABC):
@@ -220,7 +219,7 @@ class Action:
         if len(decided) > first_source:
             sources = np.stack(decided[first_source:], axis=1)
             # Scales round: a number of -1 or 1 may stand for slightly more than its bound.
-            sources = np.clip(sources, LEAST_OF_SOURCES, 1.0)
+            sources = np.clip(sources, *np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS]))
         return Decisions(
             np.floor(within + 0.5).astype(np.int64),
             np.minimum(np.maximum(decided[1], 0.0), 1.0),
@@ -327,12 +326,10 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     sources: tuple[float, ...] = ()
     if layout.sourced:
         settings.require_sources(f"action {settings.action!r}")
-        source = settings.new_members
-        sources = source.smooth_share, source.amplitude, 0.0
-        amplitudes = SMALLEST_AMPLITUDE, 1.0
-        scales["smooth share"] = AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
-        scales["amplitude"] = AsItIs(*amplitudes) if natural else Logarithmic(*amplitudes)
-        scales["immigrants"] = AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
+        sources = settings.new_members.decisions
+        for name, (low, high) in SOURCE_RANGES.items():
+            scaled = Logarithmic if low > 0.0 else Linear
+            scales[name.replace("_", " ")] = AsItIs(low, high) if natural else scaled(low, high)
     dtype = np.float64 if natural else np.float32
     values = optimizer.parameter_values(settings.knobs)
     parameters = {name: getattr(values, name) for name in decided}

@@ -23,6 +23,7 @@ with the fitness that it had when it was new. `swarm_gym.corridors` says what co
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -84,10 +85,14 @@ class Observation:
     features: tuple[Feature, ...]
     dtype: type[np.floating]
 
-    @property
+    @cached_property
     def arrival_window(self) -> int:
         """Number of iterations whose new members the simulation must record; 0 for none."""
         return max(feature.arrival_window for feature in self.features)
+
+    @cached_property
+    def _needs_paths(self) -> bool:
+        return any(feature.needs_paths for feature in self.features)
 
     def space(self, simulation: Simulation) -> Box:
         """Return the space of one swarm's observation, shape (number of features,).
@@ -119,7 +124,7 @@ class Observation:
             SettingError: naming the layout.
         """
         asked = f"observation {self.name!r}"
-        if any(feature.needs_paths for feature in self.features):
+        if self._needs_paths:
             require_paths(asked, simulation.problems[0])
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):

@@ -18,7 +18,7 @@ from swarm_gym.reference import gap_to_optimum
 from swarm_gym.reset_options import Beginning, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
-from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, Source, kind_of_bends
+from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, kind_of_bends
 from swarm_gym.worlds import Worlds
 
 Floats = NDArray[np.float64]
@@ -101,7 +101,7 @@ class Simulation:
             arrival_window,
         )
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
-        self.sources = np.tile(_as_decisions(settings.new_members), (num_swarms, 1))
+        self.sources = np.tile(settings.new_members.decisions, (num_swarms, 1))
         self.swarms.iterations[:] = settings.iterations
         self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
         self._anything_happens = self.worlds.ever_change or self.robots is not None
@@ -153,7 +153,7 @@ class Simulation:
         given = population is not None
         if given:
             swarms.positions[rows, :size, : self.dimension] = population
-        swarms.source[rows, :KIND_OF_BENDS] = _as_decisions(source)
+        swarms.source[rows, :KIND_OF_BENDS] = source.decisions
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
@@ -324,8 +324,3 @@ class Simulation:
         record[:, len(HISTORY) : last] = parameters
         record[:, last:] = swarms.source[:, : len(self.columns) - last]
         self.history[rows, self.iteration[rows]] = record[rows]
-
-
-def _as_decisions(source: Source) -> Floats:
-    """Return a source as decisions, (3,), without immigrants; see `SOURCE_DECISIONS`."""
-    return np.array([source.smooth_share, source.amplitude, 0.0])

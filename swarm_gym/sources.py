@@ -13,7 +13,8 @@ Immigrants replace the worst members of a population, those that shrinking would
 "Genetic algorithms for changing environments", PPSN 2, 1992).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up, require_number
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
+from swarm_gym.errors import SettingError, shown
 from swarm_gym.problem.geometry.bends import BENDS
 from swarm_gym.problem.tables import Table, draw_bend
 
@@ -28,12 +30,14 @@ Floats = NDArray[np.float64]
 
 UNIFORM, SMOOTH, MIXED = "uniform", "smooth", "mixed"
 SOURCES = (UNIFORM, SMOOTH, MIXED)
-SMALLEST_AMPLITUDE = 0.01
 
-# Columns of `population.Swarms.source`. The first three are decisions, in the order of a sourced action.
+# Decisions on new members in the order of a sourced action, and their smallest and largest values.
+SOURCE_RANGES = {"smooth_share": (0.0, 1.0), "amplitude": (0.01, 1.0), "immigrants": (0.0, 1.0)}
+SOURCE_DECISIONS = tuple(SOURCE_RANGES)
+
+# Columns of `population.Swarms.source`: the decisions, and the kind of bends.
 NUM_SOURCE_NUMBERS = 4
 SMOOTH_SHARE, AMPLITUDE, IMMIGRANTS, KIND_OF_BENDS = range(NUM_SOURCE_NUMBERS)
-SOURCE_DECISIONS = ("smooth_share", "amplitude", "immigrants")
 
 # Rows of records of new members, (2, W), whose columns are the last W iterations: iteration g is in column
 # g % W. They hold the best fitness of smooth members, and the number of those that became the best so far.
@@ -56,8 +60,25 @@ class Source:
     amplitude: float = 0.5
 
     def __post_init__(self) -> None:
-        require_number("smooth_share", self.smooth_share, 0.0, 1.0)
-        require_number("amplitude", self.amplitude, SMALLEST_AMPLITUDE, 1.0)
+        for one in fields(self):
+            require_number(one.name, getattr(self, one.name), *SOURCE_RANGES[one.name])
+
+    @classmethod
+    def of(cls, numbers: object) -> Self:
+        """Return the source of a file's entry `first_source`, the numbers by name.
+
+        Raises:
+            SettingError: for an entry that is not exactly these numbers, or a number outside its range.
+        """
+        names = [one.name for one in fields(cls)]
+        if not isinstance(numbers, dict) or sorted(numbers) != sorted(names):
+            raise SettingError(f"first_source must have {' and '.join(names)}, got {shown(numbers)}")
+        return cls(**numbers)
+
+    @property
+    def decisions(self) -> tuple[float, float, float]:
+        """The source as decisions in the order of `SOURCE_DECISIONS`, without immigrants."""
+        return self.smooth_share, self.amplitude, 0.0
 
     @property
     def name(self) -> str:

@@ -46,6 +46,7 @@ class TrainingRun:
         # Read once, since the imported code is what runs, whatever changes on the disk.
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
+        self._first_size, self._first_source = first_population(config, make_base(config))
         # Created only now, so that an invalid configuration leaves no folder.
         self._lock = prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
         self._goes_on = config.resume and self._load_checkpoint()
@@ -149,9 +150,7 @@ class TrainingRun:
         self.events.add_hyperparameters(options, metrics, self.learner.num_steps)
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
-        config = self.config
-        base = make_base(config)
-        source = base.first_source if base is not None else None
+        config, source = self.config, self._first_source
         manifest = {
             "action": config.action,
             "base": config.base,
@@ -165,7 +164,7 @@ class TrainingRun:
             "hidden_layers": list(config.hidden_layers),
             "lstm_size": config.lstm_size,
             "network": self.learner.network,
-            "initial_population_size": first_population(config, base)["initial_population_size"],
+            "initial_population_size": self._first_size,
             **({} if source is None else {"first_source": dataclasses.asdict(source)}),
             "max_population_size": config.max_population_size,
             "min_population_size": config.min_population_size,

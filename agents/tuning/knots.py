@@ -23,7 +23,7 @@ from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
-from swarm_gym.sources import SMALLEST_AMPLITUDE, SOURCE_DECISIONS, Source
+from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 Floats = NDArray[np.float64]
 
@@ -142,8 +142,8 @@ class KnotSpace:
                 first_size, first_source = loop.initial_population_size, loop.first_source
             self._first_axes = {
                 FIRST_SIZE: Axis(float(smallest), float(largest), first_size),
-                FIRST_SHARE: Axis(0.0, 1.0, first_source.smooth_share, "linear"),
-                FIRST_AMPLITUDE: Axis(SMALLEST_AMPLITUDE, 1.0, first_source.amplitude),
+                FIRST_SHARE: Axis(*SOURCE_RANGES["smooth_share"], first_source.smooth_share, "linear"),
+                FIRST_AMPLITUDE: Axis(*SOURCE_RANGES["amplitude"], first_source.amplitude),
             }
         self._held = _read_held(config.held, {**self._axes, **self._first_axes})
 
@@ -247,9 +247,9 @@ def _axes_of(action: str, limits: SizeLimits, optimizer: type[Optimizer]) -> dic
     if action == "extended" and len(axes) == 2:
         raise SettingError(f"action 'extended': optimizer {optimizer.name!r} decides nothing more")
     if action == "sourced":
-        axes["smooth_share"] = Axis(0.0, 1.0, 1.0, "linear")
-        axes["amplitude"] = Axis(SMALLEST_AMPLITUDE, 1.0, 0.4)
-        axes["immigrants"] = Axis(0.0, 1.0, 0.0, "root")
+        axes["smooth_share"] = Axis(*SOURCE_RANGES["smooth_share"], 1.0, "linear")
+        axes["amplitude"] = Axis(*SOURCE_RANGES["amplitude"], 0.4)
+        axes["immigrants"] = Axis(*SOURCE_RANGES["immigrants"], 0.0, "root")
     return axes
 
 

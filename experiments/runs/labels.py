@@ -1,6 +1,6 @@
 """Display names of controllers in tables and figures."""
 
-from swarm_gym.controllers.fixed import SOURCE_RANGES
+from swarm_gym.controllers.fixed import FIRST_SOURCE
 from swarm_gym.controllers.names import ALL_SEEDS, ControllerName
 from swarm_gym.controllers.parameters import parse_parameters
 from swarm_gym.sources import SMOOTH, UNIFORM, Source
@@ -65,7 +65,7 @@ def _members(name: ControllerName) -> tuple[str, tuple[str, ...]]:
     size, _, rest = name.argument.partition(",")
     if not rest:
         return size, ()
-    stated = parse_parameters(rest, SOURCE_RANGES)
+    stated = parse_parameters(rest, FIRST_SOURCE)
     source = Source(**stated)
     if source.name == UNIFORM:
         return size, (UNIFORM,)

@@ -4,6 +4,7 @@
 `swarm_gym.sources`.
 """
 
+from dataclasses import fields
 from typing import Any, Self
 
 import numpy as np
@@ -12,13 +13,10 @@ from numpy.typing import NDArray
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
 from swarm_gym.errors import shown
-from swarm_gym.sources import SMALLEST_AMPLITUDE, Source
+from swarm_gym.sources import SOURCE_RANGES, Source
 
 LARGEST = 10_000
-SOURCE_RANGES = {
-    "smooth_share": Range(0.0, 1.0),
-    "amplitude": Range(SMALLEST_AMPLITUDE, 1.0),
-}
+FIRST_SOURCE = {one.name: Range(*SOURCE_RANGES[one.name]) for one in fields(Source)}
 
 
 class Fixed(Controller):
@@ -61,7 +59,7 @@ class Fixed(Controller):
                 f"controller {shown(f'fixed:{argument}')}: expected a population size, e.g. fixed:60 or "
                 "fixed:60,smooth_share=1"
             )
-        source = Source(**parse_parameters(rest, SOURCE_RANGES)) if rest else None
+        source = Source(**parse_parameters(rest, FIRST_SOURCE)) if rest else None
         return cls(int(size), limits, source)
 
     def env_options(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ were tuned; see `agents.tune`.
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.sources import SMALLEST_AMPLITUDE, SOURCE_DECISIONS, Source
+from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 FORMAT = "swarm_gym open loop 2"
 OPEN_LOOPS = Path(__file__).parent / "data" / "open_loops"
@@ -138,9 +138,8 @@ def _check_sources(sources: Mapping[str, list[float]]) -> None:
             f"{', '.join(sources)}"
         )
     for name, column in sources.items():
-        low = SMALLEST_AMPLITUDE if name == "amplitude" else 0.0
         for value in column:
-            require_number(f"open loop: {name}", value, low, 1.0)
+            require_number(f"open loop: {name}", value, *SOURCE_RANGES[name])
 
 
 def packaged_open_loops() -> list[str]:
@@ -180,7 +179,7 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
             content["knobs"],
             limits,
             sources=_decisions_on_sources(content),
-            first_source=_first_source(content),
+            first_source=Source.of(content["first_source"]) if "first_source" in content else None,
         )
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
@@ -197,17 +196,6 @@ def _decisions_on_sources(content: Mapping[str, Any]) -> Mapping[str, list[float
         if not isinstance(column, list):
             raise ValueError(f"{name} must be a list with a number for each knot, got {shown(column)}")
     return sources
-
-
-def _first_source(content: Mapping[str, Any]) -> Source | None:
-    """Return the source of the first population of a file; None if it has none."""
-    if "first_source" not in content:
-        return None
-    numbers = content["first_source"]
-    names = [f.name for f in fields(Source)]
-    if not isinstance(numbers, dict) or sorted(numbers) != sorted(names):
-        raise ValueError(f"first_source must have {' and '.join(names)}, got {shown(numbers)}")
-    return Source(**numbers)
 
 
 def save_open_loop(

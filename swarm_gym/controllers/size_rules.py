@@ -6,65 +6,29 @@ environment's rule, and the share of the iterations done stands for the share of
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import Any, Self
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
-from swarm_gym.controllers.parameters import Range, parse_parameters
-from swarm_gym.observation import make_observation
+from swarm_gym.controllers.controller import Floats, SizeLimits
+from swarm_gym.controllers.parameters import Range
+from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
 
-SHARE_DONE = "share of the iterations done"
-BEST_FITNESS = "log(best fitness / lower bound)"
 DIVERSITY = "log(1 + diversity) / 8"
 
 
 @dataclass
-class SizeRule(Controller):
-    """A rule of the population size, with a constant phi.
+class SizeRule(Rule):
+    """A rule of the population size, with a constant phi; `start` is the size of iteration 1, too.
 
     Attributes:
-        start: PS(0), and the size of iteration 1; the default is clipped to the limits.
-        smallest: smallest size after that; the default is clipped to the limits.
-        repair_degree: phi in [0, 1] of every iteration.
-        limits: population sizes that the environment allows.
-
-    Raises:
-        SettingError: for a parameter outside its range, see `parameter_ranges`.
+        smallest: smallest size after iteration 1; the default is clipped to the limits.
     """
 
-    start: int = 100
     smallest: int = 10
-    repair_degree: float = 0.0
-    limits: SizeLimits = field(default_factory=SizeLimits)
-
-    def __post_init__(self) -> None:
-        for name in ("start", "smallest"):
-            if getattr(self, name) == getattr(type(self), name):
-                setattr(self, name, self.limits.clip(getattr(self, name)))
-        for name, span in self.parameter_ranges(self.limits).items():
-            span.require(name, getattr(self, name))
-        self.initial_population_size = self.start
-        self.reset(0)
-
-    @classmethod
-    def from_argument(cls, argument: str, limits: SizeLimits) -> Self:
-        """Return the rule with parameters such as `start=120,smallest=10`; empty text is the defaults.
-
-        Raises:
-            SettingError: for an unknown key, a repeated key or a value outside its range; the message lists
-                the valid keys and ranges.
-        """
-        values: dict[str, Any] = parse_parameters(argument, cls.parameter_ranges(limits))
-        return cls(**values, limits=limits)
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        sizes = Range(limits.smallest, limits.largest, integer=True)
-        return {"start": sizes, "smallest": sizes, "repair_degree": Range(0.0, 1.0)}
+    sizes: ClassVar[tuple[str, ...]] = ("start", "smallest")
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget the sizes."""
@@ -187,8 +151,3 @@ class StatusMonitor(SizeRule):
         self._progress[shrink], self._stagnation[grow] = 0, 0
         change = np.maximum(np.floor(self.step * self._size + 0.5), 1.0)
         return self._size + change * (grow.astype(np.float64) - shrink)
-
-
-def column(layout: str, feature: str) -> int:
-    """Return the index of a feature in an observation layout."""
-    return [one.name for one in make_observation(layout).features].index(feature)

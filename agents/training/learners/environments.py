@@ -15,6 +15,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.settings import Settings
+from swarm_gym.sources import Source
 
 
 def make_swarms(
@@ -47,7 +48,7 @@ def make_swarms(
             **config.env_options(),
             "observation": observation,
             "action": config.action,
-            **first_population(config, controller),
+            **_options_of(*first_population(config, controller)),
         },
     )
     if controller is None:
@@ -65,11 +66,18 @@ def make_base(config: TrainConfig) -> Controller | None:
     return None if config.base == "none" else make_controller(config.base, config.limits)
 
 
-def first_population(config: TrainConfig, base: Controller | None) -> dict[str, Any]:
-    """Return the options of the first population: those of a base that states its source, else PS(0)."""
+def first_population(config: TrainConfig, base: Controller | None) -> tuple[int, Source | None]:
+    """Return PS(0) and the source of the first population: those of a base that states its source.
+
+    Otherwise, PS(0) is an option of the run, and the source, None, is that of the environment.
+    """
     if base is None or base.first_source is None:
-        return {"initial_population_size": config.initial_population_size}
-    return {"initial_population_size": base.initial_population_size, **base.first_source.options()}
+        return config.initial_population_size, None
+    return base.initial_population_size, base.first_source
+
+
+def _options_of(size: int, source: Source | None) -> dict[str, Any]:
+    return {"initial_population_size": size, **(source.options() if source is not None else {})}
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:

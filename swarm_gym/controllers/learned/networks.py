@@ -4,7 +4,7 @@ A policy's manifest names its kind of network, a key of `NETWORKS`. Sums run alo
 a decision does not depend on how many swarms are decided for at once.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +70,7 @@ class FeedforwardController(Controller):
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
         self.initial_population_size = self.manifest["initial_population_size"]
-        self.first_source = _source_of(path, self.manifest)
+        self.first_source = _source_of(path, self.manifest.get("first_source"))
         self.max_evaluations = self.manifest["max_evaluations"]
         self._base = self._make_base(path, self._make_layout(path, limits), limits, make_controller)
         self._read_weights(weights)
@@ -150,15 +150,12 @@ class FeedforwardController(Controller):
         return base
 
 
-def _source_of(path: Path, manifest: Mapping[str, Any]) -> Source | None:
+def _source_of(path: Path, numbers: object) -> Source | None:
     """Return the source of the first population; None is the environment's own."""
-    given = manifest.get("first_source")
-    if given is None:
-        return None
     try:
-        return Source(**given)
-    except (SettingError, TypeError) as error:
-        raise PolicyFileError(f"{path}: first_source: {error}") from error
+        return None if numbers is None else Source.of(numbers)
+    except SettingError as error:
+        raise PolicyFileError(f"{path}: {error}") from error
 
 
 class RecurrentController(FeedforwardController):

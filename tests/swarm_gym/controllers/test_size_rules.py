@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from swarm_gym.controllers.size_rules import BEST_FITNESS, DIVERSITY, column
+from swarm_gym.controllers.rule import BEST_FITNESS, column
+from swarm_gym.controllers.size_rules import DIVERSITY
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 
