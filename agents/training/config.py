@@ -58,6 +58,12 @@ class TrainConfig:
     """Controller that a paired reward compares with."""
     price: tuple[float, ...] = (0.17,)
     """Price of 100,000 evaluations in units of the reward, or the range that episodes draw it from."""
+    group_size: int = 1
+    """Number of swarms that share seed, scenario, price and first state, for ppo only: their advantages are
+    relative to the mean of the group. It has to divide num_swarms; 1 is no groups."""
+    branches: tuple[int, ...] = ()
+    """Iterations, counted from 0, at which the swarms of a group begin to differ; each rollout draws one, and
+    before it the policy decides without noise. By default corrected_from."""
     base: str = "none"
     """Controller whose decisions the policy corrects, e.g. open-loop:three-cases; none for no base."""
     corrected_from: int = 0
@@ -70,8 +76,16 @@ class TrainConfig:
     """Number of LSTM units before the hidden layers; for recurrent-ppo only."""
     log_std: float = -1.6
     """Natural logarithm of the initial standard deviation of actions in [-1, 1]."""
+    noise_steps: int = 1
+    """Number of steps that share the noise of their actions, which is then a random matrix on the last hidden
+    layer (gSDE), for ppo only; 0 holds it for the episode, 1 draws noise for every step."""
+    critic: bool = True
+    """A critic estimates returns; without one, for ppo only, gae_lambda has to be 1."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
+    averaging: float = 0.0
+    """Share that an update keeps of the running mean of the actor's weights, which are the policy's, for ppo
+    only; 0 takes the last weights."""
     batch_size: int = 640
     """Number of environment steps in a minibatch."""
     epochs: int = 10

@@ -20,11 +20,19 @@ class SB3VecEnv(VecEnv):
             base and then those of the policy.
         base: controller to whose decisions the actions are added, if any.
         reference: reference whose return from the same start is subtracted at the end of an episode, if any.
+
+    Attributes:
+        first: the iteration in which the policy begins to decide.
+        num_common_steps: environment steps so far that are not part of the training.
     """
 
+    autoreset_mode = AutoresetMode.SAME_STEP
+    first = 0
+    num_common_steps = 0
+
     def __init__(self, env: VectorEnv, base: Base | None = None, reference: Reference | None = None):
-        if env.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
-            raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
+        if (given := env.metadata.get("autoreset_mode")) != self.autoreset_mode:
+            raise ValueError(f"expected autoreset mode {self.autoreset_mode.name}, got {given}")
         self.env = env
         self.render_mode = None
         self.base = base

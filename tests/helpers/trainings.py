@@ -41,7 +41,7 @@ def run_whole_and_stopped(folder, stop, total, **options):
     train(folder, name="stopped", total_steps=stop, **options).run()
     resumed = train(folder, name="stopped", total_steps=total, resume=True, **options)
     resumed.run()
-    assert resumed.learner.num_steps == whole.learner.num_steps == total
+    assert resumed.learner.num_steps == whole.learner.num_steps >= total
     for name in ("latest", "best"):
         assert_same_weights(*(folder / run / f"{name}.safetensors" for run in ("whole", "stopped")))
     return whole, resumed

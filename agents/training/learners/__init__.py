@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from agents.training.config import TrainConfig
 from agents.training.learners.evolution import EvolutionLearner
+from agents.training.learners.group_options import require_groups
 from agents.training.learners.learner import Learner
 from agents.training.learners.ppo import PPOLearner
 from agents.training.learners.recurrent import RecurrentPPOLearner
@@ -29,6 +30,7 @@ def make_learner(config: TrainConfig) -> Learner:
         ValueError: for options that the algorithm cannot use.
     """
     learner = look_up("algorithm", config.algorithm, LEARNERS)
+    require_groups(config)
     if config.base != "none" and config.warm_start != "none":
         raise ValueError(
             f"base {config.base!r} and warm_start {config.warm_start!r} exclude each other: a policy that "

@@ -81,10 +81,15 @@ def _options_of(size: int, source: Source | None) -> dict[str, Any]:
 
 
 def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
-    """Return the reference of a paired reward in its own swarms; None for other rewards."""
+    """Return the reference of a paired reward in its own swarms; None for other rewards.
+
+    Raises:
+        ValueError: for a reference whose episodes begin with another first population than the policy's.
+    """
     if config.reward != PAIRED:
         return None
     controller, options = reference_controller(config)
+    _require_equal_starts(config, controller)
     options = {**options, **controller.env_options()}
     return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options))
 
@@ -101,6 +106,19 @@ def reference_controller(config: TrainConfig) -> tuple[Controller, dict[str, Any
     if controller.price is not None:
         raise ValueError(f"reference {config.reference!r}: it observes a price, but a reference pays none")
     return controller, {**config.env_options(), "price": 0.0, "max_evaluations": None}
+
+
+def _require_equal_starts(config: TrainConfig, reference: Controller) -> None:
+    """Raise an error if a reference begins with another first population than the policy."""
+    size, source = first_population(config, make_base(config))
+    theirs = reference.initial_population_size, reference.first_source
+    if theirs != (size, source):
+        with_source = f" from the source {source}, theirs from {theirs[1]}" if theirs[1] != source else ""
+        raise ValueError(
+            f"reference {config.reference!r} begins with {theirs[0]} members, but the policy with {size}"
+            f"{with_source}: a paired reward compares equal starts; change initial_population_size, or name "
+            f"a reference with the policy's, e.g. spsfa-tip:initial_population_size={size}"
+        )
 
 
 def _make_env(

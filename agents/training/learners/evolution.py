@@ -17,6 +17,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from agents.runs.checkpoints import load_strategy, strategy_state
+from agents.training.beginnings import begin_together
 from agents.training.config import TrainConfig
 from agents.training.learners.environments import feature_names, make_swarms
 from agents.training.learners.learner import Learner
@@ -105,7 +106,12 @@ class EvolutionLearner(Learner):
         episodes = self.config.num_swarms // len(candidates)
         layers = [_rounded(*layer) for layer in self._layers(candidates)]
         swarms: Any = self.env.unwrapped
-        observations, returns, ended = self._begin(episodes, seed)
+        rows = np.tile(np.arange(episodes), len(candidates))
+        # In the first iterations, which all candidates share, the base decides alone.
+        observations, returns, ended, num_steps = begin_together(
+            self.env, self._base, rows, seed, self.config.corrected_from
+        )
+        self.num_steps += num_steps
         while not ended.all():
             proposal = None
             if self._base is not None:
@@ -121,30 +127,6 @@ class EvolutionLearner(Learner):
             observations, rewards, ended = swarms.step_running(actions)
             returns += rewards
         return returns.reshape(len(candidates), episodes).mean(axis=1)
-
-    def _begin(self, episodes: int, seed: int) -> tuple[NDArray, Floats, NDArray[np.bool_]]:
-        """Return observations, returns so far and ends of all swarms at the candidates' first decision.
-
-        First populations, and the iterations in which the base decides alone, are computed once per episode
-        and copied to all candidates.
-        """
-        swarms: Any = self.env.unwrapped
-        rows = np.tile(np.arange(episodes), self.env.num_envs // episodes)
-        once = np.arange(self.env.num_envs) < episodes
-        seeds: Any = (seed + rows).tolist()
-        self.env.reset(seed=seeds, options={"reset_mask": once})
-        observations = swarms.copy_swarms(rows)
-        returns, ended = np.zeros(self.env.num_envs), np.zeros(self.env.num_envs, dtype=np.bool_)
-        if self._base is not None:
-            self._base.controller.reset(self.env.num_envs)
-            for _ in range(self.config.corrected_from):
-                actions = self._base.propose(observations[rows]).actions
-                self.num_steps += int((once & ~ended).sum())
-                observations, rewards, ended = swarms.step_running(actions, once)
-                returns += rewards
-            if self.config.corrected_from:
-                observations, returns, ended = swarms.copy_swarms(rows), returns[rows], ended[rows]
-        return observations, returns, ended
 
     def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
         """Yield weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""

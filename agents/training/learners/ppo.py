@@ -4,19 +4,24 @@ Source: J. Schulman et al., "Proximal policy optimization algorithms", arXiv 170
 one episode of every swarm.
 """
 
+import warnings
 from typing import Any, ClassVar
 
 import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.utils import set_random_seed
 
 from agents.runs.seeds import TRAINING_START
 from agents.training.config import TrainConfig
+from agents.training.grouped_vec_env import GroupedVecEnv
 from agents.training.imitation import Demonstration, demonstrate, imitate
 from agents.training.learners.environments import feature_names, make_reference, make_swarms
+from agents.training.learners.group_advantages import GroupBuffer
+from agents.training.learners.group_options import has_groups
 from agents.training.learners.learner import Learner
 from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import includes
@@ -40,7 +45,9 @@ class PPOLearner(Learner):
         # regions, and networks of this size do not get faster with more of them.
         torch.set_num_threads(1)
         set_random_seed(config.seed)
-        env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
+        grouped = has_groups(config)
+        mode = AutoresetMode.DISABLED if grouped else AutoresetMode.SAME_STEP
+        env, base = make_swarms(config, config.num_swarms, mode)
         if self._teacher is not None:
             if not includes(config.action, self._teacher.action):
                 raise ValueError(
@@ -51,24 +58,37 @@ class PPOLearner(Learner):
                 require_fitting(self._teacher, config.max_evaluations or None)
             except ValueError as error:
                 raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
-        self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
+        if grouped:
+            firsts = config.branches or (config.corrected_from,)
+            self.env: SB3VecEnv = GroupedVecEnv(env, base, config.group_size, firsts, self._mean_actions)
+        else:
+            self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
-        self.model = self._make_model(self.env.get_attr("settings")[0].iterations)
+        self._mean_weights: Weights = {}
+        self._iterations = self.env.get_attr("settings")[0].iterations
+        self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
     @property
     def num_steps(self) -> int:  # type: ignore[override]
         """Environment steps so far."""
-        return self.model.num_timesteps
+        return self.model.num_timesteps + self.env.num_common_steps
 
     def begin(self) -> None:
-        """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base."""
-        if self._teacher is not None or self.env.base is not None:
-            noise = float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
+        """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base.
+
+        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero.
+        """
+        if self._teacher is None and not self.config.critic and self.env.base is not None:
+            with torch.no_grad():
+                for parameter in self.model.policy.action_net.parameters():
+                    parameter.zero_()
+        elif self._teacher is not None or self.env.base is not None:
             seed = TRAINING_START + self.config.seed
-            shown = demonstrate(self._teacher, self.env, noise, self.config.discount, seed)
+            shown = demonstrate(self._teacher, self.env, self._noise(), self.config.discount, seed)
             imitate(self.model.policy, self._lessons(shown), self._predict, seed)
+            self.env.num_common_steps = 0  # steps of demonstrations are not counted
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
@@ -78,15 +98,28 @@ class PPOLearner(Learner):
         # New episodes and averages, so that any chunk can be the first of a resumed run.
         self.model._last_obs = None
         self.model.ep_info_buffer = None
-        steps = self.model.n_steps * config.num_swarms * config.rollouts_per_chunk
-        self.model.learn(steps, reset_num_timesteps=False, log_interval=10**9)
+        for _ in range(config.rollouts_per_chunk):
+            self._begin_rollout()
+            steps = self.model.n_steps * config.num_swarms
+            self.model.learn(steps, reset_num_timesteps=False, log_interval=10**9)
+            self._average_weights()
         found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
         ended: Any = self.model.ep_info_buffer
         found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
         return found
 
     def weights(self) -> Weights:
-        """Return the layers that compute the mean action."""
+        """Return the layers that compute the mean action, or their running mean where there is one."""
+        return self._mean_weights or self._last_weights()
+
+    def _average_weights(self) -> None:
+        """Move the running mean of the weights towards the last ones."""
+        if share := self.config.averaging:
+            last = self._last_weights()
+            mean = self._mean_weights or last
+            self._mean_weights = {name: share * mean[name] + (1.0 - share) * last[name] for name in last}
+
+    def _last_weights(self) -> Weights:
         policy = self.model.policy
         layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
         weights = {}
@@ -98,17 +131,21 @@ class PPOLearner(Learner):
     def state(self) -> dict[str, Any]:
         """Return networks, optimizer and counters."""
         return {
+            "mean_weights": {name: torch.as_tensor(array) for name, array in self._mean_weights.items()},
             "policy": self.model.policy.state_dict(),
             "optimizer": self.model.policy.optimizer.state_dict(),
             "num_timesteps": self.model.num_timesteps,
+            "num_common_steps": self.env.num_common_steps,
             "updates": self.model._n_updates,
         }
 
     def load(self, state: dict[str, Any]) -> None:
         """Continue from a state."""
+        self._mean_weights = {name: tensor.numpy() for name, tensor in state["mean_weights"].items()}
         self.model.policy.load_state_dict(state["policy"])
         self.model.policy.optimizer.load_state_dict(state["optimizer"])
         self.model.num_timesteps = state["num_timesteps"]
+        self.env.num_common_steps = state["num_common_steps"]
         self.model._n_updates = state["updates"]
 
     def _lessons(self, shown: Demonstration) -> Demonstration:
@@ -121,24 +158,59 @@ class PPOLearner(Learner):
         policy = self.model.policy
         return policy.get_distribution(flat).mode(), policy.predict_values(flat).flatten()
 
+    def _mean_actions(self, seen: NDArray) -> NDArray:
+        """Return the actions (B, k) of the policy without noise."""
+        with torch.no_grad():
+            return self._predict(torch.as_tensor(seen)[:, None])[0].numpy()
+
+    def _noise(self) -> float:
+        """Return the standard deviation of the policy's actions, with held noise that where episodes begin."""
+        if self.config.noise_steps == 1:
+            return float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
+        self.env.seed(TRAINING_START + self.config.seed)
+        observations = torch.as_tensor(self.env.reset())
+        with torch.no_grad():
+            return float(self.model.policy.get_distribution(observations).distribution.stddev.mean())
+
+    def _begin_rollout(self) -> None:
+        """Make the next rollout one episode: groups of swarms begin to differ at different iterations."""
+        if self.model._last_obs is None:
+            self.model._last_obs = self.env.reset()
+            self.model._last_episode_starts = np.ones(self.env.num_envs, dtype=bool)
+        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._iterations - self.env.first
+
     def _policy_options(self) -> dict[str, Any]:
         return {"net_arch": list(self.config.hidden_layers), "log_std_init": self.config.log_std}
 
-    def _make_model(self, iterations: int) -> Any:
+    def _buffer_options(self) -> dict[str, Any]:
+        """Return the options of the model about its rollouts."""
         config = self.config
+        if config.group_size == 1 and config.critic:
+            return {}
+        buffer = {"group_size": config.group_size, "critic": config.critic}
+        return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
+
+    def _make_model(self) -> Any:
+        """Return the library's model; a last minibatch may be smaller than the others, which it warns of."""
+        config = self.config
+        warnings.filterwarnings("ignore", "You have specified a mini-batch size", UserWarning)
         return self.algorithm(
             self.policy,
             self.env,
             learning_rate=config.learning_rate,
-            n_steps=iterations,
+            n_steps=self._iterations - self.env.first,
             batch_size=config.batch_size,
             n_epochs=config.epochs,
             gamma=config.discount,
             gae_lambda=config.gae_lambda,
             clip_range=config.clip_range,
             ent_coef=config.entropy_weight,
+            vf_coef=0.5 if config.critic else 0.0,
             target_kl=config.target_kl,
             policy_kwargs=self._policy_options(),
             seed=config.seed,
             device="cpu",
+            use_sde=config.noise_steps != 1,
+            sde_sample_freq=config.noise_steps or -1,
+            **self._buffer_options(),
         )

@@ -66,7 +66,13 @@ def test_a_paired_return_is_the_difference_of_two_runs_from_the_same_start(budge
 
 @pytest.mark.usefixtures("plain_pictures")
 def test_validation_is_paired_too(tmp_path):
-    run = train(tmp_path, reward="paired", warm_start="none", total_steps=STEPS)
+    run = train(
+        tmp_path,
+        reward="paired",
+        reference="spsfa-tip:initial_population_size=4",
+        warm_start="none",
+        total_steps=STEPS,
+    )
     assert run.learner.env.reference is not None
     best = run.run()
     policy = load_learned(best, run.config.limits)

@@ -22,6 +22,8 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
+START_OF_4 = "spsfa-tip:initial_population_size=4"  # a reference that begins as the tiny trainings do
+
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
 
 
@@ -54,7 +56,10 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
         (1, 3, {}),
         pytest.param(1, 3, {"algorithm": "recurrent-ppo", "warm_start": "none"}, marks=pytest.mark.slow),
         pytest.param(
-            1, 3, {"base": "spsfa-tip", "warm_start": "none", "reward": "paired"}, marks=pytest.mark.slow
+            1,
+            3,
+            {"base": "spsfa-tip", "warm_start": "none", "reward": "paired", "reference": START_OF_4},
+            marks=pytest.mark.slow,
         ),
         # With a whole covariance, and with its diagonal.
         (4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": ()}),
@@ -157,6 +162,11 @@ def test_a_stored_configuration_that_is_unreadable_or_another_is_not_resumed(tmp
         ({"corrected_from": 3}, "corrected_from 3: without a base"),
         ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
         ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
+        ({"reward": "paired"}, "'spsfa-tip' begins with 12 members, but the policy with 4: .*equal starts"),
+        (
+            {"reward": "paired", "reference": "fixed:4,smooth_share=1"},
+            "policy with 4 from the source None, theirs from .*smooth_share=1.0",
+        ),
         ({"action": "natural"}, "'natural'.*scaled"),
         (
             {"warm_start": "open-loop:three-cases-extended", "max_population_size": 200},

@@ -1,0 +1,108 @@
+"""Episodes in groups, for stable-baselines3: swarms of a group share seed, scenario, price and first state.
+
+Sources: Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024), where advantages are relative to a group;
+A. Kazemnejad et al., "VinePPO", arXiv 2410.01679 (2024), where groups begin inside of episodes.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import NDArray
+
+from agents.runs.seeds import TRAINING_START
+from agents.training.beginnings import begin_together
+from agents.training.sb3_vec_env import SB3VecEnv
+from swarm_gym.controllers.learned.residual import Base, carried_out
+
+LARGEST_SEED = 2**31
+
+
+class GroupedVecEnv(SB3VecEnv):
+    """Episodes whose first iterations are common to a group of swarms, and not part of the training.
+
+    All episodes have the same length, so that they end, and new ones begin, at once.
+
+    Args:
+        env: environment without autoreset.
+        base: controller to whose decisions the actions are added, if any.
+        group_size: number of swarms in a group, neighbours.
+        firsts: iterations, counted from 0, at which the swarms of a group begin to differ; one of them is
+            drawn for all episodes that begin together.
+        decide: function from the policy's observations to its actions in the common iterations; None lets
+            the base decide alone.
+
+    Attributes:
+        first: the iteration at which the episodes under way began to differ.
+        num_common_steps: environment steps in common iterations so far, each computed once for its group.
+    """
+
+    autoreset_mode = AutoresetMode.DISABLED
+
+    def __init__(
+        self,
+        env: VectorEnv,
+        base: Base | None,
+        group_size: int,
+        firsts: tuple[int, ...] = (0,),
+        decide: Callable[[NDArray], NDArray] | None = None,
+    ):
+        super().__init__(env, base)
+        self._episodes = np.arange(env.num_envs) // group_size
+        self._firsts = firsts
+        self._decide = decide
+        self._generator = np.random.default_rng()
+        self.num_common_steps = 0
+        self.first = firsts[0]
+
+    def reset(self) -> NDArray:
+        """Begin new episodes of all groups; after `seed`, the same ones again."""
+        if self._seeds[0] is not None:
+            self._generator = np.random.default_rng(self._seeds[0])
+            self._reset_seeds()
+        return self._begin()
+
+    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
+        """Advance all swarms, as `SB3VecEnv` does."""
+        inner: Any = self.env.unwrapped
+        observations, rewards, dones = inner.step_running(self._actions)
+        self._returns += rewards
+        self._lengths += 1
+        if not dones.any():
+            return self._see(observations), rewards, dones, [{} for _ in range(self.num_envs)]
+        if not dones.all():
+            raise ValueError(
+                f"groups need episodes of one length, but {dones.sum()} of {len(dones)} ended early: budgets "
+                "and robots that arrive need group_size 1"
+            )
+        swarms = inner.simulation.swarms
+        by_env: list[dict[str, Any]] = [
+            {
+                "terminal_observation": self._last(observations[row]),
+                "TimeLimit.truncated": False,
+                "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
+                "best_fitness": float(swarms.best_fitness[row]),
+                "evaluations": int(swarms.evaluations[row]),
+            }
+            for row in range(self.num_envs)
+        ]
+        return self._begin(), rewards, dones, by_env
+
+    def _begin(self) -> NDArray:
+        self.first = self._firsts[self._generator.integers(len(self._firsts))]
+        groups = int(self._episodes[-1]) + 1
+        seed = int(self._generator.integers(TRAINING_START, LARGEST_SEED - groups))
+        begun = begin_together(
+            self.env, self.base, self._episodes, seed, self.first, self._decide and self._act
+        )
+        self.num_common_steps += begun.num_steps
+        self._returns[:] = begun.returns
+        self._lengths[:] = self.first
+        return self._see(begun.observations)
+
+    def _act(self, observations: NDArray) -> NDArray:
+        """Return the actions of a policy without noise."""
+        assert self._decide is not None
+        seen = self._see(observations)
+        return carried_out(self._decide(seen), self._proposal)

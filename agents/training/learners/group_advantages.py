@@ -1,0 +1,37 @@
+"""Advantages relative to a group of swarms that began alike, as a rollout buffer of stable-baselines3.
+
+The luck of a start is common to a group, so that the mean of the group is a far better estimate of what a
+start is worth than a critic's. Source: Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there,
+advantages are not divided by the group's standard deviation: the mean return is the objective.
+"""
+
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3.common.buffers import RolloutBuffer
+
+
+class GroupBuffer(RolloutBuffer):
+    """A rollout buffer of whole episodes in groups.
+
+    Args:
+        group_size: number of swarms in a group, neighbours; advantages of a step are those beyond their mean.
+        critic: whether the values of the critic are used; otherwise they count as zero.
+    """
+
+    def __init__(self, *args: Any, group_size: int, critic: bool, **kwargs: Any):
+        super().__init__(*args, **kwargs)
+        self.group_size = group_size
+        self.critic = critic
+
+    def compute_returns_and_advantage(self, last_values: torch.Tensor, dones: NDArray[np.bool_]) -> None:
+        """Compute returns, and advantages (steps, B) minus their mean over the group."""
+        if not self.critic:
+            self.values[:] = 0.0
+            last_values = torch.zeros_like(last_values)
+        super().compute_returns_and_advantage(last_values, dones)
+        if self.group_size > 1:
+            groups = self.advantages.reshape(len(self.advantages), -1, self.group_size)
+            self.advantages = (groups - groups.mean(axis=2, keepdims=True)).reshape(self.advantages.shape)

@@ -1,0 +1,51 @@
+"""Checks of the options about groups, noise, critic and averaging, before anything is made."""
+
+from agents.training.config import TrainConfig
+from agents.training.paired_reward import PAIRED
+from swarm_gym.checks import require_integer, require_number
+
+PPO_ONLY = ("group_size", "branches", "noise_steps", "critic", "averaging")
+LARGEST_AVERAGING = 0.9999
+
+
+def require_groups(config: TrainConfig) -> None:
+    """Raise an error for options that the algorithm does not have, or that exclude each other.
+
+    Raises:
+        ValueError: naming the option and its value.
+    """
+    for name in PPO_ONLY:
+        value = getattr(config, name)
+        if config.algorithm != "ppo" and value != getattr(TrainConfig, name):
+            raise ValueError(f"{name} {value!r} is for algorithm 'ppo' only, got {config.algorithm!r}")
+    require_integer("group_size", config.group_size, 1, config.num_swarms)
+    require_integer("noise_steps", config.noise_steps, 0, config.iterations)
+    require_number("averaging", config.averaging, 0.0, LARGEST_AVERAGING)
+    for first in config.branches:
+        require_integer("branches", first, config.corrected_from, config.iterations - 1)
+    if config.num_swarms % config.group_size:
+        raise ValueError(
+            f"num_swarms must be a multiple of group_size, got {config.num_swarms} and {config.group_size}"
+        )
+    if not config.critic and config.gae_lambda != 1.0:
+        raise ValueError(f"without a critic, gae_lambda must be 1, got {config.gae_lambda}")
+    if has_groups(config):
+        _require_equal_lengths(config)
+
+
+def has_groups(config: TrainConfig) -> bool:
+    """Return whether swarms begin in groups, or after iterations that are not part of the training."""
+    return config.group_size > 1 or bool(config.branches)
+
+
+def _require_equal_lengths(config: TrainConfig) -> None:
+    if config.max_evaluations:
+        raise ValueError(
+            f"max_evaluations {config.max_evaluations}: groups need episodes of one length; set group_size "
+            "to 1, without branches"
+        )
+    if config.reward == PAIRED:
+        raise ValueError(
+            f"reward {PAIRED!r} and group_size {config.group_size} exclude each other: the mean of a group "
+            "stands for the reference; choose optimality or final"
+        )
