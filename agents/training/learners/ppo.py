@@ -164,7 +164,7 @@ class PPOLearner(Learner):
             return self._predict(torch.as_tensor(seen)[:, None])[0].numpy()
 
     def _noise(self) -> float:
-        """Return the standard deviation of the policy's actions, with held noise that where episodes begin."""
+        """Return the standard deviation of actions; where noise is held, that at the begin of episodes."""
         if self.config.noise_steps == 1:
             return float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
         self.env.seed(TRAINING_START + self.config.seed)
