@@ -7,9 +7,11 @@ from typing import Any
 import gymnasium
 
 from agents import Controller, make_controller
+from agents.evaluation.blinded import load_blinded
 from experiments.runs.entrants import entrant
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
+from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.registration import environment_id
 from swarm_gym.simulation import Simulation
 from swarm_gym.warm_up import warm_up_single
@@ -60,8 +62,9 @@ def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, A
 
 @cache
 def controller_of(name: str) -> Controller:
-    """Return the controller of that name, which is made once per process."""
-    return make_controller(name)
+    """Return the controller of that name, which is made once per process; suites may blind policies."""
+    parts = ControllerName.parse(name)
+    return load_blinded(parts.argument) if parts.family == BLINDED else make_controller(name)
 
 
 def warm_up(optimizer: str, suite: Suite) -> None:

@@ -1,7 +1,7 @@
 """Display names of controllers in tables and figures."""
 
 from swarm_gym.controllers.fixed import FIRST_SOURCE
-from swarm_gym.controllers.names import ALL_SEEDS, ControllerName
+from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, ControllerName
 from swarm_gym.controllers.parameters import parse_parameters
 from swarm_gym.sources import SMOOTH, UNIFORM, Source
 
@@ -21,6 +21,7 @@ OPTIMIZER_LABELS = {
 
 # Families whose members are called by the recipe or file that they were fitted with.
 FITTED = {
+    BLINDED: "blinded",
     "distilled": "rule",
     "learned": "learned",
     "open-loop": "open loop",

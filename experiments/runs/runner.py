@@ -19,7 +19,7 @@ from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.suite import Suite
 from swarm_gym.controllers.distilled import DistilledRule
 from swarm_gym.controllers.learned.networks import FeedforwardController
-from swarm_gym.controllers.names import ControllerName
+from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.optimizers import get_optimizer
@@ -166,6 +166,9 @@ def configuration(suite: Suite) -> dict[str, Any]:
 def _identity(name: str, controller: Controller) -> Any:
     """Return the content of a controller's file, which may be replaced under the same name; else the name."""
     parts = ControllerName.parse(name)
+    if parts.family == BLINDED:
+        policy = f"learned:{parts.argument}"
+        return BLINDED, _identity(policy, controller_of(policy))
     if parts.family == "tuned":
         return load_tuned(parts.argument)
     if isinstance(controller, FeedforwardController):

@@ -10,6 +10,7 @@ recipe or a file, `<recipe>[/<seed>][@<price>]`; that of any other family is its
 * `learned:three-cases/0@0.3`: that policy for the price 0.3.
 * `open-loop:three-cases@0.5`: the open loop of the recipe `three-cases` for the price 0.5.
 * `tuned:runs/mine.json`: a file.
+* `blinded:three-cases/0@0.3`: in a suite, that policy with all inputs but the clock replaced by their means.
 * `multivariate(50)+fixed:65`: in a suite, `fixed:65` for this optimizer, in episodes of 50 iterations.
 
 The character @ always introduces the price of 100,000 evaluations that the controller is for. An open loop
@@ -21,7 +22,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import Self
 
-FITTED = ("distilled", "learned", "open-loop", "tuned")  # families whose arguments are recipes or files
+BLINDED = "blinded"
+FITTED = (BLINDED, "distilled", "learned", "open-loop", "tuned")  # their arguments are recipes or files
 ALL_SEEDS = "*"
 
 _NAME = re.compile(
