@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 
 from agents import Controller, make_controller
-from agents.evaluation.blinded import load_blinded
+from experiments.runs.blinded import load_blinded
 from experiments.runs.entrants import entrant
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from agents.evaluation import blinded
-from agents.evaluation.blinded import load_blinded
 from agents.evaluation.masking import clock_columns
+from experiments.runs import blinded
+from experiments.runs.blinded import load_blinded
 from experiments.runs.episode import Episode, controller_of
 from experiments.runs.labels import label
 from experiments.runs.runner import _identity
