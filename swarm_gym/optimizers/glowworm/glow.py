@@ -1,6 +1,6 @@
 """The brightness of the members of a glowworm swarm, and the choice of the member that one follows.
 
-Source: C. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3
+Source: M. Brand, X.-H. Yu, "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-3
 and 5, after K. N. Krishnanand, D. Ghose, Swarm Intelligence 3:87-124, 2009. The target shines, too: as
 brightly as a member that stays at the best place.
 """

@@ -1,7 +1,7 @@
 """Glowworm swarm: points that walk towards brighter points in sight; the first of them is the robot.
 
 Sources: K. N. Krishnanand, D. Ghose, "Glowworm swarm optimization for simultaneous capture of multiple local
-optima of multimodal functions", Swarm Intelligence 3:87-124, 2009; in the form of C. Brand, X.-H. Yu,
+optima of multimodal functions", Swarm Intelligence 3:87-124, 2009; in the form of M. Brand, X.-H. Yu,
 "Autonomous robot path optimization using firefly algorithm", ICMLC 2013, eq. 1-5. A member is a place on a
 grid map, and the path is the trajectory of the robot, from the start until it is at the target. Brand and Yu
 do not print what makes a place bright, nor most parameters; readings are in docs/readings.md.
