@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from experiments.runs.claims import GroupClaim
 from experiments.runs.groups import group_controllers
 
 SPSFA_TABLES = ("summary", "cases", "comparison", "reproduction")
@@ -52,6 +53,7 @@ class Suite:
         reference: evaluations and gap from which hypervolumes are measured; worse points contribute nothing.
         tables: names of tables in `experiments.catalogue`.
         figures: names of figures in `experiments.catalogue`.
+        claims: comparative sentences about the suite's runs.
         replayed: controllers whose first runs a report replays; by default the baseline and the best one.
     """
 
@@ -70,6 +72,7 @@ class Suite:
     reference: tuple[float, float] = (1_000_000.0, 0.2)
     tables: tuple[str, ...] = SPSFA_TABLES
     figures: tuple[str, ...] = SPSFA_FIGURES
+    claims: tuple[GroupClaim, ...] = ()
     replayed: tuple[str, ...] = ()
 
     @cached_property

@@ -47,6 +47,22 @@ def part_of(suite, controllers, scenarios, num_seeds, **changes):
     return dataclasses.replace(suite, **some, first_seed=0, **changes)
 
 
+def outcomes_of(gaps, load=None):
+    """Outcomes with these gaps, a list by controller and scenario; evaluations are 1000 per controller."""
+    from experiments.runs.outcomes import Outcomes
+    from helpers.builders import make_problem
+    from swarm_gym.reference import known_optimum
+
+    controllers = tuple(dict.fromkeys(controller for controller, _ in gaps))
+    scenarios = tuple(dict.fromkeys(scenario for _, scenario in gaps))
+    optima = [known_optimum(make_problem(name)) for name in scenarios]
+    gap = np.array([[gaps[c, s] for s in scenarios] for c in controllers])
+    fitness = np.array(optima)[:, None] * (1.0 + gap)
+    spent = np.ones_like(gap) * 1000.0 * (1.0 + np.arange(len(controllers)))[:, None, None]
+    loading = {} if load is None else {"load": load}
+    return Outcomes(controllers, scenarios, fitness, np.zeros_like(gap), spent, np.ones_like(gap), **loading)
+
+
 @contextmanager
 def filled_database(folder, runs):
     """Open a new database with these runs, and close it."""

@@ -195,8 +195,8 @@ COLLECTION_NAMES = (
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "gaps", "differences", "duels", "front",
     "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
-    "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids", "corridors",
-    "newcomers-claims", "newcomers-optimizers",
+    "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids", "corridors", "claims",
+    "newcomers-optimizers",
 )  # fmt: skip
 FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",

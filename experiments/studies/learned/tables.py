@@ -10,12 +10,14 @@ from experiments.tables.differences import difference_tables, paired_comparison_
 from experiments.tables.document import Document
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
+from experiments.tables.group_claims import group_claim_tables
 
 TABLES = {
     "gaps": gap_tables,
     "differences": difference_tables,
     "duels": paired_comparison_tables,
     "front": front_tables,
+    "claims": group_claim_tables,
     "near-optimum": near_optimum_tables,
 }
 DOCUMENTS = {"study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS)}

@@ -73,12 +73,6 @@ def _decisions(results: ResultsFolder) -> str:
     )
 
 
-def _claims(results: ResultsFolder) -> str:
-    """Return the sentences about gaps that are checked; nothing if there are none."""
-    table = results.table(f"{NEWCOMERS.name}/claims")
-    return table.markdown() if table.rows else ""
-
-
 def _suite_blocks(suite: str) -> dict[str, Block]:
     """Return the blocks that every suite with gaps has."""
     return {
@@ -86,6 +80,7 @@ def _suite_blocks(suite: str) -> dict[str, Block]:
         f"{suite}-gaps": partial(_gaps, suite),
         f"{suite}-near-optimum": partial(whole, suite, "near-optimum"),
         f"{suite}-differences": partial(_by_set, suite, "differences"),
+        f"{suite}-claims": partial(whole, suite, "claims"),
         f"{suite}-duels": partial(_by_set, suite, "duels"),
         f"{suite}-hypervolume": partial(
             value_by_set, suite, "hypervolume", ("family", "controllers"), "hypervolume"
@@ -106,7 +101,6 @@ BLOCKS: dict[str, Block] = {
     "bends": _bends,
     "bends-made-with": _bends_made_with,
     **_suite_blocks(NEWCOMERS.name),
-    "claims": _claims,
     "decisions": _decisions,
     "corridors": partial(_by_set, NEWCOMERS.name, "corridors"),
     "corridor-paths": partial(whole, NEWCOMERS.name, "corridor-paths"),

@@ -4,15 +4,20 @@ A recipe has no packaged controllers until its files ship. Then enter the number
 seeds, the second argument of `training_seeds`, in place of 0.
 """
 
+from pathlib import Path
+
 from agents.runs.seeds import VALIDATION
+from experiments.runs.claims import GroupClaim, load_claims
 from experiments.runs.suite import Family, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.scenarios import expand_name
 
+CLAIMS = load_claims(Path(__file__).parent / "claims.toml")
+
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
 
-PRICES = (1, 5, 10)  # of 100,000 evaluations, which open loops with sources are tuned for
+PRICES = (0.1, 0.5, 1, 2, 5, 10)  # of 100,000 evaluations, which open loops with sources are tuned for
 
 # Controllers of the three cases.
 PRINTED = (*FIXED_SIZES, "spsfa-tip")
@@ -28,15 +33,15 @@ EXTENDED_LOOPS = (
 # Tuned without sources on the objective of the open loops with sources, with as many steps in all.
 RIVALS = training_seeds("open-loop:three-cases-extended-long", 0, 1)
 CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 5, 1)
-RESTART = training_seeds("tuned:three-cases-restart", 0)
+RESTART = training_seeds("tuned:three-cases-restart", 5)
 SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 5, *PRICES)
 SOURCED_LOOPS_13 = training_seeds("open-loop:three-cases-sourced-13-knots", 0, *PRICES)
-LEARNED = training_seeds("learned:three-cases-sourced", 0)
-LEARNED_PPO = training_seeds("learned:three-cases-sourced-ppo", 0)
+LEARNED = training_seeds("learned:three-cases-sourced", 5)
+LEARNED_PPO = training_seeds("learned:three-cases-sourced-ppo", 5)
 
 # Controllers of random fields.
 FIELD_LOOPS = training_seeds("open-loop:random-fields-sourced", 5, 1)
-FIELD_LEARNED = training_seeds("learned:random-fields-sourced", 0)
+FIELD_LEARNED = training_seeds("learned:random-fields-sourced", 5)
 
 # Keys of groups whose decisions the document shows; those that were not run are left out.
 LOOKED_INTO = (
@@ -52,6 +57,11 @@ LOOKED_INTO = (
 def families(*found: Family) -> tuple[Family, ...]:
     """Return those families that have controllers."""
     return tuple(family for family in found if family.controllers)
+
+
+def claims_of(suite: str) -> tuple[GroupClaim, ...]:
+    """Return the claims about the runs of a suite."""
+    return tuple(claim for claim in CLAIMS if claim.suite == suite)
 
 
 def controllers(found: tuple[Family, ...]) -> tuple[str, ...]:
@@ -81,6 +91,7 @@ CASE_PAIRS = (
     ("learned:three-cases-sourced/*", "open-loop:three-cases-sourced/*@1"),
     ("learned:three-cases-sourced/*", "open-loop:three-cases-sourced-13-knots/*@1"),
     ("learned:three-cases-sourced-ppo/*", "learned:three-cases-sourced/*"),
+    ("learned:three-cases-sourced-ppo/*", "open-loop:three-cases-sourced/*@1"),
     ("tuned:three-cases-restart/*", "open-loop:three-cases-sourced/*@1"),
 )
 NEWCOMERS = Suite(
@@ -92,7 +103,8 @@ NEWCOMERS = Suite(
     pairs=CASE_PAIRS,
     first_seed=NEVER_USED,
     families=CASE_FAMILIES,
-    tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "newcomers-claims"),
+    tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "claims"),
+    claims=claims_of("newcomers"),
     figures=("first-populations", "corridors", "front", "decisions", "profiles"),
 )
 
@@ -103,6 +115,16 @@ FIELD_FAMILIES = families(
     Family("learned (extended)", training_seeds("learned:random-fields-extended", 5)),
     Family("open loops (sourced)", FIELD_LOOPS),
     Family("learned (sourced)", FIELD_LEARNED),
+    Family(
+        "of the cases (sourced)",
+        (
+            *CONSTANTS,
+            *RESTART,
+            *training_seeds("open-loop:three-cases-sourced", 5, 1),
+            *LEARNED,
+            *LEARNED_PPO,
+        ),
+    ),
 )
 FIELD_PAIRS = (
     ("learned:random-fields-extended/*", "open-loop:random-fields-extended"),
@@ -120,7 +142,8 @@ FIELDS = Suite(
     first_seed=NEVER_USED,
     seed_step=1,
     families=FIELD_FAMILIES,
-    tables=("gaps", "near-optimum", "differences", "duels", "front"),
+    tables=("gaps", "near-optimum", "differences", "duels", "front", "claims"),
+    claims=claims_of("newcomers-fields"),
     figures=("front", "profiles"),
 )
 

@@ -1,6 +1,5 @@
 """Tables of the study of new members, and the document that shows them."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from experiments.runs.entrants import entrant
@@ -10,77 +9,14 @@ from experiments.runs.suite import Suite
 from experiments.statistics import Difference, difference
 from experiments.studies.newcomers.blocks import BLOCKS
 from experiments.studies.newcomers.corridors import corridor_tables
-from experiments.studies.newcomers.suites import (
-    BASELINE,
-    SMOOTH_MEMBERS,
-    UNIFORM_MEMBERS,
-)
+from experiments.studies.newcomers.suites import SMOOTH_MEMBERS, UNIFORM_MEMBERS
 from experiments.tables.cell import Entry, number, share, share_in
-from experiments.tables.claims import Claim, claims_table
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Document
 from experiments.tables.gaps import NEAR
 from experiments.tables.table import Table
 
 FINE = ".2f"
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A sentence of the document that compares the gaps of two groups, in a form that is checked.
-
-    Attributes:
-        text: the sentence. It holds for a scenario if the whole interval of the difference is below 0.
-        group: key of the group whose gap is smaller.
-        rival: key of the other group.
-    """
-
-    text: str
-    group: str
-    rival: str
-
-
-# Sentences of the document; those about groups that were not run are left out.
-SOURCED = "open-loop:three-cases-sourced/*@1"
-COMPARISONS: tuple[Comparison, ...] = (
-    Comparison(
-        "Open loops that decide sources end closer to the optimum than the baseline.", SOURCED, BASELINE
-    ),
-    Comparison(
-        "They end closer to it than open loops without sources that were tuned with as many steps.",
-        SOURCED,
-        "open-loop:three-cases-extended-long/*@1",
-    ),
-    Comparison(
-        "They end closer to it than policies that decide size, φ, noise and attractiveness.",
-        SOURCED,
-        "learned:three-cases-extended/*@2",
-    ),
-    Comparison(
-        "They end closer to it than constant decisions on the same things.",
-        SOURCED,
-        "open-loop:three-cases-sourced-constant/*@1",
-    ),
-    Comparison("They end closer to it than the restart rule.", SOURCED, "tuned:three-cases-restart/*"),
-    Comparison(
-        "Policies that correct such an open loop end closer to it than open loops.",
-        "learned:three-cases-sourced/*",
-        SOURCED,
-    ),
-)
-
-
-def claim_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
-    """Return a table of the sentences that compare groups, with the scenarios on which each holds."""
-    claims = []
-    for comparison in COMPARISONS:
-        if outcomes.groups.keys() >= {comparison.group, comparison.rival}:
-            found = {
-                name: compare_groups(outcomes, comparison.group, comparison.rival, name).interval[1] < 0.0
-                for name in outcomes.sets
-            }
-            claims.append(Claim(comparison.text, found))
-    return [claims_table("claims", "What is said of gaps, and where it does not hold", claims)]
 
 
 def compare_groups(outcomes: Outcomes, group: str, rival: str, scenario_set: str) -> Difference:
@@ -125,7 +61,6 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 TABLES = {
-    "newcomers-claims": claim_tables,
     "newcomers-optimizers": optimizer_tables,
     "corridors": corridor_tables,
 }

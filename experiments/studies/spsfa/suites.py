@@ -1,6 +1,9 @@
 """Suites of the SPSFA paper: its three cases, and its studies of single parameters."""
 
-from experiments.runs.suite import Suite
+from pathlib import Path
+
+from experiments.runs.claims import load_claims
+from experiments.runs.suite import SPSFA_TABLES, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES
 from experiments.studies.spsfa import parameters
 
@@ -11,6 +14,8 @@ PAPER = Suite(
     num_seeds=20,
     baseline="spsfa-tip",
     snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
+    tables=(*SPSFA_TABLES, "claims"),
+    claims=load_claims(Path(__file__).parent / "claims.toml"),
     replayed=("spsfa-tip", "learned:three-cases/0@1", "fixed:80", "spsfa"),
 )
 

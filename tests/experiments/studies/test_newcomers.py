@@ -15,9 +15,8 @@ from experiments.plots.style import styles
 from experiments.publish import publish
 from experiments.runs.episode import Episode
 from experiments.runs.groups import group_controllers
-from experiments.runs.outcomes import Outcomes
 from experiments.runs.runner import _identity, configuration
-from experiments.studies.newcomers import blocks, tables
+from experiments.studies.newcomers import blocks
 from experiments.studies.newcomers.bends import bends_table
 from experiments.studies.newcomers.corridors import MOST_NAMED, corridor_tables, ends_of
 from experiments.studies.newcomers.figures import (
@@ -36,11 +35,18 @@ from experiments.studies.newcomers.suites import (
     UNIFORM_MEMBERS,
     WHOLE_PATHS,
 )
-from experiments.studies.newcomers.tables import Comparison, claim_tables, optimizer_tables
+from experiments.studies.newcomers.tables import optimizer_tables
 from experiments.tables.blocks import decisions_name
 from experiments.tables.table import Table
 from helpers.builders import make_problem
-from helpers.stored_runs import cells_of, filled_database, line, part_of, printed_rows, stored_run
+from helpers.stored_runs import (
+    cells_of,
+    filled_database,
+    line,
+    outcomes_of,
+    part_of,
+    stored_run,
+)
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.optimizers import OPTIMIZERS as ALL_OPTIMIZERS
 from swarm_gym.reference import known_optimum
@@ -50,18 +56,6 @@ from swarm_gym.sources import SOURCE_DECISIONS, Source
 ROOT = Path(__file__).parents[3]
 PAGE = Path("docs/newcomers.md")
 CASES = ("case1", "case2", "case3")
-
-
-def outcomes_of(gaps, load=None):
-    """Outcomes with these gaps, a list by controller and scenario; evaluations are 1000 per controller."""
-    controllers = tuple(dict.fromkeys(controller for controller, _ in gaps))
-    scenarios = tuple(dict.fromkeys(scenario for _, scenario in gaps))
-    optima = [known_optimum(make_problem(name)) for name in scenarios]
-    gap = np.array([[gaps[c, s] for s in scenarios] for c in controllers])
-    fitness = np.array(optima)[:, None] * (1.0 + gap)
-    spent = np.ones_like(gap) * 1000.0 * (1.0 + np.arange(len(controllers)))[:, None, None]
-    loading = {} if load is None else {"load": load}
-    return Outcomes(controllers, scenarios, fitness, np.zeros_like(gap), spent, np.ones_like(gap), **loading)
 
 
 # First populations of other optimizers.
@@ -135,20 +129,6 @@ def test_kinds_of_bends_are_paired_by_scenario_and_seed():
     same = bends_table({kind: [outcomes_of(makes[0])] for kind in BEND_SUITES})
     assert {row["harmonics - stomp"] for row in cells_of([same], same.name)} == {"+0.00 % [+0.00, +0.00]"}
     assert len(found.columns) <= 9
-
-
-# Sentences that are checked.
-
-
-def test_a_sentence_holds_where_the_whole_interval_is_below_zero(monkeypatch):
-    rivals = [Comparison("FA-60 has a smaller gap", "fixed:60", "fixed:80")]
-    rivals.append(Comparison("nobody ran this", "fixed:60", "fixed:7"))
-    monkeypatch.setattr(tables, "COMPARISONS", tuple(rivals))
-    gaps = {("fixed:60", s): [0.01, 0.02, 0.03] for s in CASES[:2]}
-    gaps |= {("fixed:80", "case1"): [0.02, 0.03, 0.05], ("fixed:80", "case2"): [0.0, 0.02, 0.05]}
-    (table,) = claim_tables(NEWCOMERS, outcomes_of(gaps))
-    ((claim, holds, failing),) = printed_rows(table)
-    assert (claim, holds, failing) == ("FA-60 has a smaller gap", "2 of 3", "case2")
 
 
 # Corridors.
@@ -301,7 +281,7 @@ COLUMNS = {
     "hypervolume": ("scenarios", "family", "controllers", "hypervolume"),
     "corridors": ("scenarios", "controller", "A"),
     "corridor-paths": ("scenarios", "corridor", "runs"),
-    "claims": ("claim", "holds", "does not hold"),
+    "claims": ("claim", "scenarios", "holds"),
     "newcomers-optimizers": ("optimizer", "scenarios", "uniform"),
 }
 
@@ -320,7 +300,8 @@ def results(tmp_path, monkeypatch):
     }
     monkeypatch.setattr(blocks, "BEND_SUITES", small)
     bends = [suite for pair in small.values() for suite in pair]
-    for name in ("newcomers", "newcomers-fields", "newcomers-optimizers", *(suite.name for suite in bends)):
+    others = ("newcomers", "newcomers-fields", "newcomers-optimizers")
+    for name in (*others, *(suite.name for suite in bends)):
         (folder / name).mkdir(parents=True)
         (folder / name / "made-with.md").write_text(f"Runs made with: {name}.\n")
         for table, columns in COLUMNS.items():
@@ -354,12 +335,8 @@ def test_publishing_fills_the_page_and_copies_its_figures(results):
     assert PAGE.read_bytes() == filled
 
 
-def test_nothing_is_written_about_claims_and_decisions_that_are_not_there(results):
-    folder = results / "docs/newcomers-study/newcomers"
-    (folder / "claims.json").write_text(Table("claims", "Claims", COLUMNS["claims"], []).json())
-    for file in folder.glob("figure-decisions-*"):
+def test_nothing_is_written_about_decisions_that_are_not_there(results):
+    for file in (results / "docs/newcomers-study/newcomers").glob("figure-decisions-*"):
         file.unlink()
     publish("newcomers", results)
-    text = PAGE.read_text(encoding="utf-8")
-    assert "<!-- claims -->\n\n<!-- /claims -->" in text
-    assert "![decisions of" not in text
+    assert "![decisions of" not in PAGE.read_text(encoding="utf-8")

@@ -1,0 +1,93 @@
+"""Comparative sentences of a study, read from its file `claims.toml`.
+
+An entry of the file:
+
+    [[claim]]
+    sentence = "PPO ends closer to the optimum than SPSFA-TIP."
+    suite = "headline"
+    group = "learned:three-cases/*@1"
+    rival = "spsfa-tip"
+
+`experiments.tables.group_claims` checks them against stored runs.
+"""
+
+import dataclasses
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarm_gym.errors import shown
+
+METRICS = ("gap", "evaluations", "objective", "far", "spread")
+
+
+class ClaimFileError(ValueError):
+    """A file of claims that has an invalid entry; the message names the file and the entry."""
+
+
+@dataclass(frozen=True)
+class GroupClaim:
+    """A sentence about a group of controllers: one of its measures is below that of a rival, or a limit.
+
+    Attributes:
+        sentence: the sentence.
+        suite: name of the suite whose runs decide.
+        group: key of the group that the sentence is about.
+        rival: key of the group that it is compared with, on the same scenarios and seeds; empty if the
+            sentence has a limit.
+        metric: measure that is averaged over runs. `gap` is the optimality gap in per cent; `evaluations` are
+            those of a run in thousands; `objective` is the gap plus `price` times the evaluations / 100,000;
+            `far` is the per cent of the runs that are not within 1 % of the optimum; `spread` is the mean
+            distance of a run's gap from the median of its scenario, in per cent.
+        factor: the group has to be below this multiple of the rival.
+        limit: number that the group has to be below, if there is no rival.
+        price: price of 100,000 evaluations in the objective.
+        sets: sets of scenarios that the sentence is about; by default all, and their union.
+    """
+
+    sentence: str
+    suite: str
+    group: str
+    rival: str = ""
+    metric: str = "gap"
+    factor: float = 1.0
+    limit: float = 0.0
+    price: float = 1.0
+    sets: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.metric not in METRICS:
+            raise ValueError(f"metric must be one of {', '.join(METRICS)}, got {shown(self.metric)}")
+        if bool(self.rival) == (self.limit > 0.0):
+            raise ValueError("a claim needs either a rival or a limit above 0")
+
+    def is_about(self, scenario_set: str) -> bool:
+        """Return whether the sentence is about a set of scenarios."""
+        return not self.sets or scenario_set in self.sets
+
+
+def load_claims(path: Path) -> tuple[GroupClaim, ...]:
+    """Return the claims in a file, in their order.
+
+    Raises:
+        ClaimFileError: for a file that is no TOML, an unknown key, or a value that a claim cannot have.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ClaimFileError(f"{path}: not a readable file of claims ({error})") from error
+    if set(content) - {"claim"}:
+        raise ClaimFileError(f"{path}: expected tables [[claim]] only, got {', '.join(content)}")
+    return tuple(_read(entry, f"{path}: claim {k + 1}") for k, entry in enumerate(content.get("claim", [])))
+
+
+def _read(entry: dict[str, Any], where: str) -> GroupClaim:
+    known = [one.name for one in dataclasses.fields(GroupClaim)]
+    if unknown := sorted(set(entry) - set(known)):
+        raise ClaimFileError(f"{where}: unknown key {shown(unknown[0])}, expected some of {', '.join(known)}")
+    values = {**entry, **({"sets": tuple(entry["sets"])} if "sets" in entry else {})}
+    try:
+        return GroupClaim(**values)
+    except (TypeError, ValueError) as error:
+        raise ClaimFileError(f"{where}: {error}") from error
