@@ -26,6 +26,7 @@ from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
+from swarm_gym.observation import make_observation
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
@@ -57,12 +58,9 @@ def decides(name: str) -> None:
     """
     controller = make_controller(name)
     controller.reset(2)
-    width = 13 if controller.observation == "rich" else 4
-    assert np.isfinite(controller.act(_OBSERVED[:, :width])).all()
+    width = len(make_observation(controller.observation).features)
+    assert np.isfinite(controller.act(np.tile(np.linspace(0, 1, width), (2, 1)))).all()
     assert type(controller.initial_population_size) is int
-
-
-_OBSERVED = np.tile(np.linspace(0, 1, 13), (2, 1))
 
 
 class Parser(NamedTuple):
