@@ -160,12 +160,15 @@ PACKAGED_POLICIES = {
     "case3": 3,
     "random-fields-extended": 5,
     "random-fields": 5,
+    "random-fields-sourced": 5,
     "three-cases-cheap": 3,
     "three-cases-extended-cheap": 5,
     "three-cases-extended-deep": 2,
     "three-cases-extended-fine": 3,
     "three-cases-extended": 7,
     "three-cases-ppo": 1,
+    "three-cases-sourced-ppo": 5,
+    "three-cases-sourced": 5,
     "three-cases": 10,
 }
 # Entries of the manifests of packaged policies.
@@ -186,7 +189,8 @@ PRESETS = (
 SUITE_NAMES = (
     "paper", "headline", "generalisation", "out-of-distribution", "ablation", "parameters", "moa-paper",
     "iafsa-functions", "iafsa-shifted", "iafsa-routes", "brand-yu-static", "brand-yu-dynamic",
-    "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-optimizers",
+    "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
+    "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
 )  # fmt: skip
 COLLECTION_NAMES = (

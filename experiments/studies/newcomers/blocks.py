@@ -8,6 +8,7 @@ from functools import partial
 from experiments.runs.groups import group_controllers
 from experiments.studies.newcomers.bends import bends_table, stored_outcomes
 from experiments.studies.newcomers.suites import (
+    ABLATION,
     BEND_SUITES,
     FIELDS,
     LOOKED_INTO,
@@ -108,6 +109,10 @@ BLOCKS: dict[str, Block] = {
         figure, FIGURES, NEWCOMERS.name, "corridors", "the best path of each corridor in which most runs end"
     ),
     **_suite_blocks(FIELDS.name),
+    "ablation-gaps": partial(_gaps, ABLATION.name),
+    "ablation-near-optimum": partial(whole, ABLATION.name, "near-optimum"),
+    "ablation-claims": partial(whole, ABLATION.name, "claims"),
+    "ablation-made-with": partial(made_with, ABLATION.name),
     "optimizers": partial(whole, OPTIMIZERS.name, "newcomers-optimizers"),
     "optimizers-made-with": partial(made_with, OPTIMIZERS.name),
 }

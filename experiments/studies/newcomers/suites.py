@@ -142,6 +142,28 @@ FIELDS = Suite(
     figures=("front", "profiles"),
 )
 
+# Open loops that were tuned alike, all of whose decisions are searched but those that the name takes away.
+ALL_DECISIONS = "all-decisions"
+TAKEN_AWAY = ("no-immigrants", "no-smooth-growth", "no-smooth-members", "only-smooth-members")
+ABLATION_FAMILIES = families(
+    *(
+        Family(name.replace("-", " "), training_seeds(f"open-loop:ablation-{name}", 5, 1))
+        for name in (ALL_DECISIONS, *TAKEN_AWAY)
+    )
+)
+ABLATION = Suite(
+    name="newcomers-ablation",
+    controllers=controllers(ABLATION_FAMILIES),
+    scenarios=CASES,
+    num_seeds=100,
+    baseline=f"open-loop:ablation-{ALL_DECISIONS}/*@1",
+    first_seed=NEVER_USED,
+    families=ABLATION_FAMILIES,
+    tables=("gaps", "near-optimum", "differences", "front", "claims"),
+    figures=(),
+    claims=claims_of("newcomers-ablation"),
+)
+
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first
 # population alone.
 WHOLE_PATHS = (
@@ -202,6 +224,7 @@ BEND_SUITES = {
 SUITES = (
     NEWCOMERS,
     FIELDS,
+    ABLATION,
     OPTIMIZERS,
     *(suite for pair in BEND_SUITES.values() for suite in pair),
 )

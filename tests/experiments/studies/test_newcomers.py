@@ -300,7 +300,7 @@ def results(tmp_path, monkeypatch):
     }
     monkeypatch.setattr(blocks, "BEND_SUITES", small)
     bends = [suite for pair in small.values() for suite in pair]
-    others = ("newcomers", "newcomers-fields", "newcomers-optimizers")
+    others = ("newcomers", "newcomers-fields", "newcomers-ablation", "newcomers-optimizers")
     for name in (*others, *(suite.name for suite in bends)):
         (folder / name).mkdir(parents=True)
         (folder / name / "made-with.md").write_text(f"Runs made with: {name}.\n")
