@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,9 @@ def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Pa
     """
     path = find_file(name, folder, ".json")
     if path is None:
-        packaged = ", ".join(packaged_names(folder, ".json")) or "none"
+        # One entry for all tuning seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
+        names = [re.sub(r"/[0-9]+(?=@|$)", "/*", known) for known in packaged_names(folder, ".json")]
+        packaged = ", ".join(dict.fromkeys(names)) or "none"
         raise error(f"{kind} {shown(name)}: neither a packaged one ({packaged}) nor a file")
     return path
 
