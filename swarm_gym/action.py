@@ -43,6 +43,9 @@ from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
 
 Floats = NDArray[np.float64]
 
+# Smallest and largest values of decisions on new members, each (3,).
+_LEAST_OF_SOURCES, _MOST_OF_SOURCES = np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS])
+
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
 
@@ -219,7 +222,7 @@ class Action:
         if len(decided) > first_source:
             sources = np.stack(decided[first_source:], axis=1)
             # Scales round: a number of -1 or 1 may stand for slightly more than its bound.
-            sources = np.clip(sources, *np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS]))
+            sources = np.clip(sources, _LEAST_OF_SOURCES, _MOST_OF_SOURCES)
         return Decisions(
             np.floor(within + 0.5).astype(np.int64),
             np.minimum(np.maximum(decided[1], 0.0), 1.0),

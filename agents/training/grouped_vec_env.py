@@ -11,12 +11,10 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from agents.runs.seeds import TRAINING_START
+from agents.runs.seeds import TRAINING_START, TRAINING_STOP
 from agents.training.beginnings import begin_together
 from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.controllers.learned.residual import Base, carried_out
-
-LARGEST_SEED = 2**31
 
 
 class GroupedVecEnv(SB3VecEnv):
@@ -77,14 +75,8 @@ class GroupedVecEnv(SB3VecEnv):
                 "and robots that arrive need group_size 1"
             )
         swarms = inner.simulation.swarms
-        by_env: list[dict[str, Any]] = [
-            {
-                "terminal_observation": self._last(observations[row]),
-                "TimeLimit.truncated": False,
-                "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
-                "best_fitness": float(swarms.best_fitness[row]),
-                "evaluations": int(swarms.evaluations[row]),
-            }
+        by_env = [
+            self._ended(row, observations[row], swarms.best_fitness[row], swarms.evaluations[row])
             for row in range(self.num_envs)
         ]
         return self._begin(), rewards, dones, by_env
@@ -92,7 +84,7 @@ class GroupedVecEnv(SB3VecEnv):
     def _begin(self) -> NDArray:
         self.first = self._firsts[self._generator.integers(len(self._firsts))]
         groups = int(self._episodes[-1]) + 1
-        seed = int(self._generator.integers(TRAINING_START, LARGEST_SEED - groups))
+        seed = int(self._generator.integers(TRAINING_START, TRAINING_STOP - groups))
         begun = begin_together(
             self.env, self.base, self._episodes, seed, self.first, self._decide and self._act
         )

@@ -76,13 +76,14 @@ class SB3VecEnv(VecEnv):
         self._lengths += 1
         by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for row in np.flatnonzero(dones):
-            by_env[row] = {
-                "terminal_observation": self._last(infos["final_obs"][row]),
-                "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
-                "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
-                "best_fitness": float(infos["final_info"]["best_fitness"][row]),
-                "evaluations": int(infos["final_info"]["evaluations"][row]),
-            }
+            final = infos["final_info"]
+            by_env[row] = self._ended(
+                int(row),
+                infos["final_obs"][row],
+                final["best_fitness"][row],
+                final["evaluations"][row],
+                truncated=bool(truncated[row] and not terminated[row]),
+            )
         self._returns[dones] = 0.0
         self._lengths[dones] = 0
         return self._see(observations), rewards, dones, by_env
@@ -119,6 +120,18 @@ class SB3VecEnv(VecEnv):
             return observations
         self._proposal = self.base.propose(observations)
         return self._proposal.seen
+
+    def _ended(
+        self, row: int, last: NDArray, best_fitness: float, evaluations: int, *, truncated: bool = False
+    ) -> dict[str, Any]:
+        """Return the info of an episode that ended with an observation, of the swarm in that row."""
+        return {
+            "terminal_observation": self._last(last),
+            "TimeLimit.truncated": truncated,
+            "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
+            "best_fitness": float(best_fitness),
+            "evaluations": int(evaluations),
+        }
 
     def _last(self, observation: NDArray) -> NDArray:
         """Return the policy's last observation of an episode, without a proposal of the base."""

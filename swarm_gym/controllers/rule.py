@@ -1,6 +1,7 @@
 """Base class of hand-made rules: parameters with ranges, their text in names, and PS(0)."""
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Self
 
 from swarm_gym.controllers.controller import Controller, SizeLimits
@@ -57,6 +58,7 @@ class Rule(Controller):
         return {**sizes, "repair_degree": Range(0.0, 1.0)}
 
 
+@cache
 def column(layout: str, feature: str) -> int:
     """Return the index of a feature in an observation layout."""
     return [one.name for one in make_observation(layout).features].index(feature)

@@ -1,8 +1,8 @@
 """Advantages relative to a group of swarms that began alike, as a rollout buffer of stable-baselines3.
 
-The luck of a start is common to a group, so that the mean of the group is a far better estimate of what a
-start is worth than a critic's. Source: Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there,
-advantages are not divided by the group's standard deviation: the mean return is the objective.
+The luck of a start is common to a group, and the mean of the group takes it out of the advantages. Source:
+Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there, advantages are not divided by the
+group's standard deviation: the mean return is the objective.
 """
 
 from typing import Any

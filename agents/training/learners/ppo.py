@@ -193,24 +193,25 @@ class PPOLearner(Learner):
     def _make_model(self) -> Any:
         """Return the library's model; a last minibatch may be smaller than the others, which it warns of."""
         config = self.config
-        warnings.filterwarnings("ignore", "You have specified a mini-batch size", UserWarning)
-        return self.algorithm(
-            self.policy,
-            self.env,
-            learning_rate=config.learning_rate,
-            n_steps=self._iterations - self.env.first,
-            batch_size=config.batch_size,
-            n_epochs=config.epochs,
-            gamma=config.discount,
-            gae_lambda=config.gae_lambda,
-            clip_range=config.clip_range,
-            ent_coef=config.entropy_weight,
-            vf_coef=0.5 if config.critic else 0.0,
-            target_kl=config.target_kl,
-            policy_kwargs=self._policy_options(),
-            seed=config.seed,
-            device="cpu",
-            use_sde=config.noise_steps != 1,
-            sde_sample_freq=config.noise_steps or -1,
-            **self._buffer_options(),
-        )
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "You have specified a mini-batch size", UserWarning)
+            return self.algorithm(
+                self.policy,
+                self.env,
+                learning_rate=config.learning_rate,
+                n_steps=self._iterations - self.env.first,
+                batch_size=config.batch_size,
+                n_epochs=config.epochs,
+                gamma=config.discount,
+                gae_lambda=config.gae_lambda,
+                clip_range=config.clip_range,
+                ent_coef=config.entropy_weight,
+                vf_coef=0.5 if config.critic else 0.0,
+                target_kl=config.target_kl,
+                policy_kwargs=self._policy_options(),
+                seed=config.seed,
+                device="cpu",
+                use_sde=config.noise_steps != 1,
+                sde_sample_freq=config.noise_steps or -1,
+                **self._buffer_options(),
+            )
