@@ -83,6 +83,9 @@ class TrainConfig:
     """A critic estimates returns; without one, for ppo only, gae_lambda has to be 1."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
+    decay_steps: int = 0
+    """Number of environment steps over which learning_rate falls linearly to 0, for ppo only; 0 keeps it. At
+    least total_steps, so that no step is without learning."""
     averaging: float = 0.0
     """Share that an update keeps of the running mean of the actor's weights, which are the policy's, for ppo
     only; 0 takes the last weights."""

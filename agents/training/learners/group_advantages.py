@@ -3,6 +3,10 @@
 The luck of a start is common to a group, and the mean of the group takes it out of the advantages. Source:
 Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there, advantages are not divided by the
 group's standard deviation: the mean return is the objective.
+
+Noise that is held for several steps earns one advantage, that of the step in which it was drawn. Otherwise
+the later steps of the same noise would be praised for what it earns to the end, and not blamed for what it
+has cost before; policies learned so ended with too large populations.
 """
 
 from typing import Any
@@ -19,10 +23,12 @@ class GroupBuffer(RolloutBuffer):
     Args:
         group_size: number of swarms in a group, neighbours; advantages of a step are those beyond their mean.
         critic: whether the values of the critic are used; otherwise they count as zero.
+        noise_steps: number of steps that share their noise; 0 is a whole episode.
     """
 
-    def __init__(self, *args: Any, group_size: int, critic: bool, **kwargs: Any):
+    def __init__(self, *args: Any, group_size: int, critic: bool, noise_steps: int, **kwargs: Any):
         super().__init__(*args, **kwargs)
+        self.noise_steps = noise_steps
         self.group_size = group_size
         self.critic = critic
 
@@ -32,6 +38,8 @@ class GroupBuffer(RolloutBuffer):
             self.values[:] = 0.0
             last_values = torch.zeros_like(last_values)
         super().compute_returns_and_advantage(last_values, dones)
+        held = self.noise_steps or len(self.advantages)
+        self.advantages = self.advantages[np.arange(len(self.advantages)) // held * held]
         if self.group_size > 1:
             groups = self.advantages.reshape(len(self.advantages), -1, self.group_size)
             self.advantages = (groups - groups.mean(axis=2, keepdims=True)).reshape(self.advantages.shape)

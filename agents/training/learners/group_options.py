@@ -1,10 +1,10 @@
-"""Checks of the options about groups, noise, critic and averaging, before anything is made."""
+"""Checks of the options that PPO alone has, before anything is made."""
 
 from agents.training.config import TrainConfig
 from agents.training.paired_reward import PAIRED
 from swarm_gym.checks import require_integer, require_number
 
-PPO_ONLY = ("group_size", "branches", "noise_steps", "critic", "averaging")
+PPO_ONLY = ("group_size", "branches", "noise_steps", "critic", "averaging", "decay_steps")
 LARGEST_AVERAGING = 0.9999
 
 
@@ -21,6 +21,12 @@ def require_groups(config: TrainConfig) -> None:
     require_integer("group_size", config.group_size, 1, config.num_swarms)
     require_integer("noise_steps", config.noise_steps, 0, config.iterations)
     require_number("averaging", config.averaging, 0.0, LARGEST_AVERAGING)
+    require_integer("decay_steps", config.decay_steps, 0)
+    if 0 < config.decay_steps < config.total_steps:
+        raise ValueError(
+            "decay_steps must be 0 or at least total_steps, got "
+            f"{config.decay_steps} and {config.total_steps}"
+        )
     for first in config.branches:
         require_integer("branches", first, config.corrected_from, config.iterations - 1)
     if config.num_swarms % config.group_size:
@@ -29,7 +35,7 @@ def require_groups(config: TrainConfig) -> None:
         )
     if not config.critic and config.gae_lambda != 1.0:
         raise ValueError(f"without a critic, gae_lambda must be 1, got {config.gae_lambda}")
-    if has_groups(config):
+    if has_groups(config) or config.noise_steps != 1:
         _require_equal_lengths(config)
 
 
@@ -41,10 +47,10 @@ def has_groups(config: TrainConfig) -> bool:
 def _require_equal_lengths(config: TrainConfig) -> None:
     if config.max_evaluations:
         raise ValueError(
-            f"max_evaluations {config.max_evaluations}: groups need episodes of one length; set group_size "
-            "to 1, without branches"
+            f"max_evaluations {config.max_evaluations}: groups, and noise that is held, need episodes of one "
+            "length; set group_size and noise_steps to 1, without branches"
         )
-    if config.reward == PAIRED:
+    if config.reward == PAIRED and has_groups(config):
         raise ValueError(
             f"reward {PAIRED!r} and group_size {config.group_size} exclude each other: the mean of a group "
             "stands for the reference; choose optimality or final"

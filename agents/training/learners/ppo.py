@@ -68,6 +68,8 @@ class PPOLearner(Learner):
         self._mean_weights: Weights = {}
         self._iterations = self.env.get_attr("settings")[0].iterations
         self.model = self._make_model()
+        if config.decay_steps:
+            self.model.lr_schedule = self._decayed
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
     @property
@@ -179,15 +181,19 @@ class PPOLearner(Learner):
             self.model._last_episode_starts = np.ones(self.env.num_envs, dtype=bool)
         self.model.n_steps = self.model.rollout_buffer.buffer_size = self._iterations - self.env.first
 
+    def _decayed(self, _: float) -> float:
+        """Return the step size of Adam after the steps so far; the library's share is of one call only."""
+        return self.config.learning_rate * max(1.0 - self.num_steps / self.config.decay_steps, 0.0)
+
     def _policy_options(self) -> dict[str, Any]:
         return {"net_arch": list(self.config.hidden_layers), "log_std_init": self.config.log_std}
 
     def _buffer_options(self) -> dict[str, Any]:
         """Return the options of the model about its rollouts."""
         config = self.config
-        if config.group_size == 1 and config.critic:
+        if config.group_size == 1 and config.critic and config.noise_steps == 1:
             return {}
-        buffer = {"group_size": config.group_size, "critic": config.critic}
+        buffer = {name: getattr(config, name) for name in ("group_size", "critic", "noise_steps")}
         return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
 
     def _make_model(self) -> Any:

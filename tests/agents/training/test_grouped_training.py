@@ -97,15 +97,16 @@ def test_common_iterations_are_computed_once_and_are_those_of_a_single_swarm(dec
     assert late.num_common_steps == 2 * 2 * 4  # in two episodes, the next one included, of each group
 
 
-def test_advantages_are_returns_to_come_beyond_the_mean_of_the_group():
-    steps, swarms, size = 4, 6, 3
+@pytest.mark.parametrize(("noise_steps", "drawn"), [(1, [0, 1, 2, 3, 4]), (2, [0, 0, 2, 2, 4]), (0, [0] * 5)])
+def test_advantages_are_returns_since_the_noise_was_drawn_beyond_the_mean_of_the_group(noise_steps, drawn):
+    steps, swarms, size = 5, 6, 3
     rng = np.random.default_rng(1)
     rewards = rng.normal(size=(steps, swarms)).astype(np.float32)
     values = rng.normal(size=(steps, swarms)).astype(np.float32)
     for critic in (True, False):
         buffer = GroupBuffer(
             steps, Box(-1, 1, (1,)), Box(-1, 1, (1,)), gae_lambda=1.0, gamma=1.0, n_envs=swarms,
-            group_size=size, critic=critic,
+            group_size=size, critic=critic, noise_steps=noise_steps,
         )  # fmt: skip
         for step in range(steps):
             buffer.add(
@@ -116,7 +117,7 @@ def test_advantages_are_returns_to_come_beyond_the_mean_of_the_group():
         for step in range(steps):
             for swarm in range(swarms):
                 group = range(swarm // size * size, swarm // size * size + size)
-                beyond = {s: rewards[step:, s].sum() - critic * values[step, s] for s in group}
+                beyond = {s: rewards[drawn[step] :, s].sum() - critic * values[drawn[step], s] for s in group}
                 wanted = beyond[swarm] - sum(beyond.values()) / size
                 assert buffer.advantages[step, swarm] == pytest.approx(wanted, abs=1e-5)
                 assert buffer.returns[step, swarm] == pytest.approx(rewards[step:, swarm].sum(), abs=1e-5)
@@ -137,12 +138,16 @@ def test_groups_whose_episodes_end_at_different_times_are_refused():
         ({"group_size": 3}, "num_swarms must be a multiple of group_size, got 4 and 3"),
         ({"group_size": 8}, "group_size.*8"),
         ({"reward": "paired"}, "'paired' and group_size 2 exclude"),
-        ({"max_evaluations": 500}, "max_evaluations 500: groups need episodes of one length"),
+        ({"max_evaluations": 500}, "max_evaluations 500: groups, and noise that is held, need episodes"),
         ({"critic": False}, "without a critic, gae_lambda must be 1, got 0.98"),
         ({"branches": (100,)}, "branches.*100"),
         ({"branches": (3,), "corrected_from": 5}, "branches.*3"),
         ({"noise_steps": 101}, "noise_steps.*101"),
         ({"averaging": 1.0}, "averaging.*1"),
+        (
+            {"decay_steps": STEPS},
+            f"decay_steps must be 0 or at least total_steps, got {STEPS} and {3 * STEPS}",
+        ),
         ({"algorithm": "recurrent-ppo"}, "group_size 2 .*recurrent-ppo"),
         ({**EVOLUTION}, "group_size 2 .*evolution"),
         ({"reward": "optimality", "optimizer": "ant-colony"}, "optimality"),
@@ -157,7 +162,14 @@ def test_groups_that_cannot_be_trained_leave_nothing_behind(tmp_path, options, m
 @pytest.mark.parametrize(
     "options",
     [
-        {"critic": False, "gae_lambda": 1.0, "averaging": 0.5, "branches": (40, 90), "corrected_from": 30},
+        {
+            "critic": False,
+            "gae_lambda": 1.0,
+            "averaging": 0.5,
+            "branches": (40, 90),
+            "corrected_from": 30,
+            "decay_steps": 4 * STEPS,
+        },
         pytest.param({"corrected_from": 60, "noise_steps": 7}, marks=pytest.mark.slow),
     ],
 )
@@ -177,6 +189,17 @@ def test_the_policy_is_the_running_mean_of_the_weights(tmp_path):
     for name, array in learner.weights().items():
         np.testing.assert_allclose(array, 0.5 * first[name] + 0.5 * second[name], rtol=1e-6)
     assert any((first[name] != second[name]).any() for name in first)
+
+
+def test_the_learning_rate_falls_linearly_to_zero(tmp_path):
+    learner = train(tmp_path, **GROUPED, learning_rate=0.01, decay_steps=4 * STEPS).learner
+    rates = []
+    for chunk in range(5):
+        learner.learn(chunk)
+        rates.append((learner.num_steps, learner.model.policy.optimizer.param_groups[0]["lr"]))
+    for steps, rate in rates:
+        assert rate == pytest.approx(0.01 * max(1.0 - steps / (4 * STEPS), 0.0))
+    assert rates[0][1] > rates[-1][1] == 0.0
 
 
 def test_steps_count_common_iterations_once_for_a_group(tmp_path):
