@@ -32,7 +32,7 @@ METRIC = "validation_return"
 class SearchConfig:
     """Options of a search."""
 
-    preset: str = "three-cases-ppo"
+    preset: str = "three-cases"
     """Training preset whose hyperparameters are searched."""
     trials: int = 16
     """Number of trials; each is a random point of the search space."""

@@ -14,7 +14,7 @@ class TrainConfig:
     """Options of a training run; all are stored with the policy."""
 
     preset: str = "three-cases"
-    """Preset that gives the defaults of all other options, a name or a TOML file, e.g. three-cases-ppo."""
+    """Preset that gives the defaults of all other options, a name or a TOML file, e.g. three-cases-linear."""
     name: str = ""
     """Name of the run, whose folder is <runs>/<name>; by default <preset>/<seed>."""
     runs: Path = Path("runs")

@@ -26,7 +26,7 @@ class TuneConfig:
     """Number of threads for the swarms. Results do not depend on it."""
     seed: int = 0
     """Seed of all random numbers of the run."""
-    total_steps: int = 800_000
+    total_steps: int = 1_000_000
     """Largest number of environment steps, summed over all swarms."""
     optimizer: str = "firefly"
     """Optimizer that the controller controls, e.g. firefly or fish-swarm."""

@@ -22,7 +22,7 @@ from experiments.speed.measurement import seconds_of
 EVALUATED = ("headline", "generalisation", "out-of-distribution", "ablation", "parameters")
 TRAINING_SEEDS = 10
 # The preset that is timed for each kind of learner; recurrent PPO counts as PPO.
-TIMED_PRESETS = {"evolution": "three-cases", "ppo": "three-cases-ppo"}
+TIMED_PRESETS = {"evolution": "three-cases-linear", "ppo": "three-cases"}
 
 
 def time_runs(suite: Suite, keys: list[RunKey], sample: int) -> list[float]:

@@ -4,6 +4,7 @@ import io
 import json
 import sqlite3
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,9 @@ from agents.runs.checkpoints import Checkpoints
 from helpers.event_files import shown
 from helpers.trainings import STEPS, TINY
 from swarm_gym.controllers.learned.policy_file import load_policy
+
+# A preset with the defaults of all options.
+IMITATION = Path(__file__).parent / "imitation.toml"
 
 
 class Command(NamedTuple):
@@ -52,7 +56,7 @@ def resumed(folder):
 
 
 def training(algorithm, folder):
-    options = {"preset": "three-cases-ppo", **TINY, **TRAININGS[algorithm], "runs": folder, "name": "it"}
+    options = {"preset": IMITATION, **TINY, **TRAININGS[algorithm], "runs": folder, "name": "it"}
     patches = {"agents.training.imitation.GRADIENT_STEPS": 20}
     return Command("agents.train", [*as_arguments(options), *resumed(folder)], patches)
 

@@ -21,7 +21,7 @@ from experiments.runs.database import Results
 from experiments.runs.runner import configuration, missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
-from helpers.small_commands import CONTROLLERS, rows
+from helpers.small_commands import CONTROLLERS, IMITATION, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
 from swarm_gym.controllers.learned.policy_file import load_policy
@@ -172,7 +172,7 @@ def test_a_search_that_cannot_be_is_refused(tmp_path, search, options):
 
 def test_ray_tune_searches_a_preset(tmp_path, search):
     lines = [f"{name} = {json.dumps(value)}" for name, value in {**TINY, "warm_start": "none"}.items()]
-    (tmp_path / "tiny.toml").write_text("like = 'three-cases-ppo'\n" + "\n".join(lines))
+    (tmp_path / "tiny.toml").write_text(f"like = '{IMITATION}'\n" + "\n".join(lines))
     few = {"trials": 4, "rungs": 2, "total_steps": 4 * STEPS, "jobs": 2}
     policy, values = search(preset=str(tmp_path / "tiny.toml"), runs=tmp_path / "runs", **few)
     _, manifest = load_policy(policy)

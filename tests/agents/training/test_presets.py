@@ -119,17 +119,17 @@ def test_several_seeds_are_read():
 
 
 def test_several_presets_each_with_its_own_options_and_all_seeds():
-    arguments = ["--presets", "case1", "three-cases-ppo", "--seeds", "3", "4", "--price", "1"]
+    arguments = ["--presets", "case1", "three-cases-linear", "--seeds", "3", "4", "--price", "1"]
     configs = read_configs(read_command_line(arguments), arguments)
     assert [str(config.folder) for config in configs] == [
-        "runs/case1/3", "runs/case1/4", "runs/three-cases-ppo/3", "runs/three-cases-ppo/4"
+        "runs/case1/3", "runs/case1/4", "runs/three-cases-linear/3", "runs/three-cases-linear/4"
     ]  # fmt: skip
     for config in configs:
         assert config == dataclasses.replace(load_preset(config.preset), seed=config.seed, price=(1.0,))
     arguments += ["--name", "mine"]
     configs = read_configs(read_command_line(arguments), arguments)
     assert [config.name for config in configs] == [
-        "mine/case1/3", "mine/case1/4", "mine/three-cases-ppo/3", "mine/three-cases-ppo/4"
+        "mine/case1/3", "mine/case1/4", "mine/three-cases-linear/3", "mine/three-cases-linear/4"
     ]  # fmt: skip
 
 
