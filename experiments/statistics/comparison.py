@@ -22,12 +22,14 @@ class Comparison:
         superiority: Vargha-Delaney A12, probability that a run is better (smaller) than one of the
             baseline; ties count half.
         p_value: p of the Wilcoxon signed-rank test, two-sided, not yet corrected.
+        direction: sign of the test's rank sum: -1 if the values are rather below the baseline's, +1 if above.
     """
 
     difference: float
     interval: Interval
     superiority: float
     p_value: float
+    direction: int
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class Difference:
         improvement: probability of being better than the baseline on the same scenario and seed.
         p_value: p of the Wilcoxon signed-rank test of the means over training seeds, two-sided, not yet
             corrected.
+        direction: sign of the test's rank sum: -1 if the values are rather below the baseline's, +1 if above.
     """
 
     difference: float
@@ -50,6 +53,7 @@ class Difference:
     superiority: float
     improvement: float
     p_value: float
+    direction: int
 
 
 def compare(values: Floats, baseline: Floats) -> Comparison:
@@ -59,7 +63,7 @@ def compare(values: Floats, baseline: Floats) -> Comparison:
         float(differences.mean()),
         mean_interval(differences),
         superiority(values, baseline),
-        _signed_rank(differences),
+        *_signed_rank(differences),
     )
 
 
@@ -80,7 +84,7 @@ def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: D
         superiority(values, baseline),
         probability_of_improvement(values, baseline),
         # One value per pair: runs of several training seeds on it are not independent of each other.
-        _signed_rank((values.mean(axis=0) - baseline.mean(axis=0)).ravel()),
+        *_signed_rank((values.mean(axis=0) - baseline.mean(axis=0)).ravel()),
     )
 
 
@@ -141,5 +145,10 @@ def holm(p_values: list[float]) -> list[float]:
     return adjusted.tolist()
 
 
-def _signed_rank(differences: Floats) -> float:
-    return 1.0 if not differences.any() else float(stats.wilcoxon(differences).pvalue)
+def _signed_rank(differences: Floats) -> tuple[float, int]:
+    """Return p of the Wilcoxon signed-rank test, two-sided, and the sign of its rank sum."""
+    unequal = differences[differences != 0.0]
+    if not len(unequal):
+        return 1.0, 0
+    rank_sum = (np.sign(unequal) * stats.rankdata(np.abs(unequal))).sum()
+    return float(stats.wilcoxon(differences).pvalue), int(np.sign(rank_sum))

@@ -18,6 +18,12 @@ Number = float | np.number[Any]
 
 MISSING = "–"
 
+# Says how to read the cells of `signed_p` and `superiority_cell`.
+SIGNS = (
+    "A p-value has the sign of its rank sum: (−) if the controller is typically below its rival, (+) if "
+    "above; A12 is marked where it disagrees with the difference of the means"
+)
+
 
 class _NumberFormatter(string.Formatter):
     """A formatter with two kinds of format specifications that Python does not have.
@@ -85,6 +91,18 @@ def share_in(value: Number, ends: Interval, form: str = ".1f") -> Cell:
     """Return a cell with a share in per cent and its interval: 5.0 % [4.0, 6.0]."""
     template = f"{{value:%{form}}} % [{{low:%{form}}}, {{high:%{form}}}]"
     return Cell.of(template, value=value, low=ends[0], high=ends[1])
+
+
+def signed_p(p_value: float, direction: int) -> Entry:
+    """Return a cell with a p-value and its sign: 0.002 (−) if the values are rather below the other ones."""
+    sign = {-1: " (−)", 0: "", 1: " (+)"}[direction]
+    return Cell.of(f"{{value:.2g}}{sign}", value=p_value, direction=direction)
+
+
+def superiority_cell(superiority: float, difference: float) -> Entry:
+    """Return a cell with A12, marked where it disagrees with a difference of means: 0.62 ≠ mean."""
+    disagrees = (superiority - 0.5) * difference > 0.0 and f"{superiority:.2f}" != "0.50"
+    return Cell.of(f"{{value:.2f}}{' ≠ mean' if disagrees else ''}", value=superiority)
 
 
 def interval_cell(ends: Interval, form: str = ".1f") -> Cell:

@@ -6,7 +6,7 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import difference, holm
-from experiments.tables.cell import Entry, number, share, share_in
+from experiments.tables.cell import SIGNS, Entry, number, share, share_in, signed_p, superiority_cell
 from experiments.tables.table import Table
 
 RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently
@@ -15,7 +15,7 @@ WHAT = (
     "mean difference of the gap in per cent of the optimum (negative is better) [95 % interval over "
     "training seeds, scenarios of a set and seeds], change of the mean gap, ratio of the mean evaluations, "
     "A12 over all runs, probability of improvement on the same scenario and seed, Wilcoxon signed-rank "
-    "p-value of the means over training seeds after Holm's correction"
+    f"p-value of the means over training seeds after Holm's correction. {SIGNS}"
 )
 COLUMNS = ("difference", "change of mean gap", "evaluations ratio", "A12", "improvement", "p")
 
@@ -67,9 +67,9 @@ def _compare(
                 share_in(found.difference, found.interval, "+.2f"),
                 share(found.relative_change, "+.1f"),
                 number(cost, ".2f"),
-                number(found.superiority, ".2f"),
+                superiority_cell(found.superiority, found.difference),
                 number(found.improvement, ".2f"),
-                number(p_value, ".2g"),
+                signed_p(p_value, found.direction),
             ),
         )
         for (scenario_set, group, other, found, cost), p_value in zip(compared, adjusted, strict=True)

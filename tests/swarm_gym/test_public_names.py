@@ -179,12 +179,9 @@ MANIFEST_ENTRIES = (
     "steps", "validation", "validation_seeds", "weights_sha256",
 )  # fmt: skip
 PRESETS = (
-    "ablation-four-numbers", "ablation-from-start", "ablation-log-reward", "ablation-one-price",
-    "ablation-ppo-imitation", "ablation-ppo-paced", "ablation-ppo-paired", "ablation-ppo-residual",
-    "ablation-ppo-scratch", "ablation-recurrent", "ablation-short", "case1", "case2", "case3",
-    "random-fields", "random-fields-extended", "three-cases", "three-cases-cheap", "three-cases-extended",
-    "three-cases-extended-cheap", "three-cases-extended-deep", "three-cases-extended-fine",
-    "three-cases-ppo",
+    "ablation-all", "case1", "case2", "case3", "random-fields", "random-fields-extended",
+    "random-fields-sourced", "three-cases", "three-cases-evolution", "three-cases-extended",
+    "three-cases-linear", "three-cases-sourced", "three-cases-sourced-ppo",
 )  # fmt: skip
 SUITE_NAMES = (
     "paper", "headline", "generalisation", "out-of-distribution", "ablation", "parameters", "moa-paper",

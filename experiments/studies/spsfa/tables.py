@@ -18,7 +18,18 @@ from experiments.studies.spsfa.published import (
     TIME_TABLES,
     PublishedSample,
 )
-from experiments.tables.cell import MISSING, Cell, Entry, interval_cell, number, share, verdict
+from experiments.tables.cell import (
+    MISSING,
+    SIGNS,
+    Cell,
+    Entry,
+    interval_cell,
+    number,
+    share,
+    signed_p,
+    superiority_cell,
+    verdict,
+)
 from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
@@ -167,8 +178,8 @@ def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
             label(controller),
             number(comparison.difference, "+.1f"),
             interval_cell(comparison.interval, "+.1f"),
-            number(comparison.superiority, ".2f"),
-            number(p_value, ".2g"),
+            superiority_cell(comparison.superiority, comparison.difference),
+            signed_p(p_value, comparison.direction),
             number(cost, ".2f"),
         )
         for (scenario, controller, comparison, cost), p_value in zip(compared, adjusted, strict=True)
@@ -177,7 +188,7 @@ def _comparison_table(suite: Suite, outcomes: Outcomes) -> Table:
         "comparison",
         f"Paired with {label(suite.baseline)} on the same {suite.num_seeds} seeds: mean difference of the "
         "final fitness (negative is better), probability of being better (A12), Wilcoxon signed-rank "
-        "p-value after Holm's correction, ratio of the mean evaluations",
+        f"p-value after Holm's correction, ratio of the mean evaluations. {SIGNS}",
         (
             "scenario", "controller", "difference", "95 % interval", "A12", "p", "evaluations ratio",
         ),

@@ -22,6 +22,8 @@ from experiments.tables.cell import (
     number_in,
     share,
     share_in,
+    signed_p,
+    superiority_cell,
     verdict,
 )
 from helpers.stored_runs import cells_of, stored_run
@@ -54,7 +56,24 @@ def test_comparison_by_hand():
     # Of the nine pairs five are smaller and two are equal.
     assert found.superiority == pytest.approx((5 + 0.5 * 2) / 9)
     assert found.p_value == stats.wilcoxon([-1.0, 0.0, -2.0]).pvalue
-    assert compare(np.ones(4), np.ones(4)).p_value == 1.0
+    assert found.direction == -1
+    # One large rise has the smallest rank of three when the falls are larger.
+    assert compare(np.array([1.0, 0.0, 0.0, 9.0]), np.array([0.0, 2.0, 3.0, 9.0])).direction == -1
+    assert compare(np.array([2.0, 2.0, 5.0]), np.array([1.0, 2.0, 3.0])).direction == 1
+    same = compare(np.ones(4), np.ones(4))
+    assert (same.p_value, same.direction) == (1.0, 0)
+
+
+def test_p_values_carry_their_sign_and_a12_says_where_it_disagrees_with_the_mean():
+    assert [str(signed_p(0.0021, direction)) for direction in (-1, 0, 1)] == [
+        "0.0021 (−)",
+        "0.0021",
+        "0.0021 (+)",
+    ]
+    assert str(superiority_cell(0.62, -0.3)) == "0.62"
+    assert str(superiority_cell(0.62, 0.3)) == "0.62 ≠ mean"
+    assert str(superiority_cell(0.38, -0.3)) == "0.38 ≠ mean"
+    assert str(superiority_cell(0.502, 0.3)) == "0.50"
 
 
 def test_holm_is_holm():

@@ -168,22 +168,29 @@ def test_shares_near_the_optimum(tables, gaps):
     assert found["fields:test"].startswith(f"{100 * near.mean():.1f} % [")
 
 
+def sign(differences):
+    """The sign of the sum of signed ranks of differences without ties."""
+    order = np.argsort(np.abs(differences))
+    rank_sum = sum((k + 1) * np.sign(differences[place]) for k, place in enumerate(order))
+    return "−" if rank_sum < 0 else "+"
+
+
 def test_differences_are_paired_and_corrected_over_the_table(tables, gaps):
     strata = {"case1": ["case1"], "fields:test": FIELDS, "all": SUITE.scenarios}
-    expected = {}
+    expected, p_values = {}, []
     for name, scenarios in strata.items():
         theirs = of(gaps, ["spsfa-tip"], scenarios)
         for controller, members in (("FA-60", ["fixed:60"]), ("learned a", LEARNED)):
             mine = of(gaps, members, scenarios)
-            p_value = stats.wilcoxon((mine.mean(axis=0) - theirs[0]).ravel()).pvalue
-            expected[name, controller] = mine.mean() - theirs.mean(), (mine < theirs).mean(), p_value
-    corrected = holm([p_value for _, _, p_value in expected.values()])
+            by_pair = (mine.mean(axis=0) - theirs[0]).ravel()
+            p_values.append(stats.wilcoxon(by_pair).pvalue)
+            expected[name, controller] = mine.mean() - theirs.mean(), (mine < theirs).mean(), sign(by_pair)
     assert len(tables["differences"]) == len(expected)
-    for (key, (difference, improvement, _)), p_value in zip(expected.items(), corrected, strict=True):
+    for (key, (difference, improvement, mark)), p_value in zip(expected.items(), holm(p_values), strict=True):
         found = row(tables["differences"], *key)
         assert found["difference"].startswith(f"{100 * difference:+.2f} % [")
         assert found["improvement"] == f"{improvement:.2f}"
-        assert found["p"] == f"{p_value:.2g}"
+        assert found["p"] == f"{p_value:.2g} ({mark})"
     assert row(tables["differences"], "all", "FA-60")["evaluations ratio"] == "1.89"
 
 
@@ -198,14 +205,14 @@ def test_paired_comparisons_are_of_the_pairs_that_were_run(outcomes, gaps):
     mine, theirs = of(gaps, LEARNED, ["case1"]), of(gaps, ["fixed:60"], ["case1"])
     first = cells_of([table], "duels")[0]
     assert first["difference"].startswith(f"{100 * (mine.mean() - theirs.mean()):+.2f} % [")
-    p_values = [
-        stats.wilcoxon(
-            (of(gaps, a, scenarios).mean(axis=0) - of(gaps, b, scenarios).mean(axis=0)).ravel()
-        ).pvalue
+    by_pair = [
+        (of(gaps, a, scenarios).mean(axis=0) - of(gaps, b, scenarios).mean(axis=0)).ravel()
         for scenarios in (["case1"], FIELDS, SUITE.scenarios)
         for a, b in ((LEARNED, ["fixed:60"]), (["spsfa-tip"], LEARNED))
     ]
-    assert [r[-1] for r in printed_rows(table)] == [f"{p:.2g}" for p in holm(p_values)]
+    p_values = holm([stats.wilcoxon(differences).pvalue for differences in by_pair])
+    expected = [f"{p:.2g} ({sign(d)})" for p, d in zip(p_values, by_pair, strict=True)]
+    assert [r[-1] for r in printed_rows(table)] == expected
     assert paired_comparison_tables(dataclasses.replace(SUITE, pairs=pairs[2:]), outcomes) == []
 
 
