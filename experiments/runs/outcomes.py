@@ -48,6 +48,10 @@ class Sample:
         """Return the number of training seeds; 1 for controllers that are not trained."""
         return self.gap.shape[0]
 
+    def objective(self, price: float) -> Floats:
+        """Return gap in per cent plus price times evaluations / 100,000 of every run, as `gap` is shaped."""
+        return 100.0 * self.gap + price * self.evaluations / 100_000.0
+
     def draws(self, stream: int = 0) -> Draws:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""
         return draw(self.num_training_seeds, self.set_sizes, self.gap.shape[2], stream)

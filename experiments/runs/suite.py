@@ -22,10 +22,12 @@ class Family:
     Attributes:
         name: name as it is printed.
         controllers: names for `agents.make_controller`; figures connect their groups, ordered by evaluations.
+        blind: whether the controllers see nothing but the iteration.
     """
 
     name: str
     controllers: tuple[str, ...]
+    blind: bool = False
 
     @property
     def groups(self) -> tuple[str, ...]:

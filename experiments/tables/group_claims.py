@@ -53,7 +53,7 @@ def measured(claim: GroupClaim, sample: Sample) -> Floats:
     return {
         "gap": gap,
         "evaluations": thousands,
-        "objective": gap + claim.price * thousands / 100.0,
+        "objective": sample.objective(claim.price),
         "spread": abs(gap - np.median(gap, axis=(0, 2), keepdims=True)),
         "far": np.where(sample.gap <= NEAR, 0.0, 100.0),
     }[claim.metric]

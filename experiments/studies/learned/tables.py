@@ -11,8 +11,10 @@ from experiments.tables.document import Document
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
 from experiments.tables.group_claims import group_claim_tables
+from experiments.tables.headline import headline_tables
 
 TABLES = {
+    "headline": headline_tables,
     "gaps": gap_tables,
     "differences": difference_tables,
     "duels": paired_comparison_tables,

@@ -21,6 +21,7 @@ from experiments.statistics import holm, hypervolume
 from experiments.studies.controllers import training_seeds
 from experiments.studies.learned.suites import STUDY_FIGURES, STUDY_TABLES
 from experiments.tables.differences import difference_tables, paired_comparison_tables
+from experiments.tables.headline import headline_tables
 from helpers.builders import make_problem
 from helpers.stored_runs import cells_of, filled_database, line, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
@@ -214,6 +215,33 @@ def test_paired_comparisons_are_of_the_pairs_that_were_run(outcomes, gaps):
     expected = [f"{p:.2g} ({sign(d)})" for p, d in zip(p_values, by_pair, strict=True)]
     assert [r[-1] for r in printed_rows(table)] == expected
     assert paired_comparison_tables(dataclasses.replace(SUITE, pairs=pairs[2:]), outcomes) == []
+
+
+def test_the_headline_table_has_each_group_beside_itself_blinded_and_the_best_blind_rival(outcomes, gaps):
+    """Blinded seeds are those of `learned:a`, each with a gap that is 0.01 larger at as many evaluations."""
+    fitness, collision, evaluations, seconds = numbers(outcomes)
+    optimum = known_optimum(make_problem("case1"))
+    rows = [outcomes.controllers.index(name) for name in LEARNED]
+    stacked = [
+        np.concatenate([fitness, fitness[rows] + 0.01 * optimum]),
+        *(np.concatenate([values, values[rows]]) for values in (collision, evaluations, seconds)),
+    ]
+    names = (*outcomes.controllers, *training_seeds("blinded:a", 3))
+    families = (Family("sees", ("spsfa-tip",)), Family("blind", ("fixed:60", "fixed:7"), blind=True))
+    suite = dataclasses.replace(SUITE, controllers=names, families=families)
+    tables = headline_tables(suite, Outcomes(names, outcomes.scenarios, *stacked))
+    cells = {cell["controller"]: cell for cell in cells_of(tables, "headline")}
+    assert set(cells) == {"FA-60", "SPSFA-TIP", "learned a"}
+
+    mine = 100 * of(gaps, LEARNED, SUITE.scenarios) + 0.5
+    rival = 100 * of(gaps, ["fixed:60"], SUITE.scenarios) + 1.7
+    found = cells["learned a"]
+    assert found["objective"].startswith(f"{mine.mean():.3f} [")
+    assert found["minus itself blinded"] == "-1.000 [-1.000, -1.000]"
+    assert found["minus the best blind rival"].startswith(f"{mine.mean() - rival.mean():+.3f} [")
+    assert cells["FA-60"]["minus itself blinded"] == cells["FA-60"]["minus the best blind rival"] == "–"
+    ordered = [cell["controller"] for cell in cells_of(tables, "headline")]
+    assert ordered == sorted(ordered, key=lambda name: float(cells[name]["objective"].split(" ")[0]))
 
 
 def test_without_the_baseline_nothing_is_compared(results):

@@ -1,0 +1,89 @@
+"""The headline table: objective, quality and cost of every group, beside itself blinded and blind rivals."""
+
+from dataclasses import replace
+
+from experiments.runs.groups import EVERY_SET
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes, Sample
+from experiments.runs.suite import Suite
+from experiments.statistics import interval, means
+from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
+from experiments.tables.differences import RIVAL_STREAM
+from experiments.tables.table import Table
+from swarm_gym.controllers.names import BLINDED, ControllerName
+
+CAPTION = (
+    "Objective: mean gap in per cent plus price times evaluations / 100,000, over all training and tuning "
+    "seeds [95 % interval over these seeds, scenarios of a set and seeds]. By set of scenarios: mean gap "
+    "in per cent at mean evaluations. Minus itself blinded: the objective minus that of the same "
+    "controller with every input but the clock replaced by its mean course. Minus the best blind rival: "
+    "minus the smallest objective of the controllers that see nothing and are for the same price. "
+    "Negative is a smaller objective; a controller without a price counts at price 1"
+)
+UNTOLD = 1.0  # price at which controllers without one are compared
+
+
+def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of all groups but blinded ones, ordered by price and then by objective."""
+    sets = [name for name in outcomes.sets if name != EVERY_SET] or list(outcomes.sets)
+    whole = list(outcomes.sets)[-1]
+    samples = {group: outcomes.sample(group, whole) for group in outcomes.groups}
+    objectives = {group: float(samples[group].objective(price_of(group)).mean()) for group in samples}
+    shown = [group for group in samples if ControllerName.parse(group).family != BLINDED]
+    rows: list[tuple[Entry, ...]] = []
+    for group in sorted(shown, key=lambda name: (price_of(name), objectives[name])):
+        mine, price = samples[group], price_of(group)
+        rival = best_blind(suite, price, objectives)
+        rows.append(
+            (
+                label(group),
+                number(price, "g"),
+                number(mine.num_training_seeds, "d"),
+                number_in(objectives[group], interval(means(mine.objective(price), mine.draws())), ".3f"),
+                *(_gap_at_cost(outcomes.sample(group, name)) for name in sets),
+                _minus(mine, samples.get(blinded(group)), price, 0),
+                MISSING if rival == group else _minus(mine, samples.get(rival), price, RIVAL_STREAM),
+            )
+        )
+    columns = (
+        "controller", "price", "seeds", "objective", *sets, "minus itself blinded",
+        "minus the best blind rival",
+    )  # fmt: skip
+    return [Table("headline", CAPTION, columns, rows)]
+
+
+def price_of(group: str) -> float:
+    """Return the price of 100,000 evaluations that a group is for; `UNTOLD` if its name states none."""
+    price = ControllerName.parse(group).price
+    return UNTOLD if price is None else float(price)
+
+
+def blinded(group: str) -> str:
+    """Return the key of the group of the same policies, blinded."""
+    return str(replace(ControllerName.parse(group), family=BLINDED))
+
+
+def best_blind(suite: Suite, price: float, objectives: dict[str, float]) -> str:
+    """Return the group with the smallest objective among those of blind families for a price, if any."""
+    blind = [
+        group
+        for family in suite.families
+        if family.blind
+        for group in family.groups
+        if group in objectives and price_of(group) == price
+    ]
+    return min(blind, key=objectives.__getitem__, default="")
+
+
+def _gap_at_cost(sample: Sample) -> Cell:
+    gap, evaluations = sample.gap.mean(), sample.evaluations.mean()
+    return Cell.of("{value:%.2f} at {evaluations:k.0f}k", value=gap, evaluations=evaluations)
+
+
+def _minus(mine: Sample, theirs: Sample | None, price: float, stream: int) -> Entry:
+    """Return the difference of two objectives; stream 0 pairs training seeds, too."""
+    if theirs is None:
+        return MISSING
+    one, other = mine.objective(price), theirs.objective(price)
+    resampled = means(one, mine.draws()) - means(other, theirs.draws(stream))
+    return number_in(one.mean() - other.mean(), interval(resampled), "+.3f")
