@@ -7,7 +7,7 @@ SEEDS ?= 20
 SECONDS = 3600
 comma := ,
 EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
-STUDY_SUITES = headline generalisation out-of-distribution ablation parameters
+STUDY_SUITES = headline generalisation out-of-distribution parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
 KERNEL_TESTS = $(addprefix tests/swarm_gym/,compiler problem optimizers test_population.py test_sources.py \
@@ -125,10 +125,10 @@ docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what README.m
 	$(BIN)/python -m experiments.frame docs/results/frame.png
 	$(BIN)/python -m experiments.video --iterations 60 --output docs/results/video.gif
 
-docs-study: study-full ## fill docs/study.md from all suites of the study; OFFLINE=1: from what is in results/study
+docs-study: study-full ## fill docs/study.md and docs/study-tables.md from all suites of the study; OFFLINE=1: from what is in results/study
 	$(call online,experiments.sensitivity --output results/study/sensitivity)
 	$(call online,experiments.branching --output results/study/branching)
-	$(BIN)/python -m experiments.publish study
+	$(BIN)/python -m experiments.publish study study-tables
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling

@@ -19,7 +19,7 @@ from experiments.runs.suite import Suite
 from experiments.scaling.model import Work
 from experiments.speed.measurement import seconds_of
 
-EVALUATED = ("headline", "generalisation", "out-of-distribution", "ablation", "parameters")
+EVALUATED = ("headline", "generalisation", "out-of-distribution", "parameters")
 TRAINING_SEEDS = 10
 # The preset that is timed for each kind of learner; recurrent PPO counts as PPO.
 TIMED_PRESETS = {"evolution": "three-cases-linear", "ppo": "three-cases"}

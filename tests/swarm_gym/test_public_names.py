@@ -139,37 +139,22 @@ PACKAGED_CONTROLLERS = (
     "open-loop:random-fields", "open-loop:random-fields-extended", "open-loop:three-cases",
     "open-loop:three-cases-constant", "open-loop:three-cases-extended",
     "open-loop:three-cases-extended-13-knots@0.02", "open-loop:three-cases-extended@0.1",
-    "open-loop:three-cases-extended@2", "open-loop:three-cases@0.05", "open-loop:three-cases@0.5",
-    "tuned:random-fields", "tuned:three-cases", "distilled:three-cases",
+    "open-loop:three-cases-extended@2", "open-loop:three-cases-long/0@1",
+    "open-loop:three-cases-sourced/0@1",
+    "tuned:random-fields", "tuned:three-cases", "tuned:three-cases-restart/0",
+    "tuned:three-cases-schedule/0", "distilled:three-cases",
 )  # fmt: skip
 # By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
 PACKAGED_POLICIES = {
-    "ablation-four-numbers": 3,
-    "ablation-from-start": 3,
-    "ablation-log-reward": 3,
-    "ablation-one-price": 3,
-    "ablation-ppo-imitation": 3,
-    "ablation-ppo-paced": 3,
-    "ablation-ppo-paired": 3,
-    "ablation-ppo-residual": 3,
-    "ablation-ppo-scratch": 3,
-    "ablation-recurrent": 3,
-    "ablation-short": 3,
-    "case1": 3,
-    "case2": 3,
-    "case3": 3,
     "random-fields-extended": 5,
     "random-fields": 5,
     "random-fields-sourced": 5,
-    "three-cases-cheap": 3,
-    "three-cases-extended-cheap": 5,
-    "three-cases-extended-deep": 2,
-    "three-cases-extended-fine": 3,
     "three-cases-extended": 7,
+    "three-cases-linear": 5,
     "three-cases-ppo": 1,
     "three-cases-sourced-ppo": 5,
     "three-cases-sourced": 5,
-    "three-cases": 10,
+    "three-cases": 5,
 }
 # Entries of the manifests of packaged policies.
 MANIFEST_ENTRIES = (
@@ -184,7 +169,7 @@ PRESETS = (
     "three-cases-linear", "three-cases-sourced", "three-cases-sourced-ppo",
 )  # fmt: skip
 SUITE_NAMES = (
-    "paper", "headline", "generalisation", "out-of-distribution", "ablation", "parameters", "moa-paper",
+    "paper", "headline", "generalisation", "out-of-distribution", "parameters", "moa-paper",
     "iafsa-functions", "iafsa-shifted", "iafsa-routes", "brand-yu-static", "brand-yu-dynamic",
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
@@ -194,7 +179,7 @@ COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study",
 )  # fmt: skip
 TABLE_NAMES = (
-    "summary", "cases", "comparison", "reproduction", "gaps", "differences", "duels", "front",
+    "summary", "cases", "comparison", "reproduction", "headline", "gaps", "differences", "duels", "front",
     "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
     "iafsa-routes", "recovery", "brand-yu-counts", "brand-yu-grids", "corridors", "claims",
     "newcomers-optimizers",
@@ -203,7 +188,9 @@ FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
     "recovery", "profiles", "front", "decisions", "parameters", "first-populations", "corridors",
 )  # fmt: skip
-DOCUMENT_NAMES = ("results", "study", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling")
+DOCUMENT_NAMES = (
+    "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
+)  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),
     "runs": (
@@ -215,11 +202,13 @@ DATABASE = {
 # Commands as `python -m` knows them, each with its options and the names of its positional arguments.
 COMMANDS = {
     "agents.train": (
-        "--action", "--address", "--algorithm", "--backend", "--base", "--batch-size", "--candidates",
-        "--clip-range", "--corrected-from", "--discount", "--encoding", "--entropy-weight",
-        "--epochs", "--gae-lambda", "--hidden-layers", "--initial-population-size", "--iterations",
+        "--action", "--address", "--algorithm", "--averaging", "--backend", "--base", "--batch-size",
+        "--branches", "--candidates", "--clip-range", "--corrected-from", "--critic", "--decay-steps",
+        "--discount", "--encoding", "--entropy-weight", "--epochs",
+        "--gae-lambda", "--group-size", "--hidden-layers", "--initial-population-size", "--iterations",
         "--jobs", "--learning-rate", "--log-std", "--lstm-size", "--max-evaluations",
-        "--max-population-size", "--min-population-size", "--name", "--num-swarms", "--observation",
+        "--max-population-size", "--min-population-size", "--name", "--noise-steps", "--num-swarms",
+        "--observation",
         "--optimizer", "--preset", "--presets", "--price", "--reference", "--resume", "--reward",
         "--rollouts-per-chunk", "--runs", "--scenarios", "--seed", "--seeds", "--sigma",
         "--target-kl", "--threads", "--total-steps", "--validation-scenarios", "--validation-seeds",

@@ -67,8 +67,10 @@ def _price(price: Any) -> Entry:
 
 
 def _beginning(config: Mapping[str, Any]) -> str:
-    """Return the controller that is corrected or imitated."""
+    """Return the controller that is corrected or imitated, or at whose knots the search starts."""
     if config.get("base", "none") != "none":
         return f"corrects {label(config['base'])}"
+    if config.get("start", "none") != "none":
+        return f"starts at {label(config['start'])}"
     start = config.get("warm_start", "none")
     return MISSING if start == "none" else f"imitates {label(start)}"

@@ -1,11 +1,11 @@
-"""The tables of the study of learned controllers, and the document that shows them.
+"""The tables of the study of learned controllers, and the documents that show them.
 
 Suites of other studies name some of these tables as well.
 """
 
 from pathlib import Path
 
-from experiments.studies.learned.blocks import BLOCKS
+from experiments.studies.learned.blocks import BLOCKS, TABLE_BLOCKS
 from experiments.tables.differences import difference_tables, paired_comparison_tables
 from experiments.tables.document import Document
 from experiments.tables.front import front_tables
@@ -22,4 +22,7 @@ TABLES = {
     "claims": group_claim_tables,
     "near-optimum": near_optimum_tables,
 }
-DOCUMENTS = {"study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS)}
+DOCUMENTS = {
+    "study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS),
+    "study-tables": Document(Path("docs/study-tables.md"), "study", "", blocks=TABLE_BLOCKS),
+}

@@ -6,12 +6,12 @@ The second argument of `training_seeds` is the number of tuning or training seed
 from pathlib import Path
 
 from agents.runs.seeds import VALIDATION
-from experiments.runs.claims import GroupClaim, load_claims
+from experiments.runs.claims import claims_of
 from experiments.runs.suite import Family, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.scenarios import expand_name
 
-CLAIMS = load_claims(Path(__file__).parent / "claims.toml")
+CLAIMS = Path(__file__).parent / "claims.toml"
 
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
@@ -56,11 +56,6 @@ def families(*found: Family) -> tuple[Family, ...]:
     return tuple(family for family in found if family.controllers)
 
 
-def claims_of(suite: str) -> tuple[GroupClaim, ...]:
-    """Return the claims about the runs of a suite."""
-    return tuple(claim for claim in CLAIMS if claim.suite == suite)
-
-
 def controllers(found: tuple[Family, ...]) -> tuple[str, ...]:
     """Return the controllers of all families."""
     return tuple(controller for family in found for controller in family.controllers)
@@ -99,7 +94,7 @@ NEWCOMERS = Suite(
     first_seed=NEVER_USED,
     families=CASE_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "claims"),
-    claims=claims_of("newcomers"),
+    claims=claims_of(CLAIMS, "newcomers"),
     figures=("first-populations", "corridors", "front", "decisions", "profiles"),
 )
 
@@ -138,7 +133,7 @@ FIELDS = Suite(
     seed_step=1,
     families=FIELD_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "claims"),
-    claims=claims_of("newcomers-fields"),
+    claims=claims_of(CLAIMS, "newcomers-fields"),
     figures=("front", "profiles"),
 )
 
@@ -161,7 +156,7 @@ ABLATION = Suite(
     families=ABLATION_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "front", "claims"),
     figures=(),
-    claims=claims_of("newcomers-ablation"),
+    claims=claims_of(CLAIMS, "newcomers-ablation"),
 )
 
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from experiments.runs.claims import load_claims
+from experiments.runs.claims import claims_of
 from experiments.runs.suite import SPSFA_TABLES, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES
 from experiments.studies.spsfa import parameters
@@ -15,7 +15,7 @@ PAPER = Suite(
     baseline="spsfa-tip",
     snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
     tables=(*SPSFA_TABLES, "claims"),
-    claims=load_claims(Path(__file__).parent / "claims.toml"),
+    claims=claims_of(Path(__file__).parent / "claims.toml", "paper"),
     replayed=("spsfa-tip", "learned:three-cases/0@1", "fixed:80", "spsfa"),
 )
 

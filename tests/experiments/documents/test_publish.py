@@ -109,6 +109,7 @@ def test_documents_are_published_by_name():
         "dynamic",
         "iafsa",
         "study",
+        "study-tables",
         "moa",
         "newcomers",
         "scaling",

@@ -10,7 +10,7 @@ from experiments.documents.blocks import block_names
 from experiments.documents.page import describe_provenance
 from experiments.publish import publish
 from experiments.runs.groups import group_controllers
-from experiments.studies.learned.blocks import BLOCKS, PARAMETER_COLUMNS
+from experiments.studies.learned.blocks import BLOCKS, PARAMETER_COLUMNS, TABLE_BLOCKS
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import LOOKED_INTO
 from experiments.tables.blocks import GAP_COLUMNS, decisions_name
@@ -19,13 +19,15 @@ from experiments.tables.table import Table
 from helpers.stored_runs import printed_rows
 
 ROOT = Path(__file__).parents[3]
-STUDY = Path("docs/study.md")
+STUDY, APPENDIX = Path("docs/study.md"), Path("docs/study-tables.md")
+DOCUMENTS = {"study": (STUDY, BLOCKS), "study-tables": (APPENDIX, TABLE_BLOCKS)}
 ROWS = [("a:x", "one", "1"), ("a:x", "two", "2"), ("all", "one", "3")]
 TABLE = Table("t", "Caption", ("scenarios", "controller", "gap"), ROWS)
 COLUMNS = {
+    "headline": ("controller", "price", "objective"),
+    "claims": ("claim", "scenarios", "holds"),
     "gaps": GAP_COLUMNS,
     "differences": ("scenarios", "controller", "difference", "p"),
-    "duels": ("scenarios", "controller", "rival", "difference", "p"),
     "front": ("scenarios", "controller", "mean evaluations", "mean gap", "on the front"),
     "hypervolume": ("scenarios", "family", "controllers", "hypervolume"),
     "near-optimum": ("controller", "case1"),
@@ -45,7 +47,7 @@ OTHERS = {
         "sensitivity-performance": ("without", "mean gap"),
     },
 }
-STUDIES = ("headline", "generalisation", "out-of-distribution", "ablation")
+STUDIES = ("headline", "generalisation", "out-of-distribution")
 
 
 def test_parts_of_a_table():
@@ -85,23 +87,32 @@ def test_where_fitted_controllers_come_from():
     assert [row[5] for row in printed_rows(table)] == ["2,000,000", "640,000", "–"]
 
 
-def test_the_document_has_every_block_once():
-    assert sorted(block_names((ROOT / STUDY).read_text(encoding="utf-8"))) == sorted(BLOCKS)
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_a_document_has_every_block_once(document):
+    path, blocks = DOCUMENTS[document]
+    assert sorted(block_names((ROOT / path).read_text(encoding="utf-8"))) == sorted(blocks)
 
 
-def test_the_document_has_no_figures_but_those_of_its_blocks():
-    text = (ROOT / STUDY).read_text(encoding="utf-8")
-    for name in BLOCKS:
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_a_document_has_no_figures_but_those_of_its_blocks(document):
+    path, blocks = DOCUMENTS[document]
+    text = (ROOT / path).read_text(encoding="utf-8")
+    for name in blocks:
         text = re.sub(rf"<!-- {name} -->.*?<!-- /{name} -->", "", text, flags=re.DOTALL)
     assert "![" not in text
 
 
+def test_the_study_is_read_in_one_sitting():
+    assert len((ROOT / STUDY).read_text(encoding="utf-8").splitlines()) <= 250
+
+
 @pytest.fixture
 def results(tmp_path, monkeypatch):
-    """A checkout with the document, and made-up results of all suites."""
+    """A checkout with the documents, and made-up results of all suites."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
-    (tmp_path / STUDY).write_bytes((ROOT / STUDY).read_bytes())
+    for path, _ in DOCUMENTS.values():
+        (tmp_path / path).write_bytes((ROOT / path).read_bytes())
     folder = tmp_path / "results/study"
     for suite, tables in {**dict.fromkeys(STUDIES, COLUMNS), **OTHERS}.items():
         (folder / suite).mkdir(parents=True)
@@ -119,36 +130,41 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     stale = STUDY.parent / "results/study/old.svg"
     stale.parent.mkdir(parents=True)
     stale.touch()
-    publish("study", results.parent)
-    text = STUDY.read_text(encoding="utf-8")
-    assert "make docs-study`\n<!--" not in text
-    assert "Runs made with: ablation." in text
-    assert "| controller 0 of headline | mean gap 0 of headline |" in text
-    assert "first population size = " in text
+    for document in DOCUMENTS:
+        publish(document, results.parent)
+    text, tables = (path.read_text(encoding="utf-8") for path in (STUDY, APPENDIX))
+    assert "Runs made with: headline." in text
+    assert "| controller 0 of headline | price 0 of headline |" in text
+    assert "| claim 1 of generalisation |" in text
+    assert "Runs made with: parameters." in tables
+    assert "first population size = " in tables
     shown = re.findall(r"!\[[^]]+\]\(results/study/([a-z0-9-]+\.svg)\)", text)
     assert {path.name for path in stale.parent.iterdir()} == set(shown)
     assert (stale.parent / "generalisation-front.svg").read_text() == "generalisation front"
-    assert len(set(shown)) == len(shown) == 6 + len(group_controllers(LOOKED_INTO))
-    publish("study", results.parent)
-    assert STUDY.read_text(encoding="utf-8") == text
+    assert len(set(shown)) == len(shown) == 3 + len(LOOKED_INTO)
+    for document in DOCUMENTS:
+        publish(document, results.parent)
+    assert [path.read_text(encoding="utf-8") for path in (STUDY, APPENDIX)] == [text, tables]
 
 
 @pytest.mark.parametrize(
-    "missing",
+    ("document", "missing"),
     [
-        "headline/gaps.json",
-        "ablation/made-with.md",
-        "parameters/table-parameter-low-deviation.json",
-        "sensitivity/figure-sensitivity.svg",
-        f"headline/figure-{decisions_name(next(iter(group_controllers(LOOKED_INTO))))}.svg",
+        ("study", "headline/headline.json"),
+        ("study", "headline/made-with.md"),
+        ("study", f"headline/figure-{decisions_name(LOOKED_INTO[0])}.svg"),
+        ("study-tables", "headline/gaps.json"),
+        ("study-tables", "parameters/table-parameter-low-deviation.json"),
+        ("study-tables", "sensitivity/sensitivity-decisions.json"),
     ],
 )
-def test_nothing_is_written_where_something_is_missing(results, missing):
-    before = STUDY.read_bytes()
+def test_nothing_is_written_where_something_is_missing(results, document, missing):
+    path, _ = DOCUMENTS[document]
+    before = path.read_bytes()
     (results / missing).unlink()
     with pytest.raises(OSError, match=re.escape(missing)):
-        publish("study", results.parent)
-    assert STUDY.read_bytes() == before
+        publish(document, results.parent)
+    assert path.read_bytes() == before
     assert not (STUDY.parent / "results").exists()
 
 
@@ -157,9 +173,9 @@ def test_nothing_is_written_where_something_is_missing(results, missing):
     [("<!-- /rule -->", "", "'rule'"), ("<!-- /rule -->", "<!-- /rule -->\n<!-- /other -->", "other")],
 )
 def test_a_missing_or_an_unknown_block_is_named(results, old, new, message):
-    STUDY.write_text(STUDY.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-    before = STUDY.read_bytes()
+    APPENDIX.write_text(APPENDIX.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    before = APPENDIX.read_bytes()
     with pytest.raises(ValueError, match=message):
-        publish("study", results.parent)
-    assert STUDY.read_bytes() == before
+        publish("study-tables", results.parent)
+    assert APPENDIX.read_bytes() == before
     assert not (STUDY.parent / "results").exists()

@@ -7,9 +7,9 @@ from agents.runs.seeds import TEST, VALIDATION
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
-from experiments.runs.suite import FRESH_SEEDS, Family
+from experiments.runs.suite import FRESH_SEEDS
 from experiments.studies.controllers import training_seeds
-from experiments.studies.learned.suites import Fitted, controllers_of, families_of
+from experiments.studies.learned.suites import NEVER_USED as NEWEST
 from experiments.studies.newcomers.suites import NEVER_USED
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.open_loop import packaged_open_loops
@@ -57,7 +57,8 @@ def test_what_a_suite_names_is_there_and_ships(suite):
     assert len(set(suite.controllers)) == len(suite.controllers)
     assert len(set(suite.scenarios)) == len(suite.scenarios)
     for controller in suite.controllers:
-        assert make_controller(entrant(controller, suite.optimizer).controller)
+        seeing = controller.replace("blinded:", "learned:")
+        assert make_controller(entrant(seeing, suite.optimizer).controller)
     for scenario in suite.scenarios:
         assert expand_name(scenario) == (scenario,)
 
@@ -85,15 +86,19 @@ def test_policies_that_ship_are_in_a_suite():
     assert {f"open-loop:{name}" for name in packaged_open_loops()} <= run
 
 
-def test_families_of_a_suite_are_what_it_runs_beside_chance():
-    fitted = Fitted(learned=training_seeds("learned:a", 2), open_loops=("open-loop:b",))
-    families = families_of(fitted, Family("others", ()), Family("more", ("learned:c",)))
-    assert [family.name for family in families] == [
-        "fixed sizes", "schedules", "open loops (size, φ)", "learned (size, φ)", "more",
-    ]  # fmt: skip
-    assert families[3].groups == ("learned:a/*",)
-    last = ("open-loop:b", "learned:a/0", "learned:a/1", "learned:c", "random")
-    assert controllers_of(families)[-5:] == last
+@pytest.mark.parametrize("suite", [s for s in SUITES.values() if s.families], ids=lambda suite: suite.name)
+def test_families_of_a_suite_are_what_it_runs_beside_chance(suite):
+    of_families = [controller for family in suite.families for controller in family.controllers]
+    assert [name for name in suite.controllers if name not in of_families] in ([], ["random"])
+
+
+def test_blind_families_see_nothing_but_the_iteration():
+    blind = {name for s in SUITES.values() for f in s.families if f.blind for name in f.controllers}
+    seeing = {name for s in SUITES.values() for f in s.families if not f.blind for name in f.controllers}
+    assert {name for name in blind if not name.startswith("open-loop:")} == {
+        "fixed:60", "fixed:80", "fixed:100", "linear-reduction",
+    }  # fmt: skip
+    assert seeing >= {"spsfa-tip", "learned:three-cases/0@1"}
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
@@ -109,17 +114,24 @@ def test_suites_run_on_test_seeds(suite):
         assert all(name.startswith(("case", "random-fields:validation:")) for name in suite.scenarios)
     elif suite.name.startswith("newcomers"):
         assert first == NEVER_USED
+    elif suite.name in ("headline", "generalisation", "out-of-distribution"):
+        assert first == NEWEST
     elif suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
         assert first == FRESH_SEEDS
 
 
-def test_seeds_and_fields_of_the_newest_study_are_in_no_other():
-    newest = {name for name in SUITES if name.startswith("newcomers")}
-    others = [suite for name, suite in SUITES.items() if name not in newest]
-    assert max(seeds[-1] for suite in others for seeds in suite.seeds.values()) < NEVER_USED
-    fields = {scenario for name in newest for scenario in SUITES[name].scenarios if ":test:" in scenario}
-    assert len(fields) == 200
-    assert fields.isdisjoint(scenario for suite in others for scenario in suite.scenarios)
+def test_seeds_and_fields_of_the_newest_studies_are_in_no_other():
+    newcomers = {name for name in SUITES if name.startswith("newcomers")}
+    learned = {"headline", "generalisation", "out-of-distribution"}
+    for study, first in ((newcomers, NEVER_USED), (learned, NEWEST)):
+        others = [suite for name, suite in SUITES.items() if name not in study]
+        own = [SUITES[name] for name in study if "bends" not in SUITES[name].options]
+        seeds = {seed for suite in own for seeds in suite.seeds.values() for seed in seeds}
+        assert min(seeds) == first
+        assert seeds.isdisjoint(k for suite in others for seeds in suite.seeds.values() for k in seeds)
+        fields = {scenario for suite in own for scenario in suite.scenarios if ":test:" in scenario}
+        assert len(fields) == 200
+        assert fields.isdisjoint(scenario for suite in others for scenario in suite.scenarios)
 
 
 def test_fields_have_a_seed_of_their_own():

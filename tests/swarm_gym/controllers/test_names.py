@@ -14,7 +14,7 @@ from experiments.runs.entrants import entrant
 from helpers.mutations import fuzzed
 from swarm_gym.controllers.distilled import packaged_rules
 from swarm_gym.controllers.learned.policy_file import packaged_policies
-from swarm_gym.controllers.names import ALL_SEEDS, FITTED, ControllerName
+from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, FITTED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.controllers.tuned import packaged_tuned
 from swarm_gym.errors import UnknownNameError
@@ -64,7 +64,7 @@ def test_names_are_put_together_as_they_were(name):
     assert str(parts) == name
     assert parts.group_key == group_key_by_hand(name)
     assert ControllerName.parse(parts.group_key).group_key == parts.group_key
-    assert parts.family in CONTROLLERS
+    assert parts.family in (*CONTROLLERS, BLINDED)
     assert (parts.parameters is None) or (parts.recipe is None)
 
 
