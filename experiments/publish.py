@@ -6,7 +6,7 @@ written. No number between the marks is typed by hand.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -18,13 +18,15 @@ from experiments import catalogue
 from experiments.documents.blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
+from experiments.runs.groups import EVERY_SET
 from experiments.speed.page import CAPTIONS, headline, read_folder, table
 from experiments.tables.document import Block, Document, ResultsFolder
+from experiments.tables.reshape import split
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 
-SUITE, BENCHMARK = "docs/paper", "benchmark"  # folders of the document `results`
+SUITE, STUDY, BENCHMARK = "docs/paper", "study/headline", "benchmark"  # folders of the document `results`
 
 
 def _speed(results: ResultsFolder) -> str:
@@ -41,13 +43,19 @@ def _measurements(group: str, results: ResultsFolder) -> str:
     return table(group, groups[group]).markdown()
 
 
-def _summary(results: ResultsFolder) -> str:
-    """Return the summary of the suite; its page and figures are shown beside."""
+def _headline(results: ResultsFolder) -> str:
+    """Return the headline table of the study; page and figures of the paper's suite are shown beside."""
     for file in (results.path / SUITE).glob("*.svg"):
         results.show(f"{SUITE}/{file.name}")
     results.show(f"{SUITE}/README.md")
     results.show(f"{BENCHMARK}/growth.svg")
-    return results.text(f"{SUITE}/summary.md")
+    return results.table(f"{STUDY}/headline").markdown()
+
+
+def _claims(results: ResultsFolder) -> str:
+    """Return the study's sentences about all cases together."""
+    claims = results.table(f"{STUDY}/claims")
+    return replace(split(claims)[EVERY_SET], caption=claims.caption).markdown()
 
 
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
@@ -57,7 +65,9 @@ PERFORMANCE_BLOCKS: Mapping[str, Block] = {
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
-        Document(Path("README.md"), "", "", blocks={"results": _summary, "speed": _speed}),
+        Document(
+            Path("README.md"), "", "", blocks={"results": _headline, "claims": _claims, "speed": _speed}
+        ),
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},

@@ -23,6 +23,12 @@ from swarm_gym.controllers.distilled import load_rule
 from swarm_gym.controllers.names import FITTED, ControllerName
 
 FIGURES = "results/study"  # seen from the document
+TABLE_FIGURES = "results/study-tables"
+PARAMETER_FIGURES = tuple(
+    (name, symbol, kind)
+    for name, symbol in (("growth", "ω"), ("decay", "η"), ("low-deviation", "T_low"))
+    for kind in ("courses", "outcomes")
+)
 FRONT_TEXT = "mean gap against mean evaluations of every controller"
 PROFILES_TEXT = "share of runs within a gap, by the gap"
 FAMILY = ("family", "controllers")
@@ -44,6 +50,20 @@ def _decisions(results: ResultsFolder) -> str:
 def _parameter(name: str, symbol: str, published: bool, results: ResultsFolder) -> str:
     columns = PARAMETER_COLUMNS if published else PARAMETER_COLUMNS[:-1]
     return whole("parameters", name, results, (symbol, *columns))
+
+
+def _parameter_figures(results: ResultsFolder) -> str:
+    """Return figures 20 to 25 of the SPSFA paper: courses and outcomes by the value of each parameter."""
+    return "\n\n".join(
+        figure(
+            TABLE_FIGURES,
+            "parameters",
+            f"parameter-{name}-{kind}",
+            f"{kind} by {symbol}, figure {number}",
+            results,
+        )
+        for number, (name, symbol, kind) in enumerate(PARAMETER_FIGURES, start=20)
+    )
 
 
 def _origins(results: ResultsFolder) -> str:  # noqa: ARG001
@@ -97,6 +117,7 @@ TABLE_BLOCKS: dict[str, Block] = {
     "sensitivity-performance": partial(whole, "sensitivity", "sensitivity-performance"),
     "rule": partial(_rule, "three-cases"),
     "parameters-made-with": partial(made_with, "parameters"),
+    "parameters-figures": _parameter_figures,
     "parameters-growth": partial(_parameter, "table-12-parameter-growth", "ω", True),
     "parameters-decay": partial(_parameter, "table-13-parameter-decay", "η", True),
     "parameters-low-deviation": partial(_parameter, "table-parameter-low-deviation", "T_low", False),

@@ -24,5 +24,5 @@ TABLES = {
 }
 DOCUMENTS = {
     "study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS),
-    "study-tables": Document(Path("docs/study-tables.md"), "study", "", blocks=TABLE_BLOCKS),
+    "study-tables": Document(Path("docs/study-tables.md"), "study", "study-tables", blocks=TABLE_BLOCKS),
 }

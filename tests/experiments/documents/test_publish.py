@@ -10,9 +10,13 @@ from experiments.publish import DOCUMENTS, main, publish
 from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page
+from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
-TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
+TEXT = (
+    "above\n<!-- results -->\nold\nlines\n<!-- /results -->\n<!-- claims -->\n<!-- /claims -->\n"
+    "below <!-- speed -->\n<!-- /speed -->\n"
+)
 BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
@@ -54,20 +58,28 @@ def benchmark(tmp_path_factory):
 def documents(tmp_path, monkeypatch, benchmark):
     """A checkout with empty blocks, a suite and a benchmark."""
     monkeypatch.chdir(tmp_path)
-    for folder in ("results/docs/paper", "docs"):
+    for folder in ("results/docs/paper", "results/study/headline", "docs"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copytree(benchmark, tmp_path / "results/benchmark")
     (tmp_path / "README.md").write_text(TEXT)
     (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
-    for name in ("README.md", "summary.md", "a.svg", "a.png"):
+    for name in ("README.md", "a.svg", "a.png"):
         (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
+    claims = [("first", "case1", "yes"), ("first", "all", "no"), ("second", "all", "yes")]
+    for table in (
+        Table("headline", "Objective.", ("controller", "objective"), [("PPO", "3.7")]),
+        Table("claims", "Sentences.", ("claim", "scenarios", "holds"), claims),
+    ):
+        (tmp_path / f"results/study/headline/{table.name}.json").write_text(table.json())
     return tmp_path
 
 
 def test_publishing_copies_the_page_and_fills_both_documents(documents):
     publish("results", documents / "results")
     readme = (documents / "README.md").read_text()
-    assert "content of summary.md" in readme
+    assert "| PPO | 3.7 |" in readme
+    assert "| first | no |\n| second | yes |" in readme
+    assert "| first | yes |" not in readme
     assert "| single environment, 30 members" not in readme
     assert "| case1: niapy, cost in NumPy / swarm_gym | 1.5 | 1 to 2 |" in readme
     performance = (documents / "docs/performance.md").read_text()
@@ -80,11 +92,18 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
 
 
 @pytest.mark.parametrize(
-    "missing", ["docs/paper/summary.md", "benchmark/benchmark.json", "benchmark/peers.json"]
+    "missing",
+    [
+        "study/headline/headline.json",
+        "study/headline/claims.json",
+        "docs/paper/README.md",
+        "benchmark/benchmark.json",
+        "benchmark/peers.json",
+    ],
 )
 def test_nothing_is_written_where_something_is_missing(documents, missing):
     (documents / "results" / missing).unlink()
-    with pytest.raises((OSError, ValueError), match=r"summary|benchmark|peers"):
+    with pytest.raises((OSError, ValueError), match=r"headline|claims|README|benchmark|peers"):
         publish("results", documents / "results")
     assert (documents / "README.md").read_text() == TEXT
     assert (documents / "docs/performance.md").read_text() == PERFORMANCE

@@ -10,7 +10,7 @@ from experiments.documents.blocks import block_names
 from experiments.documents.page import describe_provenance
 from experiments.publish import publish
 from experiments.runs.groups import group_controllers
-from experiments.studies.learned.blocks import BLOCKS, PARAMETER_COLUMNS, TABLE_BLOCKS
+from experiments.studies.learned.blocks import BLOCKS, PARAMETER_COLUMNS, PARAMETER_FIGURES, TABLE_BLOCKS
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import LOOKED_INTO
 from experiments.tables.blocks import GAP_COLUMNS, decisions_name
@@ -121,7 +121,8 @@ def results(tmp_path, monkeypatch):
             rows = [tuple(f"{column} {k} of {suite}" for column in columns) for k in range(2)]
             (folder / suite / f"{name}.json").write_text(Table(name, f"{name}.", columns, rows).json())
         decisions = map(decisions_name, group_controllers(SUITES["headline"].controllers))
-        for name in ("front", "profiles", "sensitivity", *decisions):
+        parameters = (f"parameter-{name}-{kind}" for name, _, kind in PARAMETER_FIGURES)
+        for name in ("front", "profiles", *decisions, *parameters):
             (folder / suite / f"figure-{name}.svg").write_text(f"{suite} {name}")
     return folder
 
@@ -142,6 +143,9 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     assert {path.name for path in stale.parent.iterdir()} == set(shown)
     assert (stale.parent / "generalisation-front.svg").read_text() == "generalisation front"
     assert len(set(shown)) == len(shown) == 3 + len(LOOKED_INTO)
+    drawn = re.findall(r"!\[[^]]+\]\(results/study-tables/([a-z0-9-]+\.svg)\)", tables)
+    assert {path.name for path in (STUDY.parent / "results/study-tables").iterdir()} == set(drawn)
+    assert len(drawn) == 6
     for document in DOCUMENTS:
         publish(document, results.parent)
     assert [path.read_text(encoding="utf-8") for path in (STUDY, APPENDIX)] == [text, tables]
