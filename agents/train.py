@@ -89,9 +89,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
             controllers = [name for c in configs for name in (c.base, c.reference, c.warm_start)]
             run_all(train, configs, given.where, controllers)
             return
-        best = TrainingRun(given.config).run()
+        run = TrainingRun(given.config)
+        best = run.run()
     name = ControllerName.of("learned", str(best))
-    print(f"best policy by validation: {best}\nuse it as controller {name}")
+    print(f"best policy by validation: {best}\n{run.verdict}\nuse it as controller {name}")
 
 
 if __name__ == "__main__":

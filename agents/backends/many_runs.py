@@ -130,7 +130,7 @@ def carry_out(
 def train(config: TrainConfig) -> Finished:
     """Run a training and return its result."""
     run = TrainingRun(config)
-    return Finished(run.run(), f"best validation return {run.best_return:.4f}")
+    return Finished(run.run(), run.verdict)
 
 
 def tune(config: TuneConfig) -> Finished:

@@ -65,6 +65,14 @@ class TrainingRun:
         finally:
             self._lock.release()
 
+    @property
+    def verdict(self) -> str:
+        """The best validation return in words, and whether training had a part in it."""
+        found = f"best validation return {self.best_return:.4f}"
+        if load_policy(self.best)[1]["steps"] > 0:
+            return found
+        return f"{found}, did not improve on what it began with"
+
     def _run(self) -> Path:
         config = self.config
         if not self._goes_on:

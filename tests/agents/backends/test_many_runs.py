@@ -34,7 +34,7 @@ def test_seeds_equal_single_runs_fail_alone_and_resume(tmp_path):
     }
     single = TrainingRun(tiny_config(tmp_path, **SHORT, seed=3, name="single"))
     assert_same_weights(single.run(), outcomes["3"].finished.result)
-    assert outcomes["3"].finished.summary == f"best validation return {single.best_return:.4f}"
+    assert outcomes["3"].finished.summary == single.verdict
 
 
 @pytest.mark.slow

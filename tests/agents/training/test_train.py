@@ -250,3 +250,16 @@ def test_adapter_steps_as_the_single_environments_do():
 def test_adapter_refuses_another_autoreset_mode():
     with pytest.raises(ValueError, match="SAME_STEP"):
         SB3VecEnv(SwarmVectorEnv(2, **OPTIONS))
+
+
+def test_a_training_that_gained_nothing_says_so(tmp_path):
+    """A learning rate of 0 leaves the policy as it was, so that no later validation is above the first."""
+    run = train(tmp_path, learning_rate=0.0, total_steps=2 * STEPS)
+    run.run()
+    assert (
+        run.verdict == f"best validation return {run.best_return:.4f}, did not improve on what it began with"
+    )
+    other = train(tmp_path, name="other", total_steps=STEPS)
+    other.run()
+    other._save_policy(other.best, {})
+    assert other.verdict == f"best validation return {other.best_return:.4f}"
