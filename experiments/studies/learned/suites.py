@@ -18,15 +18,14 @@ FIELDS = expand_name("random-fields:test:400-599")
 UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
 UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:40-79"))
 
-PRICES = (1, 5, 0.3)  # told to policies; 1 is that of the headline
+PRICES = (1, 5, 0.5)  # told to policies; 1 is that of the headline
 LEARNED = training_seeds("learned:three-cases", 5, *PRICES)
 LINEAR = training_seeds("learned:three-cases-linear", 5, 1)
 FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 
 # Tuned on the objective of the policies at price 1, with as many environment steps in all.
-TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 1)
-LOOPS = training_seeds("open-loop:three-cases-long", 3, 1)
-LOOPS_13 = training_seeds("open-loop:three-cases-13-knots", 0, 1)
+TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 2)
+LOOPS = training_seeds("open-loop:three-cases-long", 5, 1)
 
 # An earlier recipe, without groups, and ten numbers distilled from its policy.
 IMITATING = ("learned:three-cases-ppo/0", "distilled:three-cases")
@@ -35,7 +34,7 @@ PRINTED = Family("printed schedules", ("spsfa-tip", "spsfa", "diversity-ladder",
 BLIND_RULES = Family(
     "blind rules", (*FIXED_SIZES, "linear-reduction", "open-loop:three-cases-constant"), blind=True
 )
-LOOPS_OF_CASES = Family("open loops of the cases", ("open-loop:three-cases", *LOOPS, *LOOPS_13), blind=True)
+LOOPS_OF_CASES = Family("open loops of the cases", ("open-loop:three-cases", *LOOPS), blind=True)
 
 CASE_FAMILIES = (
     PRINTED,
