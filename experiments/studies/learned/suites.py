@@ -19,7 +19,7 @@ UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
 UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:40-79"))
 
 PRICES = (1, 5, 0.5)  # told to policies; 1 is that of the headline
-LEARNED = training_seeds("learned:three-cases", 5, *PRICES)
+LEARNED = training_seeds("learned:three-cases", 8, *PRICES)
 LINEAR = training_seeds("learned:three-cases-linear", 5, 1)
 FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 
@@ -44,7 +44,7 @@ CASE_FAMILIES = (
     Family("learned by PPO", LEARNED),
     Family("learned by CMA-ES", LINEAR),
     Family("learned by imitation", IMITATING),
-    Family("blinded", training_seeds("blinded:three-cases", 5, 1)),
+    Family("blinded", training_seeds("blinded:three-cases", 8, 1)),
 )
 FIELD_FAMILIES = (
     PRINTED,
