@@ -44,7 +44,7 @@ PACKAGED_SCENARIOS = (*sorted(SCENARIOS), *(f"dynamic:{name}-gate@1" for name in
 PACKAGED_FIELDS = (
     "random-fields:train:0-511",
     "random-fields:validation:0-63",
-    "random-fields:test:0-399",
+    "random-fields:test:0-599",
     "random-fields:denser:0-39",
     "random-fields:larger:0-39",
     "random-fields:narrow:0-39",

@@ -16,7 +16,7 @@ NEVER_USED = 30_000
 FIELDS = expand_name("random-fields:test:400-599")
 # Kinds of random fields that no controller is fitted to.
 UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
-UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:40-79"))
+UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
 
 PRICES = (1, 5, 0.5)  # told to policies; 1 is that of the headline
 LEARNED = training_seeds("learned:three-cases", 8, *PRICES)
