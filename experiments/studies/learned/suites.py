@@ -57,8 +57,8 @@ FIELD_FAMILIES = (
     Family("blinded", training_seeds("blinded:random-fields", 5, 1)),
 )
 UNSEEN_FAMILIES = (
-    PRINTED,
-    BLIND_RULES,
+    Family("printed schedules", ("spsfa-tip", "spsfa")),
+    Family("blind rules", ("fixed:80",), blind=True),
     Family("tuned schedules", ("tuned:random-fields",)),
     Family("open loops", ("open-loop:random-fields", "open-loop:three-cases"), blind=True),
     Family("learned on fields", training_seeds("learned:random-fields", 5, 1)),
