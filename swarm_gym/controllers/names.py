@@ -102,9 +102,14 @@ class ControllerName:
         return replace(self, optimizer=None, iterations=None)
 
     @property
+    def group(self) -> Self:
+        """The name of all training seeds of its recipe; other controllers keep their own."""
+        return self if self.seed is None else replace(self, seed=ALL_SEEDS)
+
+    @property
     def group_key(self) -> str:
         """Name under which the training seeds of one recipe are pooled; other controllers keep their own."""
-        return str(self if self.seed is None else replace(self, seed=ALL_SEEDS))
+        return str(self.group)
 
     def __str__(self) -> str:
         iterations = "" if self.iterations is None else f"({self.iterations})"

@@ -2,10 +2,10 @@
 
 import json
 import os
-import re
 from pathlib import Path
 from typing import Any
 
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import shown
 
 # Largest size of text files of controllers and presets, in bytes; the largest packaged one has 51 kB.
@@ -51,8 +51,10 @@ def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Pa
     path = find_file(name, folder, ".json")
     if path is None:
         # One entry for all tuning seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
-        names = [re.sub(r"/[0-9]+(?=@|$)", "/*", known) for known in packaged_names(folder, ".json")]
-        packaged = ", ".join(dict.fromkeys(names)) or "none"
+        recipes = [
+            ControllerName.of("tuned", known).group.argument for known in packaged_names(folder, ".json")
+        ]
+        packaged = ", ".join(dict.fromkeys(recipes)) or "none"
         raise error(f"{kind} {shown(name)}: neither a packaged one ({packaged}) nor a file")
     return path
 
