@@ -77,15 +77,16 @@ class TrainConfig:
     log_std: float = -1.6
     """Natural logarithm of the initial standard deviation of actions in [-1, 1]."""
     noise_steps: int = 1
-    """Number of steps that share the noise of their actions, which is then a random matrix on the last hidden
-    layer (gSDE), for ppo only; 0 holds it for the episode, 1 draws noise for every step."""
+    """Number of steps that share the noise of their actions, and the advantage of the first of them; for ppo
+    only. The noise is then a random matrix on the last hidden layer (gSDE). 0 holds it for the episode, 1
+    draws noise for every step."""
     critic: bool = True
     """A critic estimates returns; without one, for ppo only, gae_lambda has to be 1."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
     decay_steps: int = 0
-    """Number of environment steps over which learning_rate falls linearly to 0, for ppo only; 0 keeps it. At
-    least total_steps, so that no step is without learning."""
+    """Number of environment steps over which learning_rate falls linearly to 0, for ppo only; 0 keeps it. It
+    must not be below total_steps, since the steps after it would teach nothing."""
     averaging: float = 0.0
     """Share that an update keeps of the running mean of the actor's weights, which are the policy's, for ppo
     only; 0 takes the last weights."""

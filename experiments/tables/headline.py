@@ -25,7 +25,7 @@ UNTOLD = 1.0  # price at which controllers without one are compared
 
 def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of all groups but blinded ones, ordered by price and then by objective."""
-    sets = [name for name in outcomes.sets if name != EVERY_SET] or list(outcomes.sets)
+    sets = [name for name in outcomes.sets if name != EVERY_SET]
     whole = list(outcomes.sets)[-1]
     samples = {group: outcomes.sample(group, whole) for group in outcomes.groups}
     objectives = {group: float(samples[group].objective(price_of(group)).mean()) for group in samples}

@@ -20,7 +20,7 @@ from experiments.tables.blocks import (
 from experiments.tables.cell import MISSING
 from experiments.tables.document import Block, ResultsFolder
 from swarm_gym.controllers.distilled import load_rule
-from swarm_gym.controllers.names import FITTED, ControllerName
+from swarm_gym.controllers.names import BLINDED, FITTED, ControllerName
 
 FIGURES = "results/study"  # seen from the document
 TABLE_FIGURES = "results/study-tables"
@@ -68,7 +68,7 @@ def _parameter_figures(results: ResultsFolder) -> str:
 
 def _origins(results: ResultsFolder) -> str:  # noqa: ARG001
     run = dict.fromkeys((*HEADLINE.controllers, *GENERALISATION.controllers))
-    fitted = [name for name in run if ControllerName.parse(name).family in FITTED[1:]]
+    fitted = [name for name in run if ControllerName.parse(name).family in {*FITTED} - {BLINDED}]
     table = origins_table(fitted)
     # The section about the rule tells the origin of rules.
     return replace(table, rows=[row for row in table.rows if row[-2] != MISSING]).markdown()
