@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from experiments.runs.measures import MEASURES
 from swarm_gym.errors import shown
-
-METRICS = ("gap", "evaluations", "objective", "far", "spread")
 
 
 class ClaimFileError(ValueError):
@@ -36,10 +35,7 @@ class GroupClaim:
         group: key of the group that the sentence is about.
         rival: key of the group that it is compared with, on the same scenarios and seeds; empty if the
             sentence has a limit.
-        metric: measure that is averaged over runs. `gap` is the optimality gap in per cent; `evaluations` are
-            those of a run in thousands; `objective` is the gap plus `price` times the evaluations / 100,000;
-            `far` is the per cent of the runs that are not within 1 % of the optimum; `spread` is the mean
-            distance of a run's gap from the median of its scenario, in per cent.
+        metric: name of a measure in `experiments.runs.measures`, averaged over runs.
         factor: the group has to be below this multiple of the rival.
         limit: number that the group has to be below, if there is no rival.
         price: price of 100,000 evaluations in the objective.
@@ -57,8 +53,8 @@ class GroupClaim:
     sets: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.metric not in METRICS:
-            raise ValueError(f"metric must be one of {', '.join(METRICS)}, got {shown(self.metric)}")
+        if self.metric not in MEASURES:
+            raise ValueError(f"metric must be one of {', '.join(MEASURES)}, got {shown(self.metric)}")
         if bool(self.rival) == (self.limit > 0.0):
             raise ValueError("a claim needs either a rival or a limit above 0")
 

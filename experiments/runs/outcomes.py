@@ -30,31 +30,45 @@ class Sample:
     """A sample of runs of a group on sets of scenarios, arrays (training seeds, scenarios, seeds).
 
     Attributes:
-        gap: optimality gap, (final fitness - optimum) / optimum.
+        fitness: best fitness of the run, in map units.
+        optimum: fitness of the true optimum, (1, scenarios, 1), nan where it is unknown.
         feasible: 1 if the best path of the run is feasible, else 0.
         evaluations: number of calls of the cost function.
         seconds: processor time of the run.
+        scenarios: names of the scenarios.
         set_sizes: number of scenarios of each set; sets follow each other along the second axis.
     """
 
-    gap: Floats
+    fitness: Floats
+    optimum: Floats
     feasible: Floats
     evaluations: Floats
     seconds: Floats
+    scenarios: tuple[str, ...]
     set_sizes: tuple[int, ...]
+
+    @cached_property
+    def gap(self) -> Floats:
+        """Return optimality gaps, see `gap_to_optimum`.
+
+        Raises:
+            ScenarioError: if the optimum of a scenario is unknown.
+        """
+        _refuse_unknown(self.scenarios, self.optimum.ravel())
+        return gap_to_optimum(self.fitness, self.optimum)
 
     @property
     def num_training_seeds(self) -> int:
         """Return the number of training seeds; 1 for controllers that are not trained."""
-        return self.gap.shape[0]
+        return self.fitness.shape[0]
 
     def objective(self, price: float) -> Floats:
-        """Return gap in per cent plus price times evaluations / 100,000 of every run, as `gap` is shaped."""
+        """Return gap in per cent plus price times evaluations / 100,000 of every run, shaped like `gap`."""
         return 100.0 * self.gap + price * self.evaluations / 100_000.0
 
     def draws(self, stream: int = 0) -> Draws:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""
-        return draw(self.num_training_seeds, self.set_sizes, self.gap.shape[2], stream)
+        return draw(self.num_training_seeds, self.set_sizes, self.fitness.shape[2], stream)
 
 
 def _nothing_stored(controller: str, scenario: str) -> list[Any]:  # noqa: ARG001
@@ -107,20 +121,19 @@ class Outcomes:
         return each if len(sets) == 1 else {**each, EVERY_SET: tuple(sets.values())}
 
     @cached_property
+    def optima(self) -> Floats:
+        """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown."""
+        return np.array([known_optimum(make_problem(name)) for name in self.scenarios])
+
+    @cached_property
     def gap(self) -> Floats:
         """Return optimality gaps, (controllers, scenarios, seeds), see `gap_to_optimum`.
 
         Raises:
             ScenarioError: if the optimum of a scenario is unknown.
         """
-        optima = np.array([known_optimum(make_problem(name)) for name in self.scenarios])
-        unknown = [name for name, optimum in zip(self.scenarios, optima, strict=True) if np.isnan(optimum)]
-        if unknown:
-            raise ScenarioError(
-                f"gaps need the optimum, which is not known for {len(unknown)} of {len(optima)} scenarios, "
-                f"the first of them {unknown[0]}"
-            )
-        return gap_to_optimum(self.fitness, optima[:, None])
+        _refuse_unknown(self.scenarios, self.optima)
+        return gap_to_optimum(self.fitness, self.optima[:, None])
 
     def sample(self, group: str, scenario_set: str) -> Sample:
         """Return the runs of a group on a set of scenarios, by the keys of both."""
@@ -129,11 +142,22 @@ class Outcomes:
         columns = _places([name for scenarios in strata for name in scenarios], self.scenarios)
         at = np.ix_(rows, columns)
         return Sample(
-            self.gap[at],
+            self.fitness[at],
+            self.optima[None, columns, None],
             (self.collision[at] <= FEASIBILITY_TOLERANCE).astype(np.float64),
             self.evaluations[at],
             self.seconds[at],
+            tuple(self.scenarios[column] for column in columns),
             tuple(len(scenarios) for scenarios in strata),
+        )
+
+
+def _refuse_unknown(scenarios: Sequence[str], optima: Floats) -> None:
+    unknown = [name for name, optimum in zip(scenarios, optima, strict=True) if np.isnan(optimum)]
+    if unknown:
+        raise ScenarioError(
+            f"gaps need the optimum, which is not known for {len(unknown)} of {len(optima)} scenarios, "
+            f"the first of them {unknown[0]}"
         )
 
 

@@ -1,12 +1,21 @@
 """Statistics of heavy-tailed runs on equal scenarios and seeds; smaller values are better."""
 
-from experiments.statistics.bootstrap import Draws, Interval, draw, interval, means, trimmed_means
+from experiments.statistics.bootstrap import (
+    Draws,
+    Interval,
+    draw,
+    interval,
+    mean_of_present,
+    means,
+    trimmed_means,
+)
 from experiments.statistics.comparison import (
     Comparison,
     Difference,
     compare,
     difference,
     holm,
+    mean_difference,
     paired,
     probability_of_improvement,
     rank_sum,
@@ -37,7 +46,9 @@ __all__ = [
     "holm",
     "hypervolume",
     "interval",
+    "mean_difference",
     "mean_interval",
+    "mean_of_present",
     "means",
     "non_dominated",
     "paired",

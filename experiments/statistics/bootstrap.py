@@ -63,9 +63,22 @@ def draw(num_training_seeds: int, set_sizes: tuple[int, ...], num_seeds: int, st
 
 
 def means(values: Floats, draws: Draws) -> Floats:
-    """Return the mean (resamples,) of values (training seeds, scenarios, seeds) in each resample."""
-    by_pair = draws.training @ values.reshape(len(values), -1)
-    return np.einsum("bp,bp->b", by_pair, draws.pairs) / values.size
+    """Return the mean (resamples,) of values (training seeds, scenarios, seeds) in each resample.
+
+    Values that are nan count as absent; a resample without any other has the mean nan.
+    """
+    absent = np.isnan(values)
+    if not absent.any():
+        return _sums(values, draws) / values.size
+    present = _sums((~absent).astype(np.float64), draws)
+    total = _sums(np.where(absent, 0.0, values), draws)
+    return np.divide(total, present, out=np.full_like(total, np.nan), where=present > 0.0)
+
+
+def mean_of_present(values: Floats) -> float:
+    """Return the mean of the values that are not nan, or nan if there is none."""
+    present = values[~np.isnan(values)]
+    return float(present.mean()) if present.size else np.nan
 
 
 def trimmed_means(values: Floats, draws: Draws) -> Floats:
@@ -86,10 +99,17 @@ def shares_within(values: Floats, thresholds: Floats, draws: Draws) -> Floats:
 
 
 def interval(resampled: Floats) -> Interval:
-    """Return the 95 % percentile interval of a statistic (resamples,)."""
+    """Return the 95 % percentile interval of a statistic (resamples,), over those where it is not nan."""
     tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(resampled, [tail, 1.0 - tail])
+    if np.isnan(resampled).all():
+        return np.nan, np.nan
+    low, high = np.nanquantile(resampled, [tail, 1.0 - tail])
     return float(low), float(high)
+
+
+def _sums(values: Floats, draws: Draws) -> Floats:
+    by_pair = draws.training @ values.reshape(len(values), -1)
+    return np.einsum("bp,bp->b", by_pair, draws.pairs)
 
 
 def _cumulated(values: Floats, draws: Draws) -> Iterator[Floats]:

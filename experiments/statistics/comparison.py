@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from experiments.statistics.bootstrap import Draws, Interval, draw, interval, means
+from experiments.statistics.bootstrap import Draws, Interval, draw, interval, mean_of_present, means
 from experiments.statistics.samples import mean_interval
 
 Floats = NDArray[np.float64]
@@ -67,6 +67,21 @@ def compare(values: Floats, baseline: Floats) -> Comparison:
     )
 
 
+def mean_difference(
+    values: Floats, baseline: Floats, draws: Draws, baseline_draws: Draws
+) -> tuple[float, Interval]:
+    """Return the difference of two means and its 95 % interval; values that are nan count as absent.
+
+    Args:
+        values: values of a group, (training seeds, scenarios, seeds).
+        baseline: values of another group on the same scenarios and seeds.
+        draws: resamples of the group.
+        baseline_draws: resamples of the other: of another stream, unless training seeds are paired, too.
+    """
+    resampled = means(values, draws) - means(baseline, baseline_draws)
+    return mean_of_present(values) - mean_of_present(baseline), interval(resampled)
+
+
 def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: Draws) -> Difference:
     """Return the comparison of two samples (training seeds, scenarios, seeds), paired by scenario and seed.
 
@@ -76,10 +91,8 @@ def difference(values: Floats, baseline: Floats, draws: Draws, baseline_draws: D
         draws: resamples of the group.
         baseline_draws: resamples of the baseline, of another stream.
     """
-    resampled = means(values, draws) - means(baseline, baseline_draws)
     return Difference(
-        float(values.mean() - baseline.mean()),
-        interval(resampled),
+        *mean_difference(values, baseline, draws, baseline_draws),
         float(values.mean() / baseline.mean() - 1.0),
         superiority(values, baseline),
         probability_of_improvement(values, baseline),

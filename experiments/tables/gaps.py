@@ -3,13 +3,13 @@
 import numpy as np
 
 from experiments.runs.labels import label
+from experiments.runs.measures import NEAR
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, means, summarise_group
 from experiments.tables.cell import Entry, number, share, share_in
 from experiments.tables.table import Table
 
-NEAR = 0.01  # of the optimum
 FINE = ".2f"  # per cent; controllers differ by little
 
 

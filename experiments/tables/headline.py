@@ -6,7 +6,7 @@ from experiments.runs.groups import EVERY_SET
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
-from experiments.statistics import interval, means
+from experiments.statistics import interval, mean_difference, means
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Table
@@ -84,6 +84,5 @@ def _minus(mine: Sample, theirs: Sample | None, price: float, stream: int) -> En
     """Return the difference of two objectives; stream 0 pairs training seeds, too."""
     if theirs is None:
         return MISSING
-    one, other = mine.objective(price), theirs.objective(price)
-    resampled = means(one, mine.draws()) - means(other, theirs.draws(stream))
-    return number_in(one.mean() - other.mean(), interval(resampled), "+.3f")
+    objectives = mine.objective(price), theirs.objective(price)
+    return number_in(*mean_difference(*objectives, mine.draws(), theirs.draws(stream)), "+.3f")

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -12,6 +13,8 @@ from typing import Any
 
 from experiments.tables.cell import MISSING, Cell, Entry, plain_text
 from swarm_gym.files import write_atomically
+
+LINE = 100  # characters of a line of a caption
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ class Table:
         """Return the table in GitHub's Markdown, with the caption above."""
         lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
         body = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
-        return f"**{self.caption}**\n\n{body}\n"
+        caption = textwrap.fill(f"**{self.caption}**", LINE, break_long_words=False, break_on_hyphens=False)
+        return f"{caption}\n\n{body}\n"
 
     def latex(self) -> str:
         """Return a `table` environment with booktabs rules."""

@@ -1,5 +1,8 @@
 """The suite of the MOA paper: six tasks on a map of a computer game."""
 
+from pathlib import Path
+
+from experiments.runs.claims import claims_of
 from experiments.runs.suite import FRESH_SEEDS, Suite
 from experiments.studies.moa.published import METHODS
 from swarm_gym.scenarios import expand_name
@@ -14,7 +17,8 @@ MOA_PAPER = Suite(
     # The number of control points was chosen on lower seeds.
     first_seed=FRESH_SEEDS,
     options={"encoding": "bezier", "iterations": 449},
-    tables=("moa",),
+    tables=("claims", "moa"),
+    claims=claims_of(Path(__file__).parent / "claims.toml", "moa-paper"),
     figures=("maps",),
 )
 

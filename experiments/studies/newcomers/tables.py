@@ -4,25 +4,19 @@ from pathlib import Path
 
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
+from experiments.runs.measures import NEAR
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import Difference, difference
+from experiments.statistics import difference
 from experiments.studies.newcomers.blocks import BLOCKS
 from experiments.studies.newcomers.corridors import corridor_tables
 from experiments.studies.newcomers.suites import SMOOTH_MEMBERS, UNIFORM_MEMBERS
 from experiments.tables.cell import Entry, number, share, share_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Document
-from experiments.tables.gaps import NEAR
 from experiments.tables.table import Table
 
 FINE = ".2f"
-
-
-def compare_groups(outcomes: Outcomes, group: str, rival: str, scenario_set: str) -> Difference:
-    """Return the paired comparison of the gaps of two groups on a set of scenarios."""
-    mine, theirs = outcomes.sample(group, scenario_set), outcomes.sample(rival, scenario_set)
-    return difference(mine.gap, theirs.gap, mine.draws(), theirs.draws(RIVAL_STREAM))
 
 
 def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -35,7 +29,8 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             continue
         for scenario_set in outcomes.sets:
             samples = [outcomes.sample(name, scenario_set) for name in (uniform, smooth)]
-            found = compare_groups(outcomes, smooth, uniform, scenario_set)
+            first, second = samples
+            found = difference(second.gap, first.gap, second.draws(), first.draws(RIVAL_STREAM))
             rows.append(
                 (
                     OPTIMIZER_LABELS.get(optimizer, optimizer),

@@ -57,12 +57,38 @@ def test_a_sentence_with_a_factor_needs_as_much_less():
         ("objective", 2.0 + 3.0 * 0.01, 10.0 / 3.0 + 3.0 * 0.02),
         ("far", 200.0 / 3.0, 100.0),
         ("spread", 2.0 / 3.0, 1.0),
+        ("infeasible", 0.0, 0.0),
     ],
 )
 def test_measures_are_means_over_runs(metric, mine, theirs):
     (row,) = check(GAPS, claim(rival=OTHER, metric=metric, price=3.0, sets=("case1",)))
     assert (row["controller"], row["rival or limit"]) == (f"{mine:.2f}", f"{theirs:.2f}")
     assert row["measure"] == ("objective at price 3" if metric == "objective" else metric)
+
+
+def test_lengths_are_those_of_feasible_paths():
+    """The fitness of a path that collides is not its length, and does not count."""
+    outcomes = outcomes_of({(ONE, "case1"): [0.1, 0.2, 0.6], (OTHER, "case1"): [0.3, 0.3, 0.3]})
+    outcomes.collision[0, 0, 2] = 1.0
+    claims = [claim(rival=OTHER, metric=metric) for metric in ("length", "infeasible", "fitness")]
+    (table,) = group_claim_tables(dataclasses.replace(NEWCOMERS, claims=tuple(claims)), outcomes)
+    length, infeasible, fitness = cells_of([table], "claims")
+    optimum = outcomes.optima[0]
+    assert length["controller"] == f"{1.15 * optimum:.2f}"
+    assert length["holds"] == "yes"
+    assert infeasible["controller"] == f"{100 / 3:.2f}"
+    assert infeasible["rival or limit"] == "0.00"
+    assert fitness["controller"] == f"{1.3 * optimum:.2f}"
+    assert fitness["holds"] == "**no**"
+    assert "length is that of the best paths that are feasible" in table.caption
+
+
+def test_a_length_of_no_feasible_path_is_missing():
+    outcomes = outcomes_of({(ONE, "case1"): [0.1, 0.2], (OTHER, "case1"): [0.3, 0.3]})
+    outcomes.collision[:] = 1.0
+    suite = dataclasses.replace(NEWCOMERS, claims=(claim(rival=OTHER, metric="length"),))
+    (row,) = cells_of(group_claim_tables(suite, outcomes), "claims")
+    assert (row["controller"], row["rival or limit"], row["holds"]) == ("–", "–", "**no**")
 
 
 def test_a_limit_needs_no_rival():
