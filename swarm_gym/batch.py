@@ -106,6 +106,7 @@ class SwarmBatch:
                 gap_after,
                 simulation.price * spent / self.settings.reference_evaluations,
                 ended,
+                simulation.weight(),
                 simulation.optimality_gap,
             )
         )

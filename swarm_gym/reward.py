@@ -6,6 +6,7 @@
 | `final` | log(initial gap / final gap) at the end, minus the cost of every step |
 | `final-gap` | -log(final gap) at the end, minus the cost of every step |
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
+| `offline-error` | -100 * optimality gap, averaged since the first event, minus the cost of every step |
 
 The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
 times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
@@ -33,6 +34,8 @@ class Transition(NamedTuple):
         gap_after: gap after the iteration, before any event on the map.
         cost: price of the evaluations of the iteration.
         ended: whether the episode ended with the iteration.
+        weight: share of the iteration in averages over all iterations since the first event on the map, or
+            since the beginning where there is none; 0 before the event.
         optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
             call it.
     """
@@ -42,6 +45,7 @@ class Transition(NamedTuple):
     gap_after: Floats
     cost: Floats
     ended: NDArray[np.bool_]
+    weight: Floats
     optimality_gap: Callable[[], Floats]
 
 
@@ -71,6 +75,19 @@ def optimality(transition: Transition) -> Floats:
     return np.where(transition.ended, -100.0 * transition.optimality_gap(), 0.0) - transition.cost
 
 
+def offline_error(transition: Transition) -> Floats:
+    """Return minus the optimality gap in percent on the map in force, averaged since the first event.
+
+    Over an episode the sum is minus the offline error, minus the cost of every step. The gap is that of the
+    best path so far on the map after the events of the iteration. Where there is no event, the average is
+    over all iterations.
+
+    Source: J. Branke, "Memory enhanced evolutionary algorithms for changing optimization problems", CEC 1999,
+    which averages over evaluations.
+    """
+    return -100.0 * transition.optimality_gap() * transition.weight - transition.cost
+
+
 def final_gap(transition: Transition) -> Floats:
     """Return -log(final gap) at the end and 0 before it, minus the cost of every step.
 
@@ -84,9 +101,10 @@ REWARDS: dict[str, Reward] = {
     "final": final,
     "final-gap": final_gap,
     "optimality": optimality,
+    "offline-error": offline_error,
 }
 # Rewards that need a scenario whose optimum is known.
-NEED_AN_OPTIMUM = ("optimality",)
+NEED_AN_OPTIMUM = ("optimality", "offline-error")
 
 
 def make_reward(name: str) -> Reward:

@@ -149,8 +149,20 @@ class Settings:
 
     @cached_property
     def worlds(self) -> tuple[World, ...]:
-        """The worlds of all scenarios, one scenario after the other; episodes begin with iteration 0."""
-        return tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
+        """The worlds of all scenarios, one scenario after the other; episodes begin with iteration 0.
+
+        Raises:
+            SettingError: if an event follows the last iteration of an episode, or comes after it.
+        """
+        worlds = tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
+        for world in worlds:
+            if world.iteration >= self.iterations:
+                raise SettingError(
+                    f"scenario {world.scenario.name!r} has an event after iteration {world.iteration}, "
+                    f"expected one after iteration 1 to {self.iterations - 1}, since episodes have "
+                    f"{self.iterations}"
+                )
+        return worlds
 
     def problems(self) -> list[Problem]:
         """Return the problems of all worlds, which are of one kind and dimension.
@@ -347,5 +359,4 @@ def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
     """
     settings = Settings(scenario=scenario, **options)
     settings._refuse_unused(options)
-    reached = [world for world in worlds_of(settings.scenarios[0]) if world.iteration < settings.iterations]
-    return settings.problems()[len(reached) - 1]
+    return settings.problems()[len(worlds_of(settings.scenarios[0])) - 1]

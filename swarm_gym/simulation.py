@@ -237,6 +237,17 @@ class Simulation:
         left = np.maximum(self.settings.iterations - self.iteration, 1)
         return (self.swarms.budget - self.swarms.evaluations) / left
 
+    def weight(self) -> Floats:
+        """Return (B,) share of the last iteration in averages since the first event, see `reward`.
+
+        An episode that ends early, for lack of a budget, stays as it is: its last iteration has the weight of
+        those that are left out.
+        """
+        first = np.maximum(self.worlds.first_event[self.swarms.problem], 1)
+        length = self.settings.iterations
+        left = length - np.maximum(self.iteration, first) + 1
+        return np.where(self.running, self.iteration >= first, left) / (length - first + 1)
+
     def gap(self) -> Floats:
         """Return (B,) best fitness so far minus the lower bound; positive, so that it has a logarithm."""
         return self.gap_of(self.swarms.best_fitness)

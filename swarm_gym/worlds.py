@@ -25,6 +25,8 @@ class Worlds:
         num_worlds: number of problems that are worlds; they are the first ones.
         first: (scenarios,) index of the first world of each scenario.
         next_event: (problems,) iteration after which the next world is in force; 0 if there is none.
+        begins: (problems,) iteration after which the world came into force; 0 for the first.
+        first_event: (problems,) iteration of the first event of the scenario; 0 if there is none.
         lower_bounds: (problems,) `Problem.lower_bound`.
         gap_units: (problems,) `Problem.gap_unit`.
         optima: (problems,) known optima, else NaN.
@@ -35,15 +37,21 @@ class Worlds:
         problems = settings.problems()
         num_spare = num_swarms if any(map(drive_of, settings.scenarios)) else 0
         begins = np.array([world.iteration for world in settings.worlds])
+        self.begins = np.append(begins, np.zeros(num_spare, dtype=np.int64))
         self.num_worlds = len(problems)
         self.first = np.flatnonzero(begins == 0)
         self.problems: list[Problem] = problems + [problems[0]] * num_spare
         self.next_event = np.append(np.roll(begins, -1), np.zeros(num_spare, dtype=np.int64))
+        self.first_event = self._first_events(begins, num_spare)
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.gap_units = np.array([problem.gap_unit for problem in self.problems])
         optima = [known_optimum(problem) for problem in problems]
         self.optima = np.array(optima + [np.nan] * num_spare)
         self.tables = stack([problem.table for problem in self.problems])
+
+    def _first_events(self, begins: NDArray[np.int64], num_spare: int) -> NDArray[np.int64]:
+        scenario = np.cumsum(begins == 0) - 1
+        return np.append(self.next_event[self.first][scenario], np.zeros(num_spare, dtype=np.int64))
 
     @property
     def ever_change(self) -> bool:
@@ -99,6 +107,8 @@ class Worlds:
         """Replace a problem by another one of the same kind and dimension, in that world."""
         self.problems[number] = problem
         self.next_event[number] = self.next_event[world]
+        self.first_event[number] = self.first_event[world]
+        self.begins[number] = self.begins[world]
         self.lower_bounds[number] = problem.lower_bound
         self.gap_units[number] = problem.gap_unit
         self.tables = put(self.tables, number, problem.table)

@@ -51,6 +51,14 @@ PACKAGED_FIELDS = (
     "random-fields:large-obstacles:0-39",
     "random-fields:rotated:0-39",
 )
+PACKAGED_CHANGING_FIELDS = (
+    "dynamic-fields:train:0-255",
+    "dynamic-fields:validation:0-63",
+    "dynamic-fields:test:0-199",
+    "dynamic-fields:moving:0-99",
+)
+# Files that come with the package, by the fields whose optima they have.
+FIELD_FILES = {"random_fields.json": PACKAGED_FIELDS, "dynamic_fields.json": PACKAGED_CHANGING_FIELDS}
 
 Progress = Callable[[int, int], None]
 
@@ -183,13 +191,19 @@ def write_optima(file: Path) -> None:
 def write_field_optima(file: Path, names: Sequence[str], progress: Progress) -> None:
     """Write the optima of fields as JSON: by name the digest of the problem, fitness and shortest path.
 
-    The encoding and weight are the default, and all lengths in map units, to 1e-6.
+    The encoding and weight are the default, and all lengths in map units, to 1e-6. Of a field that changes,
+    every world has an entry, whose name ends in the iteration from which it is in force: `...:7@0`.
     """
-    fields = [field for name in names for field in map(require_analytic, make_scenarios(name))]
+    worlds = {}
+    for field in (field for name in names for field in make_scenarios(name)):
+        several = len(worlds_of(field)) > 1
+        for world in worlds_of(field):
+            name = f"{field.name}@{world.iteration}" if several else field.name
+            worlds[name] = require_analytic(world.scenario)
     lines = []
-    for field in fields:
-        lines.append(f"{json.dumps(field.name)}: {json.dumps(_solve(AnalyticProblem(field)))}")
-        progress(len(lines), len(fields))
+    for name, scenario in worlds.items():
+        lines.append(f"{json.dumps(name)}: {json.dumps(_solve(AnalyticProblem(scenario)))}")
+        progress(len(lines), len(worlds))
     write_atomically(file, "{\n" + ",\n".join(lines) + "\n}\n")
 
 
@@ -214,7 +228,8 @@ def main() -> None:
         parser.error("expected names of scenarios, or --ship")
     if options.ship:
         write_optima(Path(__file__).with_name("optima.json"))
-        write_field_optima(Path(__file__).with_name("random_fields.json"), PACKAGED_FIELDS, _ProgressBar())
+        for file, names in FIELD_FILES.items():
+            write_field_optima(Path(__file__).with_name(file), names, _ProgressBar())
         return
     try:
         problems = [

@@ -4,9 +4,10 @@ The scenarios of a family are generated from their names, or read from files.
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic.scenario import AnyScenario
 
@@ -31,6 +32,35 @@ class Family(NamedTuple):
     samples: tuple[str, ...]
     expand: Callable[[str], tuple[str, ...]]
     make: Callable[[str], AnyScenario]
+
+
+def expand_split(name: str, family: str, sizes: Mapping[str, int], example: str) -> tuple[str, ...]:
+    """Return the names of the single scenarios that `<family>:<split>:<number>` or a range of numbers means.
+
+    Args:
+        name: the name.
+        family: name of the family.
+        sizes: number of scenarios in each split.
+        example: a range, for messages.
+
+    Raises:
+        UnknownNameError: if there is no such split.
+        ScenarioError: if the name has another form, or a number is not in its split.
+    """
+    parts = name.split(":")
+    if len(parts) != 3:
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected {family}:<split>:<number>, with a split of {', '.join(sizes)}"
+        )
+    _, split, numbers = parts
+    size = look_up(f"split of {family}", split, sizes)
+    chosen = parse_numbers(numbers, name)
+    if not chosen or chosen[-1] >= size:
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected a number from 0 to {size - 1}, or a range of them such as "
+            f"{example}, after {shown(split)}, got {shown(numbers)}"
+        )
+    return tuple(f"{family}:{split}:{number}" for number in chosen)
 
 
 def parse_numbers(text: str, name: str) -> range:

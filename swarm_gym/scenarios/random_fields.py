@@ -11,9 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swarm_gym.checks import look_up
-from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.family import Family, expand_split
 from swarm_gym.scenarios.field_generators import Scatter, Walls
 from swarm_gym.scenarios.scenario import Scenario
 
@@ -61,18 +59,7 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such split.
         ScenarioError: if the name has another form, or a number is not in its split.
     """
-    parts = name.split(":")
-    if len(parts) != 3:
-        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with a split of {', '.join(SPLITS)}")
-    _, split, numbers = parts
-    size = look_up("split of random fields", split, SPLITS).size
-    chosen = parse_numbers(numbers, name)
-    if not chosen or chosen[-1] >= size:
-        raise ScenarioError(
-            f"scenario {shown(name)}: expected a number from 0 to {size - 1}, or a range of them such as "
-            f"0-511, after {shown(split)}, got {shown(numbers)}"
-        )
-    return tuple(f"{NAME}:{split}:{number}" for number in chosen)
+    return expand_split(name, NAME, {split: one.size for split, one in SPLITS.items()}, "0-511")
 
 
 def make(name: str) -> Scenario:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.scenarios import function_family, random_fields, rooms_and_caves
 from swarm_gym.scenarios.dynamic import family as dynamic_family
+from swarm_gym.scenarios.dynamic import fields as dynamic_fields
 from swarm_gym.scenarios.dynamic.scenario import AnyScenario, DynamicScenario
 from swarm_gym.scenarios.family import Family
 from swarm_gym.scenarios.formats import moving_ai, ros_map
@@ -30,6 +31,7 @@ FAMILIES: dict[str, Family] = {
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.FAMILY,
+    dynamic_fields.NAME: dynamic_fields.FAMILY,
 }
 
 

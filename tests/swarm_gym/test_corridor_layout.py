@@ -13,7 +13,8 @@ from oracles import naive_corridors
 from swarm_gym.corridors import obstacle_posts, posts_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
-from swarm_gym.observation import OBSERVATIONS, RECENT, make_observation
+from swarm_gym.features import RECENT
+from swarm_gym.observation import OBSERVATIONS, make_observation
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.scenarios import Circle, Scenario

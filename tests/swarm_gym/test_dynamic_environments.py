@@ -9,6 +9,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from helpers.builders import is_walker, slow_if_alike
+from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -206,14 +207,20 @@ def test_an_event_costs_as_many_evaluations_as_there_is_remembered_and_shows_at_
 
 
 @all_optimizers
-def test_without_an_event_before_the_end_all_is_as_on_the_base(optimizer):
+def test_without_an_event_all_is_as_on_the_base(optimizer):
     for options in on_maps(optimizer):
         base = options["scenario"].base
         expected = episode(small(optimizer, scenario=base))
-        late = [Appear(ITERATIONS, options["scenario"].events[0].obstacle)]
-        for events in ([], late):
-            found = episode(small(optimizer, scenario=DynamicScenario("quiet", base, events)))
-            assert_same_steps(found, expected)
+        assert_same_steps(episode(small(optimizer, scenario=DynamicScenario("quiet", base, []))), expected)
+
+
+def test_an_event_that_no_iteration_follows_is_refused():
+    last = DynamicScenario("late", make_scenario("case1"), [Appear(ITERATIONS - 1, Circle(640, 160, 25))])
+    assert len(small(scenario=last).simulation.problems) == 2
+    for iteration in (ITERATIONS, ITERATIONS + 30):
+        late = DynamicScenario("late", last.base, [Appear(iteration, Circle(640, 160, 25))])
+        words = ("'late'", f"after iteration {iteration}", f"1 to {ITERATIONS - 1}")
+        refused(lambda late=late: small(scenario=late), *words, error=SettingError)
 
 
 @all_optimizers
@@ -384,7 +391,7 @@ def test_the_gap_at_the_end_is_to_the_optimum_of_the_last_map(tmp_path, monkeypa
     *_, (_, _, info) = episode(env)
     assert info["optimality_gap"] == (info["best_fitness"] - last) / last
     assert make_problem(name, iterations=ITERATIONS, **few) == env.simulation.problems[1]
-    assert make_problem(name, iterations=2, **few) == env.simulation.problems[0]
+    refused(lambda: make_problem(name, iterations=2, **few), "an event after iteration 2", error=SettingError)
 
 
 def test_pictures_show_the_map_in_force():

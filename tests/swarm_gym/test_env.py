@@ -18,7 +18,7 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.registration import environment_id
-from swarm_gym.scenarios import Scenario, sample_names
+from swarm_gym.scenarios import Scenario, make_scenario, sample_names, worlds_of
 from swarm_gym.settings import Settings
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
@@ -93,15 +93,16 @@ def test_stable_baselines3_checker_passes(action, name):
 
 @pytest.mark.parametrize("scenario", sample_names())
 def test_an_episode_has_g_max_steps_and_ends_terminated(scenario):
-    env = small(scenario=scenario)
+    length = max(5, *(world.iteration + 1 for world in worlds_of(make_scenario(scenario))))
+    env = small(scenario=scenario, iterations=length)
     observation, info = env.reset(seed=1)
     assert observation[3] == 0
     assert info["evaluations"] == 6
-    for step in range(1, 6):
+    for step in range(1, length + 1):
         observation, _, terminated, truncated, info = env.step(np.array([6, 0.0]))
         assert observation in env.observation_space
         assert observation[3] == step
-        assert terminated == (step == 5)
+        assert terminated == (step == length)
         assert not truncated
 
 

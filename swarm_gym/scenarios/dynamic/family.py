@@ -1,7 +1,8 @@
 """Dynamic scenarios by name: `dynamic:<base>-<event>@<iteration>`.
 
 The base is a scenario of a fixed map, and the event is one of `EVENTS` for that base. The event follows the
-iteration. On `dynamic:case1-block@70` the block is there from iteration 71 on.
+iteration. On `dynamic:case1-block@70` the block is there from iteration 71 on. A range of iterations, as in
+`dynamic:case1-gate@20-80`, stands for as many scenarios.
 
 With the suffix `-drive@40,every=5,distance=60`, or with it instead of an event, the robot drives 60 map units
 after iterations 40, 45, 50 and so on. Robots can drive on any map.
@@ -15,11 +16,11 @@ from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
-from swarm_gym.scenarios.family import NUMBER, Family
+from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 from swarm_gym.scenarios.scenario import Circle, Polygon
 
 NAME = "dynamic"
-USAGE = f"{NAME}:<base>[-<event>@<iteration>][-drive@<first>,every=<iterations>,distance=<length>]"
+USAGE = f"{NAME}:<base>[-<event>@<iteration>[-<last>]][-drive@<first>,every=<iterations>,distance=<length>]"
 # Pattern of a length in a name: without sign, exponent and superfluous zeros.
 LENGTH = rf"{NUMBER}(?:\.[0-9]*[1-9])?"
 
@@ -62,7 +63,7 @@ EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
 def expand(name: str) -> tuple[str, ...]:
     """Return the names of the single scenarios that a name stands for.
 
-    Names without event whose base is a range stand for several scenarios.
+    Names with a range of iterations, or without event and with a range as base, stand for several scenarios.
 
     Raises:
         UnknownNameError: if there is no such base, or the base has no events, or none of that name.
@@ -82,8 +83,12 @@ def expand(name: str) -> tuple[str, ...]:
             parts.event,
             look_up("base of dynamic scenarios", parts.base, EVENTS),
         )
-    rest = name.removeprefix(f"{NAME}:{parts.base}")
-    return tuple(f"{NAME}:{base}{rest}" for base in expand_name(parts.base))
+    event = "" if parts.event is None else f"-{parts.event}@"
+    return tuple(
+        f"{NAME}:{base}{event}{begin}{parts.drive_part}"
+        for base in expand_name(parts.base)
+        for begin in parts.begins
+    )
 
 
 def make(name: str) -> DynamicScenario:
@@ -94,31 +99,51 @@ def make(name: str) -> DynamicScenario:
     """
     from swarm_gym.scenarios.registry import make_scenario  # which imports this module
 
-    base, event, begin, drive = _parse(name)
-    events = () if event is None else EVENTS[base][event]
-    shifted = (replace(one, iteration=one.iteration + begin) for one in events)
-    made: Any = make_scenario(base)  # `DynamicScenario` checks that it has a map
-    return DynamicScenario(name, made, tuple(shifted), drive)
+    parts = _parse(name)
+    (begin,) = parts.begins
+    events = () if parts.event is None else EVENTS[parts.base][parts.event]
+    shifted = (replace(one, iteration=one.iteration + int(begin)) for one in events)
+    made: Any = make_scenario(parts.base)  # `DynamicScenario` checks that it has a map
+    return DynamicScenario(name, made, tuple(shifted), parts.drive)
 
 
 class _Parts(NamedTuple):
+    """The parts of a name.
+
+    Attributes:
+        base: name of the scenario of a fixed map.
+        event: name of the event, if there is one.
+        begins: iterations that the event follows, as text; one empty text if there is no event.
+        drive: drives of the robot, if it drives.
+        drive_part: part of the name that states the drives.
+    """
+
     base: str
     event: str | None
-    begin: int
+    begins: tuple[str, ...]
     drive: Drive | None
+    drive_part: str
 
 
 def _parse(name: str) -> _Parts:
-    event_at = f"(?:-([a-z]+)@({NUMBER}))?"
-    drive_at = f"(?:-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
+    event_at = f"(?:-([a-z]+)@({NUMBER}(?:-{NUMBER})?))?"
+    drive_at = f"(-drive@({NUMBER}),every=({NUMBER}),distance=({LENGTH}))?"
     match = re.fullmatch(f"{NAME}:(.+?){event_at}{drive_at}", name)
-    iterations = ("0",) if match is None else match.group(3, 4, 5)
+    usage = f"scenario {shown(name)}: expected {USAGE}, with iterations from 1 on"
+    if match is None:
+        raise ScenarioError(usage)
+    base, event, when, drive_part, first, every, distance = match.groups()
+    begins = ("",) if when is None else tuple(map(str, parse_numbers(when, name)))
+    if not begins:
+        raise ScenarioError(
+            f"scenario {shown(name)}: expected a range from the first iteration to the last, such as 20-80, "
+            f"got {shown(when)}"
+        )
     # At least one of event and drive is there, and none of these numbers is 0.
-    if match is None or iterations == (None, None, None) or "0" in iterations:
-        raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with iterations from 1 on")
-    base, event, begin, first, every, distance = match.groups()
-    drive = None if first is None else Drive(int(first), int(every), float(distance))
-    return _Parts(base, event, int(begin or 0), drive)
+    if (event is None and drive_part is None) or "0" in (begins[0], first, every):
+        raise ScenarioError(usage)
+    drive = None if drive_part is None else Drive(int(first), int(every), float(distance))
+    return _Parts(base, event, begins, drive, drive_part or "")
 
 
 FAMILY = Family(

@@ -35,7 +35,7 @@ class DynamicScenario:
     """A task on a map that changes by events, or on which a robot drives during planning.
 
     An event takes place between two iterations: after the iteration of its number, and before the decision on
-    the next one. Events after the end of an episode do not take place.
+    the next one. Environments refuse events that no iteration follows.
 
     Attributes:
         name: name under which results are filed; all worlds of the scenario have it.

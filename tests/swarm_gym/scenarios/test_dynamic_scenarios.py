@@ -31,7 +31,7 @@ from swarm_gym.scenarios.dynamic.family import EVENTS
 
 FIRST, SECOND, NEW = Circle(30, 0, 10), Polygon.rectangle(50, -5, 60, 5), Circle(80, 0, 5)
 BASE = Scenario("base", (0, 0), (100, 0), (FIRST, SECOND), (-10, -50, 110, 50))
-FORM = "<base>[-<event>@<iteration>]"
+FORM = "<base>[-<event>@<iteration>[-<last>]]"
 FREE = GridScenario("free", GridMap("free", np.zeros((9, 14), dtype=np.bool_)), (0, 4), (13, 4))
 
 
@@ -179,7 +179,13 @@ def test_a_block_lies_on_the_shortest_path_and_makes_it_longer(base):
 @pytest.mark.parametrize(
     ("name", "error", "mention"),
     [
-        *((f"dynamic:case1{end}", ScenarioError, FORM) for end in ("", "-block", "-block@070", "-block@7-9")),
+        *(
+            (f"dynamic:case1{end}", ScenarioError, FORM)
+            for end in ("", "-block", "-block@070", "-block@7-09")
+        ),
+        ("dynamic:case1-block@9-7", ScenarioError, "such as 20-80, got '9-7'"),
+        ("dynamic:case1-block@0-7", ScenarioError, "from 1 on"),
+        ("dynamic:case1-block@1-999999", ScenarioError, "at most 200000 numbers"),
         ("dynamic:case1-block@0", ScenarioError, "from 1 on"),
         ("dynamic:case9-block@70", UnknownNameError, "case1, case2, case3"),
         ("dynamic:case1-flood@70", UnknownNameError, "block, gate, passer"),
