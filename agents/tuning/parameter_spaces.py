@@ -89,28 +89,45 @@ STATUS_MONITOR = ParameterSpace(
         "step": Span(0.02, 0.5),
     },
 )
-RESTART = ParameterSpace(
+_CONSTANT = {
+    "start": Span(10, 200, size=True),
+    "size": Span(2, 100, size=True),
+    **_REPAIR,
+    "noise": Span(0.02, 100.0),
+    "attractiveness": Span(0.01, 1.0),
+    "amplitude": Span(0.05, 1.0),
+}
+_FIRST: dict[str, Number] = {
+    "start": 150,
+    "size": 20,
+    "repair_degree": 0.3,
+    "noise": 2.0,
+    "attractiveness": 0.1,
+    "amplitude": 0.5,
+}
+_IMMIGRANTS = Span(0.0, 1.0, logarithmic=False)
+
+
+def _rule_of_immigrants(family: str, first: dict[str, Number], spans: dict[str, Span]) -> ParameterSpace:
+    return ParameterSpace(
+        family,
+        {**_FIRST, **first, "immigrants": 0.5},
+        {**_CONSTANT, **spans, "immigrants": _IMMIGRANTS},
+    )
+
+
+RESTART = _rule_of_immigrants(
     "restart",
-    {
-        "start": 150,
-        "size": 20,
-        "repair_degree": 0.3,
-        "noise": 2.0,
-        "attractiveness": 0.1,
-        "amplitude": 0.5,
-        "patience": 10,
-        "improvement": 0.001,
-        "immigrants": 0.5,
-    },
-    {
-        "start": Span(10, 200, size=True),
-        "size": Span(2, 100, size=True),
-        **_REPAIR,
-        "noise": Span(0.02, 100.0),
-        "attractiveness": Span(0.01, 1.0),
-        "amplitude": Span(0.05, 1.0),
-        "patience": Span(1, 50, integer=True),
-        "improvement": Span(1e-5, 0.1),
-        "immigrants": Span(0.0, 1.0, logarithmic=False),
-    },
+    {"patience": 10, "improvement": 0.001},
+    {"patience": Span(1, 50, integer=True), "improvement": Span(1e-5, 0.1)},
+)
+PERIODIC = _rule_of_immigrants(
+    "periodic",
+    {"period": 10, "phase": 10},
+    {"period": Span(1, 50, integer=True), "phase": Span(1, 50, integer=True)},
+)
+REACTION = _rule_of_immigrants(
+    "reaction",
+    {"jump": 0.5, "duration": 3, "hypermutation": 1.0},
+    {"jump": Span(0.01, 4.0), "duration": Span(1, 20, integer=True), "hypermutation": Span(1.0, 50.0)},
 )

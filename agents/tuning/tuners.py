@@ -10,6 +10,8 @@ from agents.tuning.evolution import OpenLoopTuner
 from agents.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
     LINEAR_REDUCTION,
+    PERIODIC,
+    REACTION,
     RESTART,
     SCHEDULE,
     STATUS_MONITOR,
@@ -60,6 +62,8 @@ TUNERS: dict[str, Kind] = {
     "linear-reduction": _parameters(LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
     "restart": _parameters(RESTART),
+    "periodic": _parameters(PERIODIC),
+    "reaction": _parameters(REACTION),
     "status-monitor": _parameters(STATUS_MONITOR),
 }
 

@@ -12,11 +12,11 @@ from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.distilled import load_rule
 from swarm_gym.controllers.fixed import Fixed, Random
+from swarm_gym.controllers.immigrants import Periodic, Reaction, Restart
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
-from swarm_gym.controllers.restart import Restart
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
 from swarm_gym.controllers.tuned import load_tuned
@@ -94,6 +94,8 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "diversity-ladder": DiversityLadder.from_argument,
     "status-monitor": StatusMonitor.from_argument,
     "restart": Restart.from_argument,
+    "periodic": Periodic.from_argument,
+    "reaction": Reaction.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
     "learned": load_learned,
