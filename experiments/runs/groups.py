@@ -3,9 +3,11 @@
 Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... form one group, whose key is
 `learned:three-cases/*`, or `learned:three-cases/*@0.3` with a price. Any other controller is a group of its
 own, under its own name. Scenarios `random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set,
-`random-fields:test`. Any other scenario is a set of its own.
+`random-fields:test`. Events of one kind at several times are a set, too: `dynamic:case1-gate@20` is of
+`dynamic:case1-gate`. Any other scenario is a set of its own.
 """
 
+import re
 from collections.abc import Iterable
 
 from swarm_gym.controllers.names import ControllerName
@@ -29,8 +31,8 @@ def group_controllers(controllers: Iterable[str]) -> dict[str, tuple[str, ...]]:
 
 def set_key(scenario: str) -> str:
     """Return the key of the set that a scenario is drawn from."""
-    kind, _, number = scenario.rpartition(":")
-    return kind if kind and number.isdigit() else scenario
+    member = re.fullmatch(r"(.+):[0-9]+|(dynamic:.+-[a-z]+)@[0-9]+", scenario)
+    return scenario if member is None else member[1] or member[2]
 
 
 def scenario_sets(scenarios: Iterable[str]) -> dict[str, tuple[str, ...]]:

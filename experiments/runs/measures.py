@@ -54,6 +54,14 @@ def _infeasible(sample: Sample, price: float) -> Floats:  # noqa: ARG001
     return 100.0 * (1.0 - sample.feasible)
 
 
+def _offline(sample: Sample, price: float) -> Floats:  # noqa: ARG001
+    return 100.0 * sample.find_offline_error()
+
+
+def _offline_objective(sample: Sample, price: float) -> Floats:
+    return _offline(sample, price) + price * sample.evaluations / 100_000.0
+
+
 MEASURES: dict[str, Measure] = {
     "gap": Measure(_gap, "gaps are in per cent of the optimum"),
     "evaluations": Measure(_evaluations, "evaluations are in thousands"),
@@ -68,5 +76,13 @@ MEASURES: dict[str, Measure] = {
     ),
     "fitness": Measure(_fitness, "fitness is the best of the run"),
     "length": Measure(_length, "length is that of the best paths that are feasible, in map units"),
+    "offline error": Measure(
+        _offline, "the offline error is the mean gap since the first event on the map, in per cent"
+    ),
+    "offline objective": Measure(
+        _offline_objective,
+        "the offline objective is the mean gap since the first event on the map in per cent plus the price "
+        "times evaluations / 100,000",
+    ),
     "infeasible": Measure(_infeasible, "infeasible is the per cent of the best paths that are not feasible"),
 }

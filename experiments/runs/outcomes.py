@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from experiments.runs.changes import offline_errors
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
@@ -37,6 +38,8 @@ class Sample:
         seconds: processor time of the run.
         scenarios: names of the scenarios.
         set_sizes: number of scenarios of each set; sets follow each other along the second axis.
+        find_offline_error: function that returns the offline errors, shaped like `fitness`; it reads all
+            traces.
     """
 
     fitness: Floats
@@ -46,6 +49,7 @@ class Sample:
     seconds: Floats
     scenarios: tuple[str, ...]
     set_sizes: tuple[int, ...]
+    find_offline_error: Callable[[], Floats]
 
     @cached_property
     def gap(self) -> Floats:
@@ -135,6 +139,21 @@ class Outcomes:
         _refuse_unknown(self.scenarios, self.optima)
         return gap_to_optimum(self.fitness, self.optima[:, None])
 
+    @cached_property
+    def offline_error(self) -> Floats:
+        """Return the mean gaps since the first event, (controllers, scenarios, seeds), see `offline_errors`.
+
+        Raises:
+            ScenarioError: if the optimum of a scenario is unknown.
+        """
+        _refuse_unknown(self.scenarios, self.optima)
+        return np.array(
+            [
+                [offline_errors(self.runs(controller, scenario), scenario) for scenario in self.scenarios]
+                for controller in self.controllers
+            ]
+        )
+
     def sample(self, group: str, scenario_set: str) -> Sample:
         """Return the runs of a group on a set of scenarios, by the keys of both."""
         strata = self.sets[scenario_set]
@@ -149,6 +168,7 @@ class Outcomes:
             self.seconds[at],
             tuple(self.scenarios[column] for column in columns),
             tuple(len(scenarios) for scenarios in strata),
+            lambda: self.offline_error[at],
         )
 
 

@@ -53,11 +53,11 @@ def check_claim(claim: GroupClaim, outcomes: Outcomes, scenario_set: str) -> tup
 
 def _row(claim: GroupClaim, outcomes: Outcomes, scenario_set: str) -> tuple[Entry, ...]:
     mine, theirs, ends = check_claim(claim, outcomes, scenario_set)
-    measure = f"objective at price {claim.price:g}" if claim.metric == "objective" else claim.metric
+    told = f" at price {claim.price:g}" if claim.metric.endswith("objective") else ""
     return (
         claim.sentence,
         scenario_set,
-        measure,
+        f"{claim.metric}{told}",
         number(mine, ".2f"),
         number(theirs, ".2f"),
         MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, "+.2f"),

@@ -33,11 +33,16 @@ def test_a_policy_that_is_no_training_seed_is_not_pooled_with_any(alone):
 
 def test_scenarios_of_a_set_belong_together():
     scenarios = ("case1", "random-fields:test:0", "random-fields:denser:7", "random-fields:test:11", "case2")
+    scenarios += ("dynamic:case1-gate@20", "dynamic:case1-gate@71", "dynamic:rooms:0-block@5")
+    scenarios += ("dynamic:case1-gate@20-drive@4,every=2,distance=3",)
     assert scenario_sets(scenarios) == {
         "case1": ("case1",),
         "random-fields:test": ("random-fields:test:0", "random-fields:test:11"),
         "random-fields:denser": ("random-fields:denser:7",),
         "case2": ("case2",),
+        "dynamic:case1-gate": ("dynamic:case1-gate@20", "dynamic:case1-gate@71"),
+        "dynamic:rooms:0-block": ("dynamic:rooms:0-block@5",),
+        scenarios[-1]: scenarios[-1:],
     }
 
 

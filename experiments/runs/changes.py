@@ -1,0 +1,68 @@
+"""Measures of runs on maps that change: errors over time, and when a path is feasible again after an event.
+
+The row of an iteration in a run's trace shows the swarm after the events that follow this iteration.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.runs.run import Floats, Run
+from swarm_gym.reference import gap_to_optimum, known_optimum
+from swarm_gym.settings import Settings
+
+
+class Worlds(NamedTuple):
+    """The worlds of a scenario.
+
+    Attributes:
+        begins: (worlds,) iteration after which each is in force; 0 for the first.
+        optima: (worlds,) least fitness in each, nan where it is unknown.
+    """
+
+    begins: NDArray[np.int64]
+    optima: Floats
+
+    @classmethod
+    def of(cls, scenario: str) -> "Worlds":
+        """Return the worlds of the scenario of a name, in the default encoding."""
+        settings = Settings(scenario=scenario)
+        begins = np.array([world.iteration for world in settings.worlds])
+        return cls(begins, np.array([known_optimum(problem) for problem in settings.problems()]))
+
+    @property
+    def events(self) -> NDArray[np.int64]:
+        """Iterations that events follow, (worlds - 1,)."""
+        return self.begins[1:]
+
+    def gaps(self, runs: Sequence[Run]) -> Floats:
+        """Return the optimality gap of runs after every iteration, on the map in force, (runs, rows)."""
+        best = np.array([run.course("best_fitness") for run in runs])
+        rows = np.arange(best.shape[1])
+        in_force = np.searchsorted(self.begins, rows, side="right") - 1
+        return gap_to_optimum(best, self.optima[in_force])
+
+
+def offline_errors(runs: Sequence[Run], scenario: str) -> Floats:
+    """Return the mean gap of each run from the first event on, (runs,), as the reward `offline-error` has it.
+
+    Without events the mean is over all iterations.
+    """
+    worlds = Worlds.of(scenario)
+    first = int(worlds.events[0]) if worlds.events.size else 1
+    return worlds.gaps(runs)[:, first:].mean(axis=1)
+
+
+def iterations_to_feasible(runs: Sequence[Run], event: int, tolerance: float) -> Floats:
+    """Return the iterations from an event to the next feasible best path, (runs,); infinite without one.
+
+    Args:
+        runs: runs of one length.
+        event: iteration that the event follows.
+        tolerance: degree of collision up to which a path counts as feasible, in map units.
+    """
+    collision = np.array([run.course("best_collision") for run in runs])[:, event:]
+    feasible = collision <= tolerance
+    return np.where(feasible.any(axis=1), feasible.argmax(axis=1), np.inf)
