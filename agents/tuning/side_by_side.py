@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 class Outcomes(NamedTuple):
     """Results of n controllers on the same E episodes; every array has shape (n, E).
 
-    The loss is a measure of the final fitness (`LOSSES`) + price * evaluations / reference evaluations. For
+    The loss is a measure of the gap (`LOSSES`) + price * evaluations / reference evaluations. For
     controllers with the same PS(0), it is the negative sum of the environment's rewards, up to a constant of
     the episode. It includes the evaluations of the first population, so that controllers with different PS(0)
     can be compared.
@@ -52,15 +52,24 @@ class Outcomes(NamedTuple):
 
 
 def _logarithmic(simulation: Simulation) -> Floats:
-    return np.log(simulation.gap() / simulation.gap_units[simulation.swarms.problem])
+    gap = np.log(simulation.gap() / simulation.gap_units[simulation.swarms.problem])
+    return np.where(simulation.running, 0.0, gap)
 
 
 def _per_cent(simulation: Simulation) -> Floats:
-    return 100.0 * simulation.optimality_gap()
+    return np.where(simulation.running, 0.0, 100.0 * simulation.optimality_gap())
 
 
-# Measures of the final fitness, by the name of the reward; lower is better.
-LOSSES: dict[str, Callable[[Simulation], Floats]] = {"final": _logarithmic, "optimality": _per_cent}
+def _offline_error(simulation: Simulation) -> Floats:
+    return 100.0 * simulation.optimality_gap() * simulation.weight()
+
+
+# Measures of the gap, by the name of the reward: what an iteration adds to it, (B,); lower is better.
+LOSSES: dict[str, Callable[[Simulation], Floats]] = {
+    "final": _logarithmic,
+    "optimality": _per_cent,
+    "offline-error": _offline_error,
+}
 
 
 class SideBySide:
@@ -104,13 +113,14 @@ class SideBySide:
         for controller in controllers:
             controller.reset(episodes, seed)
         ended = np.zeros(count * episodes, dtype=np.bool_)
+        losses = np.zeros(count * episodes)
         while not ended.all():
             parts = observations.reshape(count, episodes, -1)
             actions = [controller.act(part) for controller, part in zip(controllers, parts, strict=True)]
             observations, _, ended, _, info = self._env.step(np.concatenate(actions))
+            losses += self._loss(self._simulation)
         simulation = self._simulation
-        costs = simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
-        losses = self._loss(simulation) + costs
+        losses += simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
         columns = losses, info["best_fitness"], info["evaluations"], info["scenario"]
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
