@@ -37,8 +37,8 @@ class TuneConfig:
     max_population_size: int = 200
     """Largest population size that the controller can choose."""
     reward: str = "final"
-    """Measure to minimise: final, the logarithm of the final gap; optimality, the final gap in per cent of the
-    optimum; offline-error, that gap averaged over all iterations since the first event on the map."""
+    """Measure to minimise: final, the logarithm of the final gap; optimality, the final gap in per cent of
+    the optimum; offline-error, that gap averaged over all iterations since the first event on the map."""
     price: float = 0.5
     """Price of 100,000 evaluations in units of the reward."""
     episodes: int = 24

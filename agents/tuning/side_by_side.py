@@ -121,7 +121,7 @@ class SideBySide:
             losses += self._loss(self._simulation)
         simulation = self._simulation
         losses += simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
-        columns = losses, info["best_fitness"], info["evaluations"], info["scenario"]
+        columns: tuple[Any, ...] = losses, info["best_fitness"], info["evaluations"], info["scenario"]
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
     def _begin(self, controllers: Sequence[Controller], seed: int) -> NDArray:
