@@ -9,6 +9,7 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
+from experiments.studies.dynamic.over_time import GRAZING, over_time_tables
 from experiments.tables.cell import Cell, Entry, number, share_in
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
@@ -16,9 +17,6 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios import make_scenario, worlds_of
 
 NEVER = "never"  # printed for an infinite number
-# Degree of collision, in map units, of a path that only grazes obstacles. On maps of circles and polygons the
-# best paths do, since a little collision costs less than a detour.
-GRAZING = 1.0
 
 
 @dataclass(frozen=True)
@@ -123,5 +121,5 @@ def _quartiles(values: Floats) -> Cell:
     return Cell.of(f"{middle} [{low}, {high}]", value=quartiles[1], low=quartiles[0], high=quartiles[2])
 
 
-TABLES = {"recovery": recovery_tables}
+TABLES = {"recovery": recovery_tables, "over-time": over_time_tables}
 DOCUMENTS = {"dynamic": document_of_suite("docs/dynamic.md", "dynamic")}

@@ -1,0 +1,64 @@
+"""The table of runs on maps that change."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from experiments.studies.dynamic.over_time import over_time_tables
+from experiments.studies.dynamic.suites import DYNAMIC
+from helpers.stored_runs import cells_of, outcomes_of, stored_run
+from swarm_gym.reference import known_optimum
+from swarm_gym.settings import Settings
+
+GATE, STILL = "dynamic:case3-gate@4", "case1"
+POOR, GOOD = "fixed:60", "learned:a/0"
+
+
+def run_with(scenario, before, after, collision):
+    """Return a run of 6 iterations with these gaps before and after an event, and collisions in every row."""
+    optima = [known_optimum(problem) for problem in Settings(scenario=scenario).problems()]
+    best = [optima[0] * (1.0 + before)] * 4 + [optima[-1] * (1.0 + after)] * 3
+    courses = {"best_fitness": np.array(best), "best_collision": np.array(collision, float)}
+    return stored_run((POOR, scenario, 0), courses, final_fitness=best[-1])
+
+
+RUNS = {
+    (POOR, GATE): [
+        run_with(GATE, 0.0, 0.2, [0, 0, 0, 0, 9, 9, 9]),
+        run_with(GATE, 0.0, 0.4, [0] * 4 + [9, 9, 0.5]),
+    ],
+    (GOOD, GATE): [run_with(GATE, 0.3, 0.1, [9] * 6 + [0]), run_with(GATE, 0.3, 0.1, [0] * 7)],
+    (POOR, STILL): [run_with(STILL, 0.2, 0.2, [0] * 7)] * 2,
+    (GOOD, STILL): [run_with(STILL, 0.1, 0.1, [0] * 7)] * 2,
+}
+
+
+@pytest.fixture
+def rows():
+    gaps = {key: [0.2, 0.4] for key in RUNS}
+    outcomes = outcomes_of(gaps, lambda controller, scenario: RUNS[controller, scenario])
+    suite = dataclasses.replace(DYNAMIC, controllers=(POOR, GOOD))
+    return cells_of(over_time_tables(suite, outcomes), "over-time")
+
+
+def test_errors_count_from_the_event_and_rows_are_ordered_by_objective(rows):
+    good, poor = rows[:2]
+    assert (good["scenarios"], good["controller"]) == ("dynamic:case3-gate", "learned a")
+    assert (good["offline error"], poor["offline error"]) == ("10.000", "30.000")
+    # Evaluations are 1000 and 2000, in the order of the controllers.
+    assert good["offline objective"].startswith("10.020 [")
+    assert poor["offline objective"].startswith("30.010 [")
+    assert poor["final gap"] == "30.000"
+
+
+def test_feasibility_is_counted_by_event(rows):
+    good, poor = rows[:2]
+    assert (good["feasible soon"], good["grazing soon"]) == ("100.0 %", "100.0 %")
+    assert (poor["feasible soon"], poor["grazing soon"]) == ("0.0 %", "50.0 %")
+
+
+def test_scenarios_without_events_have_no_feasibility_after_one(rows):
+    still = [row for row in rows if row["scenarios"] == STILL]
+    assert {row["feasible soon"] for row in still} == {"–"}
+    assert [row["scenarios"] for row in rows[-2:]] == ["all", "all"]
