@@ -64,6 +64,9 @@ class TrainConfig:
     branches: tuple[int, ...] = ()
     """Iterations, counted from 0, at which the swarms of a group begin to differ; each rollout draws one, and
     before it the policy decides without noise. By default corrected_from."""
+    branch_at_events: bool = False
+    """After every event on the map, the swarms of a group go on from the state of their first one, in half of
+    the rollouts; for ppo only. The group's advantages then are of what is decided after the event."""
     base: str = "none"
     """Controller whose decisions the policy corrects, e.g. open-loop:three-cases; none for no base."""
     corrected_from: int = 0

@@ -30,6 +30,9 @@ class GroupedVecEnv(SB3VecEnv):
             drawn for all episodes that begin together.
         decide: function from the policy's observations to its actions in the common iterations; None lets
             the base decide alone.
+        at_events: whether, in half of the rollouts, the swarms of a group go on from the state of their first
+            one after every event on the map. What they did before it then counts for its cost alone, and the
+            luck of that state is common to the group.
 
     Attributes:
         first: the iteration at which the episodes under way began to differ.
@@ -45,11 +48,14 @@ class GroupedVecEnv(SB3VecEnv):
         group_size: int,
         firsts: tuple[int, ...] = (0,),
         decide: Callable[[NDArray], NDArray] | None = None,
+        at_events: bool = False,
     ):
         super().__init__(env, base)
         self._episodes = np.arange(env.num_envs) // group_size
         self._firsts = firsts
         self._decide = decide
+        self._at_events = at_events
+        self._joining = False  # whether swarms go on together after events in this rollout
         self._generator = np.random.default_rng()
         self.num_common_steps = 0
         self.first = firsts[0]
@@ -68,6 +74,8 @@ class GroupedVecEnv(SB3VecEnv):
         self._returns += rewards
         self._lengths += 1
         if not dones.any():
+            if self._joining:
+                observations = self._join(observations)
             return self._see(observations), rewards, dones, [{} for _ in range(self.num_envs)]
         if not dones.all():
             raise ValueError(
@@ -83,6 +91,8 @@ class GroupedVecEnv(SB3VecEnv):
 
     def _begin(self) -> NDArray:
         self.first = self._firsts[self._generator.integers(len(self._firsts))]
+        if self._at_events:
+            self._joining = bool(self._generator.integers(2))
         groups = int(self._episodes[-1]) + 1
         seed = int(self._generator.integers(TRAINING_START, TRAINING_STOP - groups))
         begun = begin_together(
@@ -92,6 +102,18 @@ class GroupedVecEnv(SB3VecEnv):
         self._returns[:] = begun.returns
         self._lengths[:] = self.first
         return self._see(begun.observations)
+
+    def _join(self, observations: NDArray) -> NDArray:
+        """Return the observations after groups whose map has just changed have joined their first swarm."""
+        inner: Any = self.env.unwrapped
+        simulation = inner.simulation
+        begins = simulation.worlds.begins[simulation.swarms.problem]
+        changed = (begins > 0) & (begins == simulation.iteration)
+        if not changed.any():
+            return observations
+        own = np.arange(self.num_envs)
+        firsts = np.unique(self._episodes, return_index=True)[1][self._episodes]
+        return inner.copy_swarms(np.where(changed, firsts, own))
 
     def _act(self, observations: NDArray) -> NDArray:
         """Return the actions of a policy without noise."""

@@ -4,7 +4,9 @@ from agents.training.config import TrainConfig
 from agents.training.paired_reward import PAIRED
 from swarm_gym.checks import require_integer, require_number
 
-PPO_ONLY = ("group_size", "branches", "noise_steps", "critic", "averaging", "decay_steps")
+PPO_ONLY = (
+    "group_size", "branches", "branch_at_events", "noise_steps", "critic", "averaging", "decay_steps",
+)  # fmt: skip
 LARGEST_AVERAGING = 0.9999
 
 
@@ -33,6 +35,8 @@ def require_groups(config: TrainConfig) -> None:
         raise ValueError(
             f"num_swarms must be a multiple of group_size, got {config.num_swarms} and {config.group_size}"
         )
+    if config.branch_at_events and config.group_size == 1:
+        raise ValueError("branch_at_events needs groups of several swarms, got group_size 1")
     if not config.critic and config.gae_lambda != 1.0:
         raise ValueError(f"without a critic, gae_lambda must be 1, got {config.gae_lambda}")
     if has_groups(config) or config.noise_steps != 1:

@@ -60,7 +60,9 @@ class PPOLearner(Learner):
                 raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
         if grouped:
             firsts = config.branches or (config.corrected_from,)
-            self.env: SB3VecEnv = GroupedVecEnv(env, base, config.group_size, firsts, self._mean_actions)
+            self.env: SB3VecEnv = GroupedVecEnv(
+                env, base, config.group_size, firsts, self._mean_actions, config.branch_at_events
+            )
         else:
             self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)

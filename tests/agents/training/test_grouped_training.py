@@ -27,14 +27,14 @@ OPTIONS = {
 GROUPED = {"warm_start": "none", "base": "spsfa", "group_size": 2, "reward": "optimality", "noise_steps": 0}
 
 
-def grouped_env(num=6, group_size=3, firsts=(0,), decide=None, **options):
+def grouped_env(num=6, group_size=3, firsts=(0,), decide=None, at_events=False, **options):
     """Swarms in groups that correct the schedule; the policy sees the price."""
     env = SwarmVectorEnv(
         num, autoreset_mode=AutoresetMode.DISABLED, observation="paper+priced", **{**OPTIONS, **options}
     )
     layout = make_action(env.simulation.settings, env.simulation.optimizer)
     base = Base(make_controller("spsfa", SizeLimits(2, 12)), layout)
-    return GroupedVecEnv(env, base, group_size, firsts, decide)
+    return GroupedVecEnv(env, base, group_size, firsts, decide, at_events)
 
 
 def test_swarms_of_a_group_begin_alike_in_every_episode_and_groups_differ():
@@ -97,6 +97,31 @@ def test_common_iterations_are_computed_once_and_are_those_of_a_single_swarm(dec
     assert late.num_common_steps == 2 * 2 * 4  # in two episodes, the next one included, of each group
 
 
+def test_after_an_event_groups_go_on_from_one_state_in_half_of_the_rollouts():
+    changing = ["dynamic:case1-block@4", "dynamic:case2-block@6"]
+    env = grouped_env(at_events=True, scenario=changing, reward="final")
+    env.seed(2)
+    env.reset()
+    simulation = env.env.simulation
+    rng = np.random.default_rng(0)
+    joined, elsewhere = [], []
+    for _ in range(12):
+        event = simulation.worlds.next_event[simulation.swarms.problem]
+        assert (event[:3] == event[0]).all()
+        for iteration in range(1, ITERATIONS):
+            env.step(rng.uniform(-1, 1, (6, 2)))
+            for first in (0, 3):
+                positions = simulation.swarms.positions[first : first + 3]
+                alike = bool((positions == positions[0]).all())
+                (joined if iteration == event[first] else elsewhere).append(alike)
+        _, _, dones, infos = env.step(rng.uniform(-1, 1, (6, 2)))
+        assert dones.all()
+        assert len({info["episode"]["r"] for info in infos}) == 6
+    assert joined[::2] == joined[1::2]  # all groups of a rollout
+    assert 0.2 < np.mean(joined) < 0.8
+    assert np.mean(elsewhere) < 0.05  # where all actions were clipped to the same
+
+
 @pytest.mark.parametrize(("noise_steps", "drawn"), [(1, [0, 1, 2, 3, 4]), (2, [0, 0, 2, 2, 4]), (0, [0] * 5)])
 def test_advantages_are_returns_since_the_noise_was_drawn_beyond_the_mean_of_the_group(noise_steps, drawn):
     steps, swarms, size = 5, 6, 3
@@ -137,6 +162,7 @@ def test_groups_whose_episodes_end_at_different_times_are_refused():
     [
         ({"group_size": 3}, "num_swarms must be a multiple of group_size, got 4 and 3"),
         ({"group_size": 8}, "group_size.*8"),
+        ({"group_size": 1, "branch_at_events": True}, "branch_at_events needs groups of several swarms"),
         ({"reward": "paired"}, "'paired' and group_size 2 exclude"),
         ({"max_evaluations": 500}, "max_evaluations 500: groups, and noise that is held, need episodes"),
         ({"critic": False}, "without a critic, gae_lambda must be 1, got 0.98"),
