@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from cmaes import CMA
+from numpy.typing import NDArray
 
 from agents.runs.checkpoints import Checkpoints, load_strategy, strategy_state
 from agents.runs.seeds import training_seed
@@ -20,7 +21,9 @@ from agents.tuning.knots import KnotSpace
 from agents.tuning.side_by_side import SideBySide
 from agents.tuning.tuner import Tuner
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.controllers.reacting_loop import ReactingLoop
 
 
 class OpenLoopTuner(Tuner):
@@ -61,7 +64,7 @@ class OpenLoopTuner(Tuner):
     def advance(self) -> dict[str, float]:
         """Run one generation."""
         points = np.stack([self._strategy.ask() for _ in range(self._config.candidates)])
-        controllers = [self._space.controller(point) for point in points]
+        controllers = [self._controller(point) for point in points]
         outcomes = self._places.run(controllers, training_seed(self._config.seed, self.rounds))
         losses = outcomes.losses.mean(axis=1)
         self._strategy.tell(list(zip(points, losses.tolist(), strict=True)))
@@ -79,9 +82,12 @@ class OpenLoopTuner(Tuner):
         """Return the first seed of every generation; each has new episodes."""
         return [training_seed(self._config.seed, generation) for generation in range(self.rounds)]
 
-    def result(self) -> OpenLoop:
-        """Return the open loop of the mean of the search distribution."""
-        return self._space.controller(self._strategy.mean)
+    def result(self) -> Controller:
+        """Return the controller of the mean of the search distribution."""
+        return self._controller(self._strategy.mean)
+
+    def _controller(self, point: NDArray) -> Controller:
+        return self._space.controller(point)
 
     def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
         """Write the open loop that `open-loop:<path>` reads."""
@@ -97,6 +103,15 @@ class OpenLoopTuner(Tuner):
             decided.sources,
             decided.first_source,
         )
+
+
+class ReactingLoopTuner(OpenLoopTuner):
+    """CMA-ES on the decisions at the knots of an open loop that begins again when the best fitness rises."""
+
+    family = "reacting-loop"
+
+    def _controller(self, point: NDArray) -> Controller:
+        return ReactingLoop(self._space.controller(point))
 
 
 def _arrays(content: bytes) -> dict[str, Any]:

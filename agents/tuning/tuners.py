@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from agents.tuning.config import TuneConfig
-from agents.tuning.evolution import OpenLoopTuner
+from agents.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
 from agents.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
     LINEAR_REDUCTION,
@@ -57,6 +57,7 @@ def _parameters(space: ParameterSpace) -> Kind:
 
 TUNERS: dict[str, Kind] = {
     "open-loop": Kind(OpenLoopTuner, SPECIAL),
+    "reacting-loop": Kind(ReactingLoopTuner, SPECIAL),
     "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
     "schedule": _parameters(SCHEDULE),
     "linear-reduction": _parameters(LINEAR_REDUCTION),

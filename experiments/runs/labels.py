@@ -25,6 +25,7 @@ FITTED = {
     "distilled": "rule",
     "learned": "learned",
     "open-loop": "open loop",
+    "reacting-loop": "reacting loop",
     "tuned": "tuned schedule",
 }
 # Names of groups of training or tuning seeds, where they differ: what is tuned need not be a schedule.

@@ -21,6 +21,7 @@ from swarm_gym.controllers.distilled import DistilledRule
 from swarm_gym.controllers.learned.networks import FeedforwardController
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.controllers.reacting_loop import ReactingLoop
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.optima import digest
@@ -181,10 +182,11 @@ def _identity(name: str, controller: Controller) -> Any:
             manifest["corrected_from"],
             _identity(base, controller_of(base)),
         )
-    if isinstance(controller, OpenLoop):
-        first = controller.first_source
+    loop = controller.loop if isinstance(controller, ReactingLoop) else controller
+    if isinstance(loop, OpenLoop):
+        first = loop.first_source
         source = () if first is None else (dataclasses.astuple(first),)
-        return controller.initial_population_size, controller.decisions.tolist(), *source
+        return loop.initial_population_size, loop.decisions.tolist(), *source
     return controller.lines() if isinstance(controller, DistilledRule) else name
 
 

@@ -23,7 +23,8 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 BLINDED = "blinded"
-FITTED = (BLINDED, "distilled", "learned", "open-loop", "tuned")  # their arguments are recipes or files
+# Their arguments are recipes or files.
+FITTED = (BLINDED, "distilled", "learned", "open-loop", "reacting-loop", "tuned")
 ALL_SEEDS = "*"
 
 _NAME = re.compile(

@@ -17,6 +17,7 @@ from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardControll
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
+from swarm_gym.controllers.reacting_loop import load_reacting_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
 from swarm_gym.controllers.tuned import load_tuned
@@ -29,8 +30,8 @@ def make_controller(name: str | ControllerName, limits: SizeLimits = SizeLimits(
     """Return a controller by its name, e.g. `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
 
     Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
-    `linear-reduction:start=120`. The argument of `learned:`, `open-loop:`, `tuned:` and `distilled:` is the
-    name of a packaged file or the path of a file. Policies of one recipe are called
+    `linear-reduction:start=120`. The argument of `learned:`, `open-loop:`, `reacting-loop:`, `tuned:` and
+    `distilled:` is the name of a packaged file or the path of a file. Policies of one recipe are called
     `learned:<preset>/<training seed>`; `learned:<policy>@0.3` sets the price of 100,000 evaluations that a
     policy observes. `swarm_gym.controllers.names` describes all parts of a name.
 
@@ -98,6 +99,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "reaction": Reaction.from_argument,
     "random": _no_argument(Random),
     "open-loop": load_open_loop,
+    "reacting-loop": load_reacting_loop,
     "learned": load_learned,
     "tuned": _tuned,
     "distilled": load_rule,

@@ -39,8 +39,13 @@ TRAININGS = {
     "evolution": {"algorithm": "evolution", "warm_start": "none", "candidates": 4, "total_steps": 3 * STEPS},
 }
 CONTROLLERS = ("fixed:3", "spsfa-tip", "spsfa")
-ROUND = {"open-loop": 4 * 4 * 100, "constant": 4 * 4 * 100, "schedule": 4 * 100}
-ROUNDS = {"open-loop": 4, "constant": 4, "schedule": 14}  # Optuna's sampler begins after ten
+ROUND = {"open-loop": 4 * 4 * 100, "reacting-loop": 4 * 4 * 100, "constant": 4 * 4 * 100, "schedule": 4 * 100}
+ROUNDS = {
+    "open-loop": 4,
+    "reacting-loop": 4,
+    "constant": 4,
+    "schedule": 14,
+}  # Optuna's sampler begins after ten
 
 
 def as_arguments(options):

@@ -14,7 +14,7 @@ from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OPEN_LOOPS
 from swarm_gym.controllers.tuned import TUNED
 
-FOLDERS = {"distilled": DISTILLED, "open-loop": OPEN_LOOPS, "tuned": TUNED}
+FOLDERS = {"distilled": DISTILLED, "open-loop": OPEN_LOOPS, "reacting-loop": OPEN_LOOPS, "tuned": TUNED}
 
 
 def origins_table(controllers: Sequence[str]) -> Table:

@@ -22,10 +22,10 @@ from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.parameters import format_parameters
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.env import SwarmEnv
-from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.observation import make_observation
 
 TINY = {"episodes": 4, "scenarios": ("case3", "case1"), "max_population_size": 12}
-BY_EVOLUTION = ("open-loop", "constant")
+BY_EVOLUTION = ("open-loop", "reacting-loop", "constant")
 ROUND = {what: (4 if what in BY_EVOLUTION else 1) * 4 * 100 for what in TUNERS}
 SMALL_KIND = {"candidates": 4, "initial_population_size": 6}
 
@@ -135,7 +135,7 @@ def test_a_result_is_a_controller_with_what_it_was_made_with(tmp_path, what):
     assert path == tmp_path / "elsewhere" / "mine.json"
     assert path.read_bytes() == (tmp_path / "it" / f"{what}.json").read_bytes()
     controller = make_controller(f"{run.tuner.family}:{path}")
-    observations = np.zeros((1, 20))[:, : len(OBSERVATIONS[controller.observation].features)]
+    observations = np.zeros((1, len(make_observation(controller.observation).features)))
     controller.reset(1)
     expected = run.tuner.result()
     expected.reset(1)

@@ -31,6 +31,7 @@ ARGUMENTS = {
     "linear-reduction": ["", "start=120,smallest=20"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
     "learned": packaged_policies(),
+    "reacting-loop": ["three-cases", "three-cases-sourced/0@1"],
     "spsfa": ["", "growth=500,smallest=20"],
     "tuned": packaged_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
