@@ -34,6 +34,8 @@ RIVALS = training_seeds("open-loop:three-cases-extended-long", 5, 1)
 CONSTANTS = training_seeds("open-loop:three-cases-sourced-constant", 5, 1)
 RESTART = training_seeds("tuned:three-cases-restart", 5)
 SOURCED_LOOPS = training_seeds("open-loop:three-cases-sourced", 5, *PRICES)
+# These begin with the former of the same seed at price 1, and take as many steps again.
+THIRTEEN_KNOTS = training_seeds("open-loop:three-cases-sourced-13-knots", 5, 0.1, 0.5, 1, 2)
 LEARNED = training_seeds("learned:three-cases-sourced", 5)
 LEARNED_PPO = training_seeds("learned:three-cases-sourced-ppo", 5)
 
@@ -70,6 +72,7 @@ CASE_FAMILIES = families(
     Family("constants (sourced)", CONSTANTS),
     Family("restart rule", RESTART),
     Family("open loops (sourced)", SOURCED_LOOPS),
+    Family("open loops (sourced, thirteen knots)", THIRTEEN_KNOTS),
     Family("learned (sourced)", LEARNED),
     Family("learned by PPO (sourced)", LEARNED_PPO),
 )
@@ -79,7 +82,9 @@ CASE_PAIRS = (
     ("open-loop:three-cases-sourced/*@1", "learned:three-cases-extended/*@2"),
     ("open-loop:three-cases-sourced/*@1", "open-loop:three-cases-extended-long/*@1"),
     ("open-loop:three-cases-sourced/*@1", "open-loop:three-cases-sourced-constant/*@1"),
+    ("open-loop:three-cases-sourced-13-knots/*@1", "open-loop:three-cases-sourced/*@1"),
     ("learned:three-cases-sourced/*", "open-loop:three-cases-sourced/*@1"),
+    ("learned:three-cases-sourced-ppo/*", "open-loop:three-cases-sourced-13-knots/*@1"),
     ("learned:three-cases-sourced-ppo/*", "learned:three-cases-sourced/*"),
     ("learned:three-cases-sourced-ppo/*", "open-loop:three-cases-sourced/*@1"),
     ("tuned:three-cases-restart/*", "open-loop:three-cases-sourced/*@1"),
