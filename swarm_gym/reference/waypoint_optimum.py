@@ -40,7 +40,10 @@ REFINEMENT_REACH = 12
 # grows linearly, so this is the error of the fitness too, up to a factor of the number of contacts.
 FINEST_STEP = 1e-8
 # Of these the optima ship, with the default encoding and weight; of maps that change, as they are at the end.
-PACKAGED_SCENARIOS = (*sorted(SCENARIOS), *(f"dynamic:{name}-gate@1" for name in sorted(SCENARIOS)))
+PACKAGED_SCENARIOS = (
+    *sorted(SCENARIOS),
+    *(f"dynamic:{name}-{event}@1" for event in ("gate", "block") for name in sorted(SCENARIOS)),
+)
 PACKAGED_FIELDS = (
     "random-fields:train:0-511",
     "random-fields:validation:0-63",
