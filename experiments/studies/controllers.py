@@ -12,5 +12,5 @@ FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
 SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
 
 # Learned controllers at one of the prices that they were trained for, for comparisons other than fronts.
-HEADLINE_LEARNED = training_seeds("learned:three-cases", 8, 1)
+HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)
 HEADLINE_EXTENDED = training_seeds("learned:three-cases-extended", 7, 2)

@@ -154,7 +154,7 @@ PACKAGED_POLICIES = {
     "three-cases-ppo": 1,
     "three-cases-sourced-ppo": 5,
     "three-cases-sourced": 5,
-    "three-cases": 8,
+    "three-cases": 10,
 }
 # Entries of the manifests of packaged policies.
 MANIFEST_ENTRIES = (

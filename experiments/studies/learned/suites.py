@@ -19,13 +19,14 @@ UNSEEN_KINDS = ("denser", "larger", "narrow", "large-obstacles", "rotated")
 UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"random-fields:{kind}:0-39"))
 
 PRICES = (1, 5, 0.5)  # told to policies; 1 is that of the headline
-LEARNED = training_seeds("learned:three-cases", 8, *PRICES)
+LEARNED = training_seeds("learned:three-cases", 10, *PRICES)
 LINEAR = training_seeds("learned:three-cases-linear", 5, 1)
 FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 
 # Tuned on the objective of the policies at price 1, with as many environment steps in all.
 TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 2)
 LOOPS = training_seeds("open-loop:three-cases-long", 5, 1)
+THIRTEEN_KNOTS = training_seeds("open-loop:three-cases-13-knots", 5, 1)
 
 # An earlier recipe, without groups, and ten numbers distilled from its policy.
 IMITATING = ("learned:three-cases-ppo/0", "distilled:three-cases")
@@ -34,7 +35,9 @@ PRINTED = Family("printed schedules", ("spsfa-tip", "spsfa", "diversity-ladder",
 BLIND_RULES = Family(
     "blind rules", (*FIXED_SIZES, "linear-reduction", "open-loop:three-cases-constant"), blind=True
 )
-LOOPS_OF_CASES = Family("open loops of the cases", ("open-loop:three-cases", *LOOPS), blind=True)
+LOOPS_OF_CASES = Family(
+    "open loops of the cases", ("open-loop:three-cases", *LOOPS, *THIRTEEN_KNOTS), blind=True
+)
 
 CASE_FAMILIES = (
     PRINTED,
@@ -44,7 +47,7 @@ CASE_FAMILIES = (
     Family("learned by PPO", LEARNED),
     Family("learned by CMA-ES", LINEAR),
     Family("learned by imitation", IMITATING),
-    Family("blinded", training_seeds("blinded:three-cases", 8, 1)),
+    Family("blinded", training_seeds("blinded:three-cases", 10, 1)),
 )
 FIELD_FAMILIES = (
     PRINTED,
