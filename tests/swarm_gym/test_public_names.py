@@ -181,7 +181,8 @@ COLLECTION_NAMES = (
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "headline", "gaps", "differences", "duels", "front",
     "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
-    "iafsa-routes", "recovery", "over-time", "brand-yu-counts", "brand-yu-grids", "corridors", "claims",
+    "iafsa-routes", "recovery", "over-time", "seeing", "brand-yu-counts", "brand-yu-grids", "corridors",
+    "claims",
     "newcomers-optimizers",
 )  # fmt: skip
 FIGURE_NAMES = (

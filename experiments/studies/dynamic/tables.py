@@ -10,6 +10,7 @@ from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
 from experiments.studies.dynamic.over_time import GRAZING, over_time_tables
+from experiments.studies.dynamic.seeing import seeing_tables
 from experiments.tables.cell import Cell, Entry, number, share_in
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
@@ -121,5 +122,5 @@ def _quartiles(values: Floats) -> Cell:
     return Cell.of(f"{middle} [{low}, {high}]", value=quartiles[1], low=quartiles[0], high=quartiles[2])
 
 
-TABLES = {"recovery": recovery_tables, "over-time": over_time_tables}
+TABLES = {"recovery": recovery_tables, "over-time": over_time_tables, "seeing": seeing_tables}
 DOCUMENTS = {"dynamic": document_of_suite("docs/dynamic.md", "dynamic")}

@@ -5,7 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from experiments.runs.suite import Family
 from experiments.studies.dynamic.over_time import over_time_tables
+from experiments.studies.dynamic.seeing import TOLD, seeing_tables
 from experiments.studies.dynamic.suites import DYNAMIC
 from helpers.stored_runs import cells_of, outcomes_of, stored_run
 from swarm_gym.reference import known_optimum
@@ -62,3 +64,27 @@ def test_scenarios_without_events_have_no_feasibility_after_one(rows):
     still = [row for row in rows if row["scenarios"] == STILL]
     assert {row["feasible soon"] for row in still} == {"–"}
     assert [row["scenarios"] for row in rows[-2:]] == ["all", "all"]
+
+
+BLIND, SEEING, BOUND = "fixed:80", "learned:b/0", "learned:c/0"
+SHOWN = tuple(
+    Family(*one) for one in (("blind", (POOR, BLIND), True), ("learned", (SEEING,)), (TOLD, (BOUND,)))
+)
+
+
+def test_a_share_is_of_the_gain_over_the_best_blind_one():
+    """Made-up errors: 30 and 20 per cent for the blind ones, 12 for the one that sees, 10 for the bound."""
+    error = {POOR: 0.3, BLIND: 0.2, SEEING: 0.12, BOUND: 0.1}
+
+    def load(controller, scenario):
+        return [run_with(scenario, 0.0, error[controller] + 0.01 * k, [0] * 7) for k in (-1, 0, 1)]
+
+    outcomes = outcomes_of({(name, GATE): [0.2] * 3 for name in error}, load)
+    suite = dataclasses.replace(DYNAMIC, controllers=tuple(error), families=SHOWN)
+    rows = cells_of(seeing_tables(suite, outcomes), "seeing")
+    assert [(row["controller"], row["share of the gain"].partition(" [")[0]) for row in rows] == [
+        ("FA-80", "0 %"), ("learned b", "80 %"), ("learned c", "100 %"),
+    ]  # fmt: skip
+    low, high = rows[1]["share of the gain"].partition("[")[2].rstrip("]").split(", ")
+    assert float(low) <= 80 <= float(high)
+    assert seeing_tables(dataclasses.replace(suite, families=SHOWN[:2]), outcomes) == []
