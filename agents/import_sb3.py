@@ -32,7 +32,7 @@ from swarm_gym.controllers.packaged import read_bytes
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
-from swarm_gym.observation import make_observation
+from swarm_gym.observation import OBSERVATIONS, make_observation
 
 # Largest unpacked size of a zip in bytes: actor, critic, and the optimizer's two moments of both.
 MAX_UNPACKED = 8 * MAX_FILE
@@ -79,6 +79,7 @@ def import_sb3(options: ImportOptions) -> None:
         features = [feature.name for feature in make_observation(options.observation).features]
     except UnknownNameError as error:
         raise PolicyFileError(f"{path}: {error}") from error
+    _require_inputs(path, weights["0.weight"].shape[1], options.observation, len(features))
     manifest = {
         "action": options.action,
         "base": "none",
@@ -110,6 +111,18 @@ def import_sb3(options: ImportOptions) -> None:
         raise PolicyFileError(f"{path}: does not fit these options: {error}") from error
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _require_inputs(path: Path, inputs: int, observation: str, features: int) -> None:
+    """Raise an error if a network has another number of inputs than the observation has features."""
+    if inputs == features:
+        return
+    fitting = [name for name in OBSERVATIONS if len(OBSERVATIONS[name].features) == inputs]
+    known = f"; {' or '.join(fitting)} has as many" if fitting else ""
+    raise PolicyFileError(
+        f"{path}: the policy has {inputs} inputs, but observation {observation!r} has {features} features; "
+        f"name the one of its training with --observation{known}"
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -120,7 +120,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     @property
     def simulation(self) -> Any:
-        """The `Simulation` in this environment, a batch of one swarm: population, history and problem."""
+        """The `Simulation` in this environment, a batch of one swarm: `swarms`, `history` and `problems`."""
         return self._batch.simulation
 
     def reset(

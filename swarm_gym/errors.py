@@ -57,4 +57,7 @@ class MissingExtraError(SwarmGymError, ImportError):
     """A library that is needed but missing; an extra of this package installs it."""
 
     def __init__(self, purpose: str, library: str, extra: str):
-        super().__init__(f"{purpose} needs {library}: run `pip install 'swarm_gym[{extra}]'`")
+        super().__init__(
+            f"{purpose} needs {library}: run `pip install 'swarm_gym[{extra}]'`, or in a checkout of the "
+            f"project `pip install '.[{extra}]'`"
+        )

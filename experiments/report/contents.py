@@ -153,8 +153,7 @@ def _chosen(request: Request, part: Suite, outcomes: Outcomes) -> list[RunKey]:
             if key not in stored:
                 raise ResultsError(
                     f"{request.database} has no run of {key[0]} on {key[1]} with seed {key[2]} to replay; "
-                    f"it has {', '.join(part.controllers)} on {', '.join(part.scenarios)}, "
-                    f"seeds from {next(iter(part.seeds.values())).start} on"
+                    f"{_what_is_stored(key, part)}"
                 )
         return list(request.replays)
     best = part.controllers[int(outcomes.fitness.mean(axis=(1, 2)).argmin())]
@@ -165,6 +164,17 @@ def _chosen(request: Request, part: Suite, outcomes: Outcomes) -> list[RunKey]:
         for scenario, seeds in list(part.seeds.items())[:REPLAYED_SCENARIOS]
         for controller in controllers
     ]
+
+
+def _what_is_stored(key: RunKey, part: Suite) -> str:
+    """Return the first part of a run's key that is not stored, and what is, in words."""
+    controller, scenario, _ = key
+    if controller not in part.controllers:
+        return f"it has runs of {', '.join(part.controllers)}"
+    if scenario not in part.seeds:
+        return f"it has runs on {', '.join(part.scenarios)}"
+    seeds = part.seeds[scenario]
+    return f"its seeds there are {seeds.start} to {seeds.stop - 1}"
 
 
 def _replays(chosen: list[RunKey], part: Suite, results: Results) -> tuple[list[dict[str, Any]], list[str]]:

@@ -13,7 +13,7 @@ from swarm_gym.scenarios.scenario import Point
 
 Cell = tuple[int, int]
 
-# Maximum number of cells along a side of a map that is read from a file.
+# Maximum number of cells along a side of a map.
 MAX_SIDE = 4096
 # Limits of the side of a cell and of coordinates, in map units, where doubles tell cells apart.
 MIN_RESOLUTION, MAX_RESOLUTION, MAX_ORIGIN = 1e-6, 1e6, 1e9
@@ -28,7 +28,8 @@ class GridMap:
 
     Attributes:
         name: name of the map in messages.
-        blocked: bool, shape (height, width); a read-only copy is kept.
+        blocked: bool, or integers 0 (free) and 1 (blocked), shape (height, width), at most `MAX_SIDE` along a
+            side; a read-only copy is kept, as bool.
         resolution: side of a cell in map units, in [`MIN_RESOLUTION`, `MAX_RESOLUTION`].
         origin: map coordinates (x, y) of the centre of cell (0, 0), at most `MAX_ORIGIN` in size.
         y_up: whether y grows upwards, opposite to the rows.
@@ -45,12 +46,23 @@ class GridMap:
 
     def __post_init__(self) -> None:
         given = np.asarray(self.blocked)
-        if given.dtype != np.bool_ or given.ndim != 2 or given.size == 0:
+        if given.dtype.kind not in "biu" or given.ndim != 2 or given.size == 0:
             raise ScenarioError(
-                f"map {shown(self.name)}: blocked must be bool of shape (height, width), not empty, got "
-                f"{given.dtype} of shape {given.shape}"
+                f"map {shown(self.name)}: blocked must be bool, or integers 0 and 1, of shape "
+                f"(height, width), not empty, got {given.dtype} of shape {given.shape}"
             )
-        blocked = np.array(given, order="C")
+        if max(given.shape) > MAX_SIDE:
+            height, width = given.shape
+            raise ScenarioError(
+                f"map {shown(self.name)}: expected at most {MAX_SIDE} cells along a side, got "
+                f"{width} x {height}"
+            )
+        if given.dtype.kind != "b" and not np.isin(given, (0, 1)).all():
+            raise ScenarioError(
+                f"map {shown(self.name)}: integers in blocked must be 0 (free) or 1 (blocked), got values "
+                f"from {given.min()} to {given.max()}"
+            )
+        blocked = np.array(given, dtype=np.bool_, order="C")
         blocked.setflags(write=False)
         object.__setattr__(self, "blocked", blocked)
         resolution = self._number("resolution", self.resolution, MIN_RESOLUTION, MAX_RESOLUTION)

@@ -97,7 +97,10 @@ def refused(path, message, *options):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--observation", "rich"], "does not fit these options: .*tensor '0.weight'"),
+        (
+            ["--observation", "rich"],
+            "the policy has 9 inputs, but observation 'rich' has 13 features; .*--observation; extended has",
+        ),
         (["--observation", "everything"], "unknown observation layout 'everything'"),
         (["--action", "natural"], "action must be one of .*normalised.*'natural'"),
         (["--action", "extended-normalised"], "num_decisions must be 4"),

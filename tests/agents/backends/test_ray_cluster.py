@@ -156,7 +156,7 @@ def test_a_training_whose_node_is_lost_goes_on_from_its_checkpoint(tmp_path, clu
 @pytest.fixture
 def search():
     """Search by Ray Tune, by the options of its configuration."""
-    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`")
+    pytest.importorskip("ray.tune", reason="needs the extra `ray-tune`", exc_type=ImportError)
     from experiments import with_ray_tune
 
     return lambda **options: with_ray_tune.search(with_ray_tune.SearchConfig(**options))

@@ -278,7 +278,9 @@ NO_RUNS = ("spsfa", "spsfa,case1", "spsfa,case1,first", "spsfa,case1,-1", "case1
 @pytest.mark.parametrize(
     ("text", "message"),
     [*((text, f"CONTROLLER,SCENARIO,SEED.*{text}") for text in NO_RUNS),
-     ("spsfa,case1,99", r"no run of spsfa on case1 with seed 99 .*seeds from 0 on")],
+     ("spsfa,case1,99", r"no run of spsfa on case1 with seed 99 .*its seeds there are 0 to [0-9]+$"),
+     ("fixed:9,case1,0", "no run of fixed:9 .*it has runs of fixed:8, "),
+     ("spsfa,case9,0", "on case9 .*it has runs on case1")],
 )  # fmt: skip
 def test_what_is_no_run_to_replay_is_refused(database, text, message):
     with pytest.raises(ResultsError, match=message):

@@ -15,6 +15,7 @@ from helpers.refusals import refused
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario, make_scenarios
 from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
+from swarm_gym.scenarios.grid_map import MAX_SIDE
 
 NAN, INF = math.nan, math.inf
 
@@ -195,10 +196,24 @@ def test_copies_of_a_map_are_equal_and_read_only(duplicate):
 
 @pytest.mark.parametrize(
     "blocked",
-    [np.zeros((3, 3)), np.zeros(4, bool), np.zeros((0, 4), bool), [[0, 1]], None, np.zeros((2, 2, 2), bool)],
+    [np.zeros((3, 3)), np.zeros(4, bool), np.zeros((0, 4), bool), [[0, 2]], None, np.zeros((2, 2, 2), bool)],
 )
 def test_cells_that_are_no_bools_in_rows_are_refused(blocked):
-    refused(lambda: GridMap("made", blocked), "'made'", "blocked", "bool")
+    refused(lambda: GridMap("made", blocked), "'made'", "blocked")
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.int8, np.int64, np.uint64])
+def test_integers_0_and_1_stand_for_free_and_blocked(dtype):
+    blocked = np.array([[0, 1, 0], [0, 0, 1]], dtype=dtype)
+    assert GridMap("made", blocked) == GridMap("made", blocked.astype(bool))
+    assert GridMap("made", blocked.tolist()) == GridMap("made", blocked.astype(bool))
+    refused(lambda: GridMap("made", blocked * 3), "'made'", "0 (free) or 1 (blocked)", "from 0 to 3")
+
+
+@pytest.mark.parametrize("shape", [(MAX_SIDE + 1, 2), (2, MAX_SIDE + 1)])
+def test_a_map_larger_than_documented_is_refused(shape):
+    assert GridMap("made", np.zeros(np.minimum(shape, MAX_SIDE), dtype=bool)).width
+    refused(lambda: GridMap("made", np.zeros(shape, dtype=bool)), "'made'", f"at most {MAX_SIDE}", "4097")
 
 
 @pytest.mark.parametrize(
