@@ -146,9 +146,11 @@ PACKAGED_CONTROLLERS = (
 )  # fmt: skip
 # By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
 PACKAGED_POLICIES = {
+    "random-fields-extended-ppo": 5,
     "random-fields-extended": 5,
     "random-fields": 5,
     "random-fields-sourced": 5,
+    "three-cases-extended-ppo": 5,
     "three-cases-extended": 7,
     "three-cases-linear": 5,
     "three-cases-ppo": 1,

@@ -69,6 +69,7 @@ CASE_FAMILIES = families(
     Family("open loops (extended)", EXTENDED_LOOPS),
     Family("open loops (extended, as many steps)", RIVALS),
     Family("learned (extended)", HEADLINE_EXTENDED),
+    Family("learned by PPO (extended)", training_seeds("learned:three-cases-extended-ppo", 5, 2)),
     Family("constants (sourced)", CONSTANTS),
     Family("restart rule", RESTART),
     Family("open loops (sourced)", SOURCED_LOOPS),
@@ -79,6 +80,7 @@ CASE_FAMILIES = families(
 # With sources against without, and seeing against not seeing; pairs that were not run are left out.
 CASE_PAIRS = (
     ("learned:three-cases-extended/*@2", "open-loop:three-cases-extended@0.1"),
+    ("learned:three-cases-extended-ppo/*@2", "learned:three-cases-extended/*@2"),
     ("open-loop:three-cases-sourced/*@1", "learned:three-cases-extended/*@2"),
     ("open-loop:three-cases-sourced/*@1", "open-loop:three-cases-extended-long/*@1"),
     ("open-loop:three-cases-sourced/*@1", "open-loop:three-cases-sourced-constant/*@1"),
@@ -108,6 +110,7 @@ FIELD_FAMILIES = families(
     Family("tuned schedule", ("tuned:random-fields",)),
     Family("open loops (extended)", ("open-loop:random-fields-extended",)),
     Family("learned (extended)", training_seeds("learned:random-fields-extended", 5)),
+    Family("learned by PPO (extended)", training_seeds("learned:random-fields-extended-ppo", 5, 2.5)),
     Family("open loops (sourced)", FIELD_LOOPS),
     Family("learned (sourced)", FIELD_LEARNED),
     Family(
@@ -123,6 +126,7 @@ FIELD_FAMILIES = families(
 )
 FIELD_PAIRS = (
     ("learned:random-fields-extended/*", "open-loop:random-fields-extended"),
+    ("learned:random-fields-extended-ppo/*@2.5", "learned:random-fields-extended/*"),
     ("open-loop:random-fields-sourced/*@1", "learned:random-fields-extended/*"),
     ("learned:random-fields-sourced/*", "open-loop:random-fields-sourced/*@1"),
 )
