@@ -106,7 +106,7 @@ class SwarmBatch:
                 gap_after,
                 simulation.price * spent / self.settings.reference_evaluations,
                 ended,
-                simulation.weight(),
+                simulation.offline_weight(),
                 simulation.optimality_gap,
             )
         )

@@ -34,8 +34,8 @@ class Transition(NamedTuple):
         gap_after: gap after the iteration, before any event on the map.
         cost: price of the evaluations of the iteration.
         ended: whether the episode ended with the iteration.
-        weight: share of the iteration in averages over all iterations since the first event on the map, or
-            since the beginning where there is none; 0 before the event.
+        offline_weight: share of the iteration in averages over all iterations since the first event on the
+            map, or since the beginning where there is none; 0 before the event.
         optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
             call it.
     """
@@ -45,7 +45,7 @@ class Transition(NamedTuple):
     gap_after: Floats
     cost: Floats
     ended: NDArray[np.bool_]
-    weight: Floats
+    offline_weight: Floats
     optimality_gap: Callable[[], Floats]
 
 
@@ -85,7 +85,7 @@ def offline_error(transition: Transition) -> Floats:
     Source: J. Branke, "Memory enhanced evolutionary algorithms for changing optimization problems", CEC 1999,
     which averages over evaluations.
     """
-    return -100.0 * transition.optimality_gap() * transition.weight - transition.cost
+    return -100.0 * transition.optimality_gap() * transition.offline_weight - transition.cost
 
 
 def final_gap(transition: Transition) -> Floats:

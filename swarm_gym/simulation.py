@@ -237,7 +237,7 @@ class Simulation:
         left = np.maximum(self.settings.iterations - self.iteration, 1)
         return (self.swarms.budget - self.swarms.evaluations) / left
 
-    def weight(self) -> Floats:
+    def offline_weight(self) -> Floats:
         """Return (B,) share of the last iteration in averages since the first event, see `reward`.
 
         An episode that ends early, for lack of a budget, stays as it is: its last iteration has the weight of

@@ -61,7 +61,7 @@ def _per_cent(simulation: Simulation) -> Floats:
 
 
 def _offline_error(simulation: Simulation) -> Floats:
-    return 100.0 * simulation.optimality_gap() * simulation.weight()
+    return 100.0 * simulation.optimality_gap() * simulation.offline_weight()
 
 
 # Measures of the gap, by the name of the reward: what an iteration adds to it, (B,); lower is better.

@@ -14,20 +14,20 @@ from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import Settings
 
 
-class Worlds(NamedTuple):
-    """The worlds of a scenario.
+class Changes(NamedTuple):
+    """The changes of a map during an episode.
 
     Attributes:
-        begins: (worlds,) iteration after which each is in force; 0 for the first.
-        optima: (worlds,) least fitness in each, nan where it is unknown.
+        begins: (worlds,) iteration after which each map is in force; 0 for the first.
+        optima: (worlds,) least fitness on each map, nan where it is unknown.
     """
 
     begins: NDArray[np.int64]
     optima: Floats
 
     @classmethod
-    def of(cls, scenario: str) -> "Worlds":
-        """Return the worlds of the scenario of a name, in the default encoding."""
+    def of(cls, scenario: str) -> "Changes":
+        """Return the changes of the scenario of a name, in the default encoding."""
         settings = Settings(scenario=scenario)
         begins = np.array([world.iteration for world in settings.worlds])
         return cls(begins, np.array([known_optimum(problem) for problem in settings.problems()]))
@@ -50,9 +50,9 @@ def offline_errors(runs: Sequence[Run], scenario: str) -> Floats:
 
     Without events the mean is over all iterations.
     """
-    worlds = Worlds.of(scenario)
-    first = int(worlds.events[0]) if worlds.events.size else 1
-    return worlds.gaps(runs)[:, first:].mean(axis=1)
+    changes = Changes.of(scenario)
+    first = int(changes.events[0]) if changes.events.size else 1
+    return changes.gaps(runs)[:, first:].mean(axis=1)
 
 
 def iterations_to_feasible(runs: Sequence[Run], event: int, tolerance: float) -> Floats:

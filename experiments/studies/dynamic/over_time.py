@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.runs.changes import Worlds, iterations_to_feasible
+from experiments.runs.changes import Changes, iterations_to_feasible
 from experiments.runs.labels import label
 from experiments.runs.measures import MEASURES
 from experiments.runs.outcomes import Outcomes
@@ -65,6 +65,6 @@ def _soon(outcomes: Outcomes, group: str, scenarios: tuple[str, ...], tolerance:
         iterations_to_feasible(outcomes.runs(controller, scenario), event, tolerance) <= SOON
         for controller in outcomes.groups[group]
         for scenario in scenarios
-        for event in Worlds.of(scenario).events
+        for event in Changes.of(scenario).events
     ]
     return float(np.concatenate(found).mean()) if found else np.nan

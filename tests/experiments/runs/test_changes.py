@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.runs.changes import Worlds, iterations_to_feasible, offline_errors
+from experiments.runs.changes import Changes, iterations_to_feasible, offline_errors
 from helpers.stored_runs import stored_run
 from swarm_gym.env import SwarmEnv
 
@@ -21,18 +21,18 @@ def run_of(courses):
 
 
 def test_gaps_are_to_the_optimum_of_the_map_in_force():
-    worlds = Worlds.of(GATE)
-    before, after = worlds.optima
+    changes = Changes.of(GATE)
+    before, after = changes.optima
     assert after > 1.02 * before
-    np.testing.assert_array_equal(worlds.events, [4])
+    np.testing.assert_array_equal(changes.events, [4])
     far, near = [2 * before] * 4 + [2 * after] * 3, [before] * 4 + [after, 1.5 * after, after]
     runs = runs_with(best_fitness=[far, near])
-    np.testing.assert_allclose(worlds.gaps(runs), [[1.0] * 7, [0, 0, 0, 0, 0, 0.5, 0]], atol=1e-12)
+    np.testing.assert_allclose(changes.gaps(runs), [[1.0] * 7, [0, 0, 0, 0, 0, 0.5, 0]], atol=1e-12)
     np.testing.assert_allclose(offline_errors(runs, GATE), [1.0, 0.5 / 3])
 
 
 def test_without_events_the_first_population_does_not_count():
-    (optimum,) = Worlds.of("case1").optima
+    (optimum,) = Changes.of("case1").optima
     runs = runs_with(best_fitness=[[9 * optimum, 2 * optimum, optimum]])
     np.testing.assert_allclose(offline_errors(runs, "case1"), [0.5])
 
