@@ -146,6 +146,7 @@ PACKAGED_CONTROLLERS = (
 )  # fmt: skip
 # By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
 PACKAGED_POLICIES = {
+    "ablation-all": 5,
     "random-fields-extended-ppo": 5,
     "random-fields-extended": 5,
     "random-fields": 5,

@@ -7,7 +7,13 @@ from dataclasses import replace
 from functools import partial
 
 from experiments.studies.learned.origins import origins_table
-from experiments.studies.learned.suites import GENERALISATION, HEADLINE, LOOKED_INTO, OUT_OF_DISTRIBUTION
+from experiments.studies.learned.suites import (
+    ABLATION,
+    GENERALISATION,
+    HEADLINE,
+    LOOKED_INTO,
+    OUT_OF_DISTRIBUTION,
+)
 from experiments.tables.blocks import (
     decisions_name,
     figure,
@@ -111,6 +117,9 @@ TABLE_BLOCKS: dict[str, Block] = {
         value_by_set, OUT_OF_DISTRIBUTION.name, "gaps", ("controller",), "mean gap"
     ),
     "out-of-distribution-near-optimum": partial(whole, OUT_OF_DISTRIBUTION.name, "near-optimum"),
+    "ablation": partial(whole, ABLATION.name, "headline"),
+    "ablation-claims": partial(whole, ABLATION.name, "claims"),
+    "ablation-made-with": partial(made_with, ABLATION.name),
     "branching": partial(whole, "branching", "branching"),
     "foresight": partial(whole, "branching", "foresight"),
     "sensitivity-decisions": partial(whole, "sensitivity", "sensitivity-decisions"),

@@ -99,4 +99,23 @@ HEADLINE = _study("headline", CASE_FAMILIES, CASES, 200)
 GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
 
-SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION)
+# Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
+CHANGED = ("group-1", "group-16", "step-noise", "critic", "scratch")
+ABLATION_FAMILIES = (
+    Family("the base", ("open-loop:three-cases",), blind=True),
+    *(Family(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
+)
+ABLATION = Suite(
+    name="ablation",
+    controllers=tuple(controller for family in ABLATION_FAMILIES for controller in family.controllers),
+    scenarios=CASES,
+    num_seeds=100,
+    baseline="learned:ablation-all/*",
+    first_seed=NEVER_USED,
+    families=ABLATION_FAMILIES,
+    tables=("headline", "claims"),
+    figures=(),
+    claims=claims_of(CLAIMS, "ablation"),
+)
+
+SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION)

@@ -119,7 +119,7 @@ def test_suites_run_on_test_seeds(suite):
         assert all(name.startswith(("case", "random-fields:validation:")) for name in suite.scenarios)
     elif suite.name.startswith("newcomers"):
         assert first == NEVER_USED
-    elif suite.name in ("headline", "generalisation", "out-of-distribution"):
+    elif suite.name in ("headline", "generalisation", "out-of-distribution", "ablation"):
         assert first == NEWEST
     elif suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
         assert first == FRESH_SEEDS
@@ -127,7 +127,7 @@ def test_suites_run_on_test_seeds(suite):
 
 def test_seeds_and_fields_of_the_newest_studies_are_in_no_other():
     newcomers = {name for name in SUITES if name.startswith("newcomers")}
-    learned = {"headline", "generalisation", "out-of-distribution"}
+    learned = {"headline", "generalisation", "out-of-distribution", "ablation"}
     for study, first in ((newcomers, NEVER_USED), (learned, NEWEST)):
         others = [suite for name, suite in SUITES.items() if name not in study]
         own = [SUITES[name] for name in study if "bends" not in SUITES[name].options]
