@@ -47,7 +47,7 @@ OTHERS = {
         "sensitivity-performance": ("without", "mean gap"),
     },
 }
-STUDIES = ("headline", "generalisation", "out-of-distribution")
+STUDIES = ("headline", "generalisation", "out-of-distribution", "ablation")
 
 
 def test_parts_of_a_table():
