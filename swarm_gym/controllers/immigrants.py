@@ -12,13 +12,14 @@ population size", IEEE CEC 2005, for restarts after stagnation.
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Floats, SizeLimits
+from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, Rule, column
 from swarm_gym.observation import ITERATION
@@ -50,21 +51,16 @@ class ImmigrantRule(Rule):
     immigrants: float = 0.5
     action: str = "sourced"
     sizes: ClassVar[tuple[str, ...]] = ("start", "size")
+    ranges: ClassVar[Mapping[str, Range]] = {
+        "noise": Range(0.02, 100.0),
+        "attractiveness": Range(0.01, 1.0),
+        "amplitude": Range(*SOURCE_RANGES["amplitude"]),
+        "immigrants": Range(*SOURCE_RANGES["immigrants"]),
+    }
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.first_source = Source(1.0, self.amplitude)
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        return {
-            **super().parameter_ranges(limits),
-            "noise": Range(0.02, 100.0),
-            "attractiveness": Range(0.01, 1.0),
-            "amplitude": Range(*SOURCE_RANGES["amplitude"]),
-            "immigrants": Range(*SOURCE_RANGES["immigrants"]),
-        }
 
     def act(self, observations: NDArray) -> Floats:
         """Return (B, 7) decisions; iteration 0 in an observation begins an episode of that swarm."""
@@ -90,15 +86,10 @@ class Restart(ImmigrantRule):
     patience: int = 10
     improvement: float = 0.001
     observation: str = "extended"
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        return {
-            **super().parameter_ranges(limits),
-            "patience": Range(1, 1000, integer=True),
-            "improvement": Range(0.0, 10.0),
-        }
+    ranges: ClassVar[Mapping[str, Range]] = {
+        "patience": Range(1, 1000, integer=True),
+        "improvement": Range(0.0, 10.0),
+    }
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget best fitness and counts."""
@@ -128,15 +119,10 @@ class Periodic(ImmigrantRule):
     period: int = 10
     phase: int = 10
     observation: str = "paper"
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        return {
-            **super().parameter_ranges(limits),
-            "period": Range(1, 1000, integer=True),
-            "phase": Range(0, 1000, integer=True),
-        }
+    ranges: ClassVar[Mapping[str, Range]] = {
+        "period": Range(1, 1000, integer=True),
+        "phase": Range(0, 1000, integer=True),
+    }
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the rule has no memory."""
@@ -162,16 +148,11 @@ class Reaction(ImmigrantRule):
     duration: int = 3
     hypermutation: float = 1.0
     observation: str = "jumps"
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        return {
-            **super().parameter_ranges(limits),
-            "jump": Range(0.0, 8.0),
-            "duration": Range(1, 1000, integer=True),
-            "hypermutation": Range(1.0, 1000.0),
-        }
+    ranges: ClassVar[Mapping[str, Range]] = {
+        "jump": Range(0.0, 8.0),
+        "duration": Range(1, 1000, integer=True),
+        "hypermutation": Range(1.0, 1000.0),
+    }
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget reactions."""
@@ -180,7 +161,7 @@ class Reaction(ImmigrantRule):
     def act(self, observations: NDArray) -> Floats:
         """Return (B, 7) decisions; iteration 0 in an observation begins an episode of that swarm."""
         actions = super().act(observations)
-        highest = self.parameter_ranges(self.limits)["noise"].high
+        highest = ImmigrantRule.ranges["noise"].high
         actions[self._left > 0, NOISE] = min(self.noise * self.hypermutation, highest)
         return actions
 

@@ -1,5 +1,6 @@
 """Base class of hand-made rules: parameters with ranges, their text in names, and PS(0)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar, Self
@@ -21,6 +22,7 @@ class Rule(Controller):
         repair_degree: phi in [0, 1] of every iteration.
         limits: population sizes that the environment allows.
         sizes: names of the parameters that are population sizes.
+        ranges: ranges of the other parameters that the class adds to those of its base class.
 
     Raises:
         SettingError: for a parameter outside its range, see `parameter_ranges`.
@@ -30,6 +32,7 @@ class Rule(Controller):
     repair_degree: float = 0.0
     limits: SizeLimits = field(default_factory=SizeLimits)
     sizes: ClassVar[tuple[str, ...]] = ("start",)
+    ranges: ClassVar[Mapping[str, Range]] = {"repair_degree": Range(0.0, 1.0)}
 
     def __post_init__(self) -> None:
         for name in self.sizes:
@@ -53,9 +56,10 @@ class Rule(Controller):
 
     @classmethod
     def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
+        """Return the range of every parameter by its name, those of base classes first."""
         sizes = {name: Range(limits.smallest, limits.largest, integer=True) for name in cls.sizes}
-        return {**sizes, "repair_degree": Range(0.0, 1.0)}
+        own = [vars(one).get("ranges", {}) for one in reversed(cls.__mro__)]
+        return {**sizes, **{name: span for ranges in own for name, span in ranges.items()}}
 
 
 @cache

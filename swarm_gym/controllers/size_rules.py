@@ -6,13 +6,14 @@ environment's rule, and the share of the iterations done stands for the share of
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Floats, SizeLimits
+from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
 
@@ -83,12 +84,7 @@ class DiversityLadder(SizeRule):
     observation: str = "rich"
     rung: int = 3
     band: float = 0.1
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        own = {"rung": Range(1, 1000, integer=True), "band": Range(0.0, 1.0)}
-        return super().parameter_ranges(limits) | own
+    ranges: ClassVar[Mapping[str, Range]] = {"rung": Range(1, 1000, integer=True), "band": Range(0.0, 1.0)}
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Forget sizes and first diversities."""
@@ -123,16 +119,11 @@ class StatusMonitor(SizeRule):
     patience: int = 3
     improvement: float = 0.001
     step: float = 0.1
-
-    @classmethod
-    def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
-        """Return the range of every parameter by its name."""
-        own = {
-            "patience": Range(1, 1000, integer=True),
-            "improvement": Range(0.0, 10.0),
-            "step": Range(0.0, 1.0),
-        }
-        return super().parameter_ranges(limits) | own
+    ranges: ClassVar[Mapping[str, Range]] = {
+        "patience": Range(1, 1000, integer=True),
+        "improvement": Range(0.0, 10.0),
+        "step": Range(0.0, 1.0),
+    }
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Forget sizes, best fitness and counts."""
