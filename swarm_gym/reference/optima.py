@@ -20,6 +20,26 @@ import swarm_gym.problem
 from swarm_gym.files import digest_of_sources, user_cache, write_atomically
 from swarm_gym.problem import Problem
 
+# Files that come with the package, by the fields whose optima they have.
+FIELD_FILES = {
+    "random_fields.json": (
+        "random-fields:train:0-511",
+        "random-fields:validation:0-63",
+        "random-fields:test:0-599",
+        "random-fields:denser:0-39",
+        "random-fields:larger:0-39",
+        "random-fields:narrow:0-39",
+        "random-fields:large-obstacles:0-39",
+        "random-fields:rotated:0-39",
+    ),
+    "dynamic_fields.json": (
+        "dynamic-fields:train:0-255",
+        "dynamic-fields:validation:0-63",
+        "dynamic-fields:test:0-199",
+        "dynamic-fields:moving:0-99",
+    ),
+}
+
 
 def digest(problem: Problem) -> str:
     """Return a name of a problem that is equal for equal geometry, encoding and weight."""
@@ -30,7 +50,7 @@ def digest(problem: Problem) -> str:
 def packaged_optima() -> dict[str, float]:
     """Return the least fitness of the problems that ship with the package, by digest, in map units."""
     found = {entry["digest"]: entry["fitness"] for entry in packaged("optima.json")}
-    for file in ("random_fields.json", "dynamic_fields.json"):
+    for file in FIELD_FILES:
         found.update((digest, fitness) for digest, fitness, _ in packaged(file).values())
     return found
 

@@ -28,7 +28,7 @@ from swarm_gym.files import write_atomically
 from swarm_gym.problem import AnalyticProblem, Problem
 from swarm_gym.problem.analytic.collision import segment_collision
 from swarm_gym.problem.analytic.table import WaypointTable
-from swarm_gym.reference.optima import digest, known_optimum, store_optimum
+from swarm_gym.reference.optima import FIELD_FILES, digest, known_optimum, store_optimum
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.scenarios import SCENARIOS, make_scenario, make_scenarios, require_analytic, worlds_of
 
@@ -44,24 +44,6 @@ PACKAGED_SCENARIOS = (
     *sorted(SCENARIOS),
     *(f"dynamic:{name}-{event}@1" for event in ("gate", "block") for name in sorted(SCENARIOS)),
 )
-PACKAGED_FIELDS = (
-    "random-fields:train:0-511",
-    "random-fields:validation:0-63",
-    "random-fields:test:0-599",
-    "random-fields:denser:0-39",
-    "random-fields:larger:0-39",
-    "random-fields:narrow:0-39",
-    "random-fields:large-obstacles:0-39",
-    "random-fields:rotated:0-39",
-)
-PACKAGED_CHANGING_FIELDS = (
-    "dynamic-fields:train:0-255",
-    "dynamic-fields:validation:0-63",
-    "dynamic-fields:test:0-199",
-    "dynamic-fields:moving:0-99",
-)
-# Files that come with the package, by the fields whose optima they have.
-FIELD_FILES = {"random_fields.json": PACKAGED_FIELDS, "dynamic_fields.json": PACKAGED_CHANGING_FIELDS}
 
 Progress = Callable[[int, int], None]
 
@@ -199,9 +181,9 @@ def write_field_optima(file: Path, names: Sequence[str], progress: Progress) -> 
     """
     worlds = {}
     for field in (field for name in names for field in make_scenarios(name)):
-        several = len(worlds_of(field)) > 1
-        for world in worlds_of(field):
-            name = f"{field.name}@{world.iteration}" if several else field.name
+        found = worlds_of(field)
+        for world in found:
+            name = f"{field.name}@{world.iteration}" if len(found) > 1 else field.name
             worlds[name] = require_analytic(world.scenario)
     lines = []
     for name, scenario in worlds.items():

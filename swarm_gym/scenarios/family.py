@@ -5,7 +5,7 @@ The scenarios of a family are generated from their names, or read from files.
 
 import re
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
@@ -34,13 +34,21 @@ class Family(NamedTuple):
     make: Callable[[str], AnyScenario]
 
 
-def expand_split(name: str, family: str, sizes: Mapping[str, int], example: str) -> tuple[str, ...]:
+class SizedSplit(Protocol):
+    """A split of a family that has a number of scenarios."""
+
+    @property
+    def size(self) -> int:
+        """Number of scenarios."""
+
+
+def expand_split(name: str, family: str, splits: Mapping[str, SizedSplit], example: str) -> tuple[str, ...]:
     """Return the names of the single scenarios that `<family>:<split>:<number>` or a range of numbers means.
 
     Args:
         name: the name.
         family: name of the family.
-        sizes: number of scenarios in each split.
+        splits: splits by name.
         example: a range, for messages.
 
     Raises:
@@ -50,17 +58,34 @@ def expand_split(name: str, family: str, sizes: Mapping[str, int], example: str)
     parts = name.split(":")
     if len(parts) != 3:
         raise ScenarioError(
-            f"scenario {shown(name)}: expected {family}:<split>:<number>, with a split of {', '.join(sizes)}"
+            f"scenario {shown(name)}: expected {family}:<split>:<number>, with a split of {', '.join(splits)}"
         )
     _, split, numbers = parts
-    size = look_up(f"split of {family}", split, sizes)
-    chosen = parse_numbers(numbers, name)
-    if not chosen or chosen[-1] >= size:
+    size = look_up(f"split of {family}", split, splits).size
+    chosen = numbers_below(size, numbers, name, example, shown(split))
+    return tuple(f"{family}:{split}:{number}" for number in chosen)
+
+
+def numbers_below(size: int, text: str, name: str, example: str, after: str) -> range:
+    """Return the numbers that a text such as `7` or `0-511` stands for, all below a size.
+
+    Args:
+        size: number that all have to be below.
+        text: part of the name that stands for numbers.
+        name: whole name, for messages.
+        example: a range, for messages.
+        after: part of the name that the numbers follow, for messages.
+
+    Raises:
+        ScenarioError: if the text has another form, or a number is too large.
+    """
+    numbers = parse_numbers(text, name)
+    if not numbers or numbers[-1] >= size:
         raise ScenarioError(
             f"scenario {shown(name)}: expected a number from 0 to {size - 1}, or a range of them such as "
-            f"{example}, after {shown(split)}, got {shown(numbers)}"
+            f"{example}, after {after}, got {shown(text)}"
         )
-    return tuple(f"{family}:{split}:{number}" for number in chosen)
+    return numbers
 
 
 def parse_numbers(text: str, name: str) -> range:

@@ -73,7 +73,7 @@ class Scatter:
         if not self.turned:
             return (BORDER, height // 2), (width - BORDER, height // 2)
         # Half-angle formulas: they need no function whose last bit differs between machines.
-        t = _draw(rng, (-100, 100)) / 100
+        t = drawn(rng, (-100, 100)) / 100
         cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
         dx, dy = _round(480 * cosine), _round(480 * sine)
         x, y = width // 2, height // 2
@@ -81,14 +81,14 @@ class Scatter:
 
     def _place(self, line: "_Line", rng: np.random.Generator) -> list["_Block"]:
         """Return as many obstacles as were drawn, or none if there is no place for that many."""
-        kinds = ((True,), (False,), (True, False))[_draw(rng, (0, 2))]
-        count, size = _draw(rng, self.count), _draw(rng, self.size)
+        kinds = ((True,), (False,), (True, False))[drawn(rng, (0, 2))]
+        count, size = drawn(rng, self.count), drawn(rng, self.size)
         blocks: list[_Block] = []
         for _ in range(PLACES):
             # The sum of two uniform numbers puts more obstacles near the line.
-            across = _draw(rng, (-self.reach, self.reach)) + _draw(rng, (-self.reach, self.reach))
-            centre = line.point(_draw(rng, (0, math.floor(line.length))), across / 2)
-            is_circle = kinds[_draw(rng, (0, len(kinds) - 1))]
+            across = drawn(rng, (-self.reach, self.reach)) + drawn(rng, (-self.reach, self.reach))
+            centre = line.point(drawn(rng, (0, math.floor(line.length))), across / 2)
+            is_circle = kinds[drawn(rng, (0, len(kinds) - 1))]
             block = _draw_circle(centre, size, rng) if is_circle else _draw_rectangle(centre, size, rng)
             if self._fits(block, line) and all(block.gap(other) >= self.clearance for other in blocks):
                 blocks.append(block)
@@ -139,12 +139,12 @@ class Walls:
         blocking = 0
         while blocking < self.blocking:
             obstacles, blocking = [], 0
-            count = _draw(rng, self.count)
+            count = drawn(rng, self.count)
             free = math.ceil(FREE_END * (width - 2 * BORDER))
             slot = (width - 2 * BORDER - 2 * free) // count
             for number in range(count):
-                thickness = _draw(rng, self.thickness)
-                x = BORDER + free + number * slot + _draw(rng, (0, slot - self.room - thickness))
+                thickness = drawn(rng, self.thickness)
+                x = BORDER + free + number * slot + drawn(rng, (0, slot - self.room - thickness))
                 gaps = self._draw_gaps(rng)
                 blocking += not any(low < height // 2 < high for low, high in gaps)
                 edges = [-height, *(y for gap in gaps for y in gap), 2 * height]
@@ -162,9 +162,9 @@ class Walls:
     def _draw_gaps(self, rng: np.random.Generator) -> list[Interval]:
         """Return the gaps of a wall, from below; a second gap that overlaps the first is left out."""
         gaps: list[Interval] = []
-        for _ in range(_draw(rng, (1, 2))):
-            low = self.workspace[1] // 2 + _draw(rng, (-self.gap_reach, self.gap_reach))
-            high = low + _draw(rng, self.gap)
+        for _ in range(drawn(rng, (1, 2))):
+            low = self.workspace[1] // 2 + drawn(rng, (-self.gap_reach, self.gap_reach))
+            high = low + drawn(rng, self.gap)
             if all(high < other_low or other_high < low for other_low, other_high in gaps):
                 gaps.append((low, high))
         return sorted(gaps)
@@ -223,17 +223,18 @@ class _Line(NamedTuple):
 
 
 def _draw_circle(centre: tuple[int, int], size: int, rng: np.random.Generator) -> _Block:
-    return _Block(*centre, 0, 0, size * _draw(rng, (70, 140)) // 100)
+    return _Block(*centre, 0, 0, size * drawn(rng, (70, 140)) // 100)
 
 
 def _draw_rectangle(centre: tuple[int, int], size: int, rng: np.random.Generator) -> _Block:
     """Draw a slim rectangle; three of four stand upright."""
-    slim, long = size * _draw(rng, (25, 55)) // 100, size * _draw(rng, (80, 150)) // 100
-    upright = _draw(rng, (0, 3)) > 0
+    slim, long = size * drawn(rng, (25, 55)) // 100, size * drawn(rng, (80, 150)) // 100
+    upright = drawn(rng, (0, 3)) > 0
     return _Block(*centre, slim, long, 0) if upright else _Block(*centre, long, slim, 0)
 
 
-def _draw(rng: np.random.Generator, interval: Interval) -> int:
+def drawn(rng: np.random.Generator, interval: Interval) -> int:
+    """Draw an integer from an interval, both ends included."""
     return int(rng.integers(interval[0], interval[1], endpoint=True))
 
 

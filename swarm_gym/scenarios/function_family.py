@@ -10,7 +10,7 @@ import re
 import numpy as np
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.family import Family, parse_numbers
+from swarm_gym.scenarios.family import Family, numbers_below
 from swarm_gym.scenarios.function_scenario import FUNCTIONS, FunctionScenario, require_dimension
 
 NAME = "function"
@@ -32,12 +32,7 @@ def expand(name: str) -> tuple[str, ...]:
     require_dimension(f"scenario {shown(name)}", function, dimension)
     if numbers is None:
         return (name,)
-    chosen = parse_numbers(numbers, name)
-    if not chosen or chosen[-1] >= NUM_SHIFTED:
-        raise ScenarioError(
-            f"scenario {shown(name)}: expected a number from 0 to {NUM_SHIFTED - 1}, or a range of them such "
-            f"as 0-49, after 'shifted:', got {shown(numbers)}"
-        )
+    chosen = numbers_below(NUM_SHIFTED, numbers, name, "0-49", "'shifted:'")
     return tuple(f"{name.removesuffix(numbers)}{number}" for number in chosen)
 
 

@@ -59,7 +59,7 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such split.
         ScenarioError: if the name has another form, or a number is not in its split.
     """
-    return expand_split(name, NAME, {split: one.size for split, one in SPLITS.items()}, "0-511")
+    return expand_split(name, NAME, SPLITS, "0-511")
 
 
 def make(name: str) -> Scenario:

@@ -9,6 +9,7 @@ import shapely
 from helpers.builders import random_grid_scenario, random_scenario
 from helpers.grids import grid
 from helpers.refusals import refused
+from helpers.shapes import shape
 from oracles import naive_corridors
 from swarm_gym.corridors import (
     MOST_GRID_POSTS,
@@ -41,12 +42,6 @@ def random_case(seed, num_paths=8, num_points=7, num_posts=9):
     paths[:, 0], paths[:, -1] = paths[0, 0], paths[0, -1]
     line = paths[0, -1] - paths[0, 0]
     return paths, Posts(rng.uniform(0.0, 100.0, (num_posts, 2)), line / np.hypot(*line))
-
-
-def shape(obstacle):
-    if isinstance(obstacle, Circle):
-        return shapely.Point(obstacle.x, obstacle.y).buffer(obstacle.radius, quad_segs=4000)
-    return shapely.Polygon(obstacle.vertices)
 
 
 def straight_case(*obstacles):
@@ -163,7 +158,7 @@ def test_obstacles_are_merged_over_others():
 @pytest.mark.parametrize("seed", range(30))
 def test_groups_of_obstacles_are_the_parts_of_their_union(seed):
     obstacles = random_scenario(np.random.default_rng(seed), 3 + seed).obstacles
-    parts = shapely.get_parts(shapely.union_all([shape(obstacle) for obstacle in obstacles]))
+    parts = shapely.get_parts(shapely.union_all([shape(obstacle, quad_segs=4000) for obstacle in obstacles]))
     posts = [shapely.Point(post) for post in obstacle_posts(obstacles)]
     assert [sum(part.contains(post) for post in posts) for part in parts] == [1] * len(parts)
     assert len(posts) == len(parts)

@@ -57,9 +57,18 @@ def covered(points: Floats, obstacle: Obstacle, margin: float) -> NDArray[np.boo
     if isinstance(obstacle, Circle):
         squares = (points - (obstacle.x, obstacle.y)) ** 2
         return squares.sum(axis=-1) <= (obstacle.radius + margin) ** 2
-    corners = np.array(obstacle.vertices)
-    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
-    return ((low <= points) & (points <= high)).all(axis=-1)
+    low, high = corners(obstacle)
+    inside = (low - margin <= points) & (points <= high + margin)
+    return inside[..., 0] & inside[..., 1]
+
+
+def corners(obstacle: Obstacle) -> tuple[Floats, Floats]:
+    """Return the lower and the upper corner, (2,) each, of the box that an obstacle fits in."""
+    if isinstance(obstacle, Circle):
+        centre = np.array([obstacle.x, obstacle.y], dtype=np.float64)
+        return centre - obstacle.radius, centre + obstacle.radius
+    vertices = np.array(obstacle.vertices)
+    return vertices.min(axis=0), vertices.max(axis=0)
 
 
 def _lattice(scenario: Scenario) -> Floats:

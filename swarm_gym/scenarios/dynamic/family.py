@@ -83,11 +83,9 @@ def expand(name: str) -> tuple[str, ...]:
             parts.event,
             look_up("base of dynamic scenarios", parts.base, EVENTS),
         )
-    event = "" if parts.event is None else f"-{parts.event}@"
+    events = [""] if parts.event is None else [f"-{parts.event}@{begin}" for begin in parts.begins]
     return tuple(
-        f"{NAME}:{base}{event}{begin}{parts.drive_part}"
-        for base in expand_name(parts.base)
-        for begin in parts.begins
+        f"{NAME}:{base}{event}{parts.drive_part}" for base in expand_name(parts.base) for event in events
     )
 
 
@@ -100,9 +98,8 @@ def make(name: str) -> DynamicScenario:
     from swarm_gym.scenarios.registry import make_scenario  # which imports this module
 
     parts = _parse(name)
-    (begin,) = parts.begins
     events = () if parts.event is None else EVENTS[parts.base][parts.event]
-    shifted = (replace(one, iteration=one.iteration + int(begin)) for one in events)
+    shifted = (replace(one, iteration=one.iteration + begin) for begin in parts.begins for one in events)
     made: Any = make_scenario(parts.base)  # `DynamicScenario` checks that it has a map
     return DynamicScenario(name, made, tuple(shifted), parts.drive)
 
@@ -113,14 +110,14 @@ class _Parts(NamedTuple):
     Attributes:
         base: name of the scenario of a fixed map.
         event: name of the event, if there is one.
-        begins: iterations that the event follows, as text; one empty text if there is no event.
+        begins: iterations that the event follows; empty if there is no event.
         drive: drives of the robot, if it drives.
         drive_part: part of the name that states the drives.
     """
 
     base: str
     event: str | None
-    begins: tuple[str, ...]
+    begins: range
     drive: Drive | None
     drive_part: str
 
@@ -133,14 +130,14 @@ def _parse(name: str) -> _Parts:
     if match is None:
         raise ScenarioError(usage)
     base, event, when, drive_part, first, every, distance = match.groups()
-    begins = ("",) if when is None else tuple(map(str, parse_numbers(when, name)))
-    if not begins:
+    begins = range(0) if when is None else parse_numbers(when, name)
+    if when is not None and not begins:
         raise ScenarioError(
             f"scenario {shown(name)}: expected a range from the first iteration to the last, such as 20-80, "
             f"got {shown(when)}"
         )
     # At least one of event and drive is there, and none of these numbers is 0.
-    if (event is None and drive_part is None) or "0" in (begins[0], first, every):
+    if (event is None and drive_part is None) or 0 in begins or "0" in (first, every):
         raise ScenarioError(usage)
     drive = None if drive_part is None else Drive(int(first), int(every), float(distance))
     return _Parts(base, event, begins, drive, drive_part or "")

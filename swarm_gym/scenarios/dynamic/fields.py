@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swarm_gym.scenarios.dynamic.corridor import Floats, covered, shortest_way
+from swarm_gym.scenarios.dynamic.corridor import MARGIN, Floats, corners, covered, shortest_way
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Event, Move
 from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
 from swarm_gym.scenarios.family import Family, expand_split
-from swarm_gym.scenarios.field_generators import Scatter
+from swarm_gym.scenarios.field_generators import Scatter, drawn
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
 
 NAME = "dynamic-fields"
@@ -25,11 +25,11 @@ USAGE = f"{NAME}:<split>:<number>"
 
 MOST_EVENTS = 3
 FIRST, LAST = 5, 89  # iterations that events can follow
-REACH = 220  # largest distance between the line from start to target and any point of an obstacle
+REACH = Scatter.reach  # largest distance between the line from start to target and any obstacle
 FREE_END = 60  # space without events after the start and before the target, in map units
 SIZES = (25, 55)  # interval of the radius, or half the height, of an obstacle that appears
 STEPS = (40, 120)  # interval of the distance that an obstacle moves
-CLEARANCE = 6.0  # between the shortest way and an event that does not touch it
+BESIDE = 22.0  # largest distance between the shortest way and an obstacle that it goes along
 TRIALS = 200  # events that are tried before a field is drawn again
 
 Generator = np.random.Generator
@@ -57,7 +57,7 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such split.
         ScenarioError: if the name has another form, or a number is not in its split.
     """
-    return expand_split(name, NAME, {split: one.size for split, one in SPLITS.items()}, "0-255")
+    return expand_split(name, NAME, SPLITS, "0-255")
 
 
 def make(name: str) -> DynamicScenario:
@@ -76,13 +76,13 @@ def _draw_events(
     rng: Generator, field: Scenario, kinds: tuple[Callable[..., Event | None], ...]
 ) -> tuple[Event, ...]:
     """Return one to three events, or none if no way is left or no event of a drawn kind is found."""
-    number = _draw(rng, (1, MOST_EVENTS))
+    number = drawn(rng, (1, MOST_EVENTS))
     times = sorted(rng.choice(np.arange(FIRST, LAST + 1), number, replace=False).tolist())
     obstacles: list[Obstacle | None] = list(field.obstacles)
     way = shortest_way(field, list(field.obstacles))
     events: list[Event] = []
     for iteration in times:
-        kind, touching = kinds[_draw(rng, (0, len(kinds) - 1))], bool(_draw(rng, (0, 1)))
+        kind, touching = kinds[drawn(rng, (0, len(kinds) - 1))], bool(drawn(rng, (0, 1)))
         for _ in range(TRIALS):
             event = None if way is None else kind(rng, iteration, field, obstacles, way, touching)
             changed = list(obstacles)
@@ -107,16 +107,16 @@ def _appear(
     touching: bool,
 ) -> Appear | None:
     """Propose an obstacle on the way, or anywhere but there."""
-    size = _draw(rng, SIZES)
+    size = drawn(rng, SIZES)
     if touching:
-        x, y = (int(part) for part in way[_draw(rng, (0, len(way) - 1))])
-        y += _draw(rng, (-10, 10))
+        x, y = (int(part) for part in way[drawn(rng, (0, len(way) - 1))])
+        y += drawn(rng, (-10, 10))
     else:
-        x = _draw(rng, (int(field.start[0]), int(field.target[0])))
-        y = int(field.start[1]) + _draw(rng, (-REACH, REACH))
-    slim = size * _draw(rng, (25, 55)) // 100
+        x = drawn(rng, (int(field.start[0]), int(field.target[0])))
+        y = int(field.start[1]) + drawn(rng, (-REACH, REACH))
+    slim = size * drawn(rng, (25, 55)) // 100
     shapes = (Circle(x, y, size), Polygon.rectangle(x - slim, y - size, x + slim, y + size))
-    obstacle = shapes[_draw(rng, (0, 1))]
+    obstacle = shapes[drawn(rng, (0, 1))]
     if not _fits(field, obstacle) or _touches(way, obstacle) != touching:
         return None
     return Appear(iteration, obstacle)
@@ -132,7 +132,7 @@ def _vanish(
 ) -> Disappear | None:
     """Propose an obstacle that the way goes along, or one that is far from it."""
     number = _some_number(rng, obstacles)
-    beside = covered(way, obstacles[number], 2.0 * CLEARANCE + 10.0).any()  # type: ignore[arg-type]
+    beside = covered(way, obstacles[number], BESIDE).any()  # type: ignore[arg-type]
     return Disappear(iteration, number) if beside == touching else None
 
 
@@ -145,10 +145,10 @@ def _move(
     touching: bool,
 ) -> Move | None:
     """Propose a place for an obstacle, on the way or off it."""
-    number, step = _some_number(rng, obstacles), _draw(rng, STEPS)
+    number, step = _some_number(rng, obstacles), drawn(rng, STEPS)
     # Of a step, from 0 to 3 quarters go along the line, the rest across.
-    along = step * _draw(rng, (0, 3)) // 4
-    by = (along * (1 - 2 * _draw(rng, (0, 1))), (step - along) * (1 - 2 * _draw(rng, (0, 1))))
+    along = step * drawn(rng, (0, 3)) // 4
+    by = (along * (1 - 2 * drawn(rng, (0, 1))), (step - along) * (1 - 2 * drawn(rng, (0, 1))))
     moved = obstacles[number].moved(by)  # type: ignore[union-attr]
     if not _fits(field, moved) or _touches(way, moved) != touching:
         return None
@@ -167,16 +167,12 @@ SPLITS = {
 
 def _some_number(rng: Generator, obstacles: list[Obstacle | None]) -> int:
     present = [number for number, obstacle in enumerate(obstacles) if obstacle is not None]
-    return present[_draw(rng, (0, len(present) - 1))]
+    return present[drawn(rng, (0, len(present) - 1))]
 
 
 def _fits(field: Scenario, obstacle: Obstacle) -> bool:
     """Return whether an obstacle keeps away from start, target and the sides of the workspace."""
-    if isinstance(obstacle, Circle):
-        low_x, high_x = obstacle.x - obstacle.radius, obstacle.x + obstacle.radius
-        low_y, high_y = obstacle.y - obstacle.radius, obstacle.y + obstacle.radius
-    else:
-        (low_x, low_y), (high_x, high_y) = (of(obstacle.vertices, axis=0) for of in (np.min, np.max))
+    (low_x, low_y), (high_x, high_y) = corners(obstacle)
     line = field.start[1]
     return bool(
         field.start[0] + FREE_END <= low_x
@@ -187,11 +183,8 @@ def _fits(field: Scenario, obstacle: Obstacle) -> bool:
 
 
 def _touches(way: Floats, obstacle: Obstacle) -> bool:
-    return bool(covered(way, obstacle, CLEARANCE).any())
-
-
-def _draw(rng: Generator, interval: tuple[int, int]) -> int:
-    return int(rng.integers(interval[0], interval[1], endpoint=True))
+    """Return whether an obstacle closes a way on its lattice."""
+    return bool(covered(way, obstacle, MARGIN).any())
 
 
 FAMILY = Family(USAGE, tuple(f"{NAME}:{split}:0" for split in SPLITS), expand, make)

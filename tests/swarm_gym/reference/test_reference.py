@@ -19,12 +19,9 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
-from swarm_gym.reference.optima import digest, packaged, store_optimum
+from swarm_gym.reference.optima import FIELD_FILES, digest, packaged, store_optimum
 from swarm_gym.reference.visibility import SAMPLING_ANGLE
 from swarm_gym.reference.waypoint_optimum import (
-    FIELD_FILES,
-    PACKAGED_CHANGING_FIELDS,
-    PACKAGED_FIELDS,
     PACKAGED_SCENARIOS,
     best_path,
     main,
@@ -282,7 +279,7 @@ def test_the_packaged_optima_are_what_is_computed_for_every_registered_scenario(
 
 def test_optima_of_all_worlds_of_changing_fields_ship_and_are_known():
     worlds = packaged("dynamic_fields.json")
-    fields = list(itertools.chain.from_iterable(map(expand_name, PACKAGED_CHANGING_FIELDS)))
+    fields = list(itertools.chain.from_iterable(map(expand_name, FIELD_FILES["dynamic_fields.json"])))
     assert list(dict.fromkeys(name.rpartition("@")[0] for name in worlds)) == fields
     for field in fields[::60]:
         for world in make_scenario(field).worlds:
@@ -293,7 +290,9 @@ def test_optima_of_all_worlds_of_changing_fields_ship_and_are_known():
 
 def test_optima_of_fields_ship_under_their_names_and_are_known():
     fields = packaged("random_fields.json")
-    assert tuple(fields) == tuple(itertools.chain.from_iterable(map(expand_name, PACKAGED_FIELDS)))
+    assert tuple(fields) == tuple(
+        itertools.chain.from_iterable(map(expand_name, FIELD_FILES["random_fields.json"]))
+    )
     for name in list(fields)[::50]:
         problem = AnalyticProblem(make_scenario(name))
         assert fields[name][0] == digest(problem)

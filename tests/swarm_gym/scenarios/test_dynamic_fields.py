@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from helpers.refusals import refused
+from helpers.shapes import shape
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import Circle, expand_name, make_scenario, make_scenarios
@@ -24,12 +25,6 @@ NUMBER = 40
 @cache
 def fields(split, number=NUMBER):
     return make_scenarios(f"dynamic-fields:{split}:0-{number - 1}")
-
-
-def shape(obstacle):
-    if isinstance(obstacle, Circle):
-        return shapely.Point(obstacle.x, obstacle.y).buffer(obstacle.radius, quad_segs=32)
-    return shapely.Polygon(obstacle.vertices)
 
 
 def changes(field):

@@ -196,10 +196,10 @@ def test_copies_of_a_map_are_equal_and_read_only(duplicate):
 
 @pytest.mark.parametrize(
     "blocked",
-    [np.zeros((3, 3)), np.zeros(4, bool), np.zeros((0, 4), bool), [[0, 2]], None, np.zeros((2, 2, 2), bool)],
+    [np.zeros((3, 3)), np.zeros(4, bool), np.zeros((0, 4), bool), None, np.zeros((2, 2, 2), bool)],
 )
 def test_cells_that_are_no_bools_in_rows_are_refused(blocked):
-    refused(lambda: GridMap("made", blocked), "'made'", "blocked")
+    refused(lambda: GridMap("made", blocked), "'made'", "blocked", "bool")
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.int8, np.int64, np.uint64])

@@ -12,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helpers.refusals import refused
+from helpers.shapes import shape
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import Circle, expand_name, make_scenario, make_scenarios
+from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.random_fields import SPLITS
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -28,12 +29,6 @@ SCATTERED = sorted(set(SPLITS) - {"narrow"})
 @cache
 def fields(split, number=FIELDS_PER_SPLIT):
     return make_scenarios(f"random-fields:{split}:0-{number - 1}")
-
-
-def shape(obstacle):
-    if isinstance(obstacle, Circle):
-        return shapely.Point(obstacle.x, obstacle.y).buffer(obstacle.radius, quad_segs=32)
-    return shapely.Polygon(obstacle.vertices)
 
 
 def blocking(field):
