@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 RECENT = 5  # number of iterations over which recent progress is measured, and newcomers are watched
 NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
 _BEST = HISTORY.index("best_fitness")
+_COLLISION = HISTORY.index("population_collision")
 
 
 @dataclass(frozen=True)
@@ -135,17 +136,16 @@ def _log_corridors(simulation: Simulation) -> Floats:
 
 
 def _last_rise(simulation: Simulation) -> tuple[NDArray[np.int64], Floats]:
-    """Return (B,) the iteration after which the best fitness last rose, and log(best after it / before it).
+    """Return (B,) the iteration after which the best fitness last rose, and the best after it / before it.
 
-    The best fitness so far rises by events on the map only. Without a rise, both are 0.
+    The best fitness so far rises by events on the map only. Without a rise these are 0 and 1.
     """
     best = simulation.history[:, :, _BEST]
     rows, last = np.arange(len(best)), best.shape[1] - 1
     rose = best[:, 1:] > best[:, :-1] * (1.0 + 1e-9)  # False where nothing is recorded yet
     when = np.where(rose.any(axis=1), last - np.argmax(rose[:, ::-1], axis=1), 0)
     before, after = best[rows, np.maximum(when - 1, 0)], best[rows, when]
-    ratio = np.divide(after, before, out=np.ones(len(best)), where=when > 0)
-    return when, np.log(ratio)
+    return when, np.divide(after, before, out=np.ones(len(best)), where=when > 0)
 
 
 def _log_since_rise(simulation: Simulation) -> Floats:
@@ -153,12 +153,20 @@ def _log_since_rise(simulation: Simulation) -> Floats:
     return np.log1p(simulation.iteration - when) / np.log1p(simulation.settings.iterations)
 
 
+def _log_rise(simulation: Simulation) -> Floats:
+    _, ratio = _last_rise(simulation)
+    return np.log(ratio)
+
+
+def _log_collision_ratio(simulation: Simulation, iteration: NDArray[np.int64] | int) -> Floats:
+    """Return (B,) log((1 + E(P)) / (1 + E(P) after that iteration)) / 8; nan before the first reset."""
+    before = simulation.history[np.arange(simulation.num_swarms), iteration, _COLLISION]
+    return np.log((1.0 + simulation.swarms.summary[:, POPULATION_COLLISION]) / (1.0 + before)) / 8.0
+
+
 def _log_jump(simulation: Simulation) -> Floats:
-    """Return (B,) log((1 + E(P)) / (1 + E(P) one iteration before)) / 8; 0 before the first iteration."""
-    rows = np.arange(simulation.num_swarms)
-    before = simulation.history[rows, np.maximum(simulation.iteration - 1, 0), 0]
-    now = simulation.swarms.summary[:, POPULATION_COLLISION]
-    return np.where(np.isfinite(before), np.log((1.0 + now) / (1.0 + before)) / 8.0, 0.0)
+    """Return (B,) the log ratio of E(P) to that one iteration before; 0 before the first iteration."""
+    return np.nan_to_num(_log_collision_ratio(simulation, np.maximum(simulation.iteration - 1, 0)))
 
 
 def _log_since_event(simulation: Simulation) -> Floats:
@@ -202,9 +210,7 @@ EXTENDED = (
     Feature("log(best fitness / lower bound)", _log_relative_fitness, lambda _: 4.0),
     Feature(
         "log(E(P) / first E(P)) / 8",
-        lambda s: (
-            np.log((1.0 + s.swarms.summary[:, POPULATION_COLLISION]) / (1.0 + s.history[:, 0, 0])) / 8.0
-        ),
+        lambda s: _log_collision_ratio(s, 0),
         _one,
         low=-1.0,
     ),
@@ -267,7 +273,7 @@ JUMPS = (
         _log_since_rise,
         _one,
     ),
-    Feature("log(best fitness / that before it last rose)", lambda s: _last_rise(s)[1], lambda _: 4.0),
+    Feature("log(best fitness / that before it last rose)", _log_rise, lambda _: 4.0),
 )
 TOLD = (
     *SCALED,

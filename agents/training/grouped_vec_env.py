@@ -31,8 +31,8 @@ class GroupedVecEnv(SB3VecEnv):
         decide: function from the policy's observations to its actions in the common iterations; None lets
             the base decide alone.
         at_events: whether, in half of the rollouts, the swarms of a group go on from the state of their first
-            one after every event on the map. What they did before it then counts for its cost alone, and the
-            luck of that state is common to the group.
+            one after every event on the map. The luck of that state is then common to the group; each swarm
+            keeps the rewards of what it did before.
 
     Attributes:
         first: the iteration at which the episodes under way began to differ.
@@ -52,6 +52,7 @@ class GroupedVecEnv(SB3VecEnv):
     ):
         super().__init__(env, base)
         self._episodes = np.arange(env.num_envs) // group_size
+        self._leaders = self._episodes * group_size  # the first swarm of each swarm's group
         self._firsts = firsts
         self._decide = decide
         self._at_events = at_events
@@ -112,8 +113,7 @@ class GroupedVecEnv(SB3VecEnv):
         if not changed.any():
             return observations
         own = np.arange(self.num_envs)
-        firsts = np.unique(self._episodes, return_index=True)[1][self._episodes]
-        return inner.copy_swarms(np.where(changed, firsts, own))
+        return inner.copy_swarms(np.where(changed, self._leaders, own))
 
     def _act(self, observations: NDArray) -> NDArray:
         """Return the actions of a policy without noise."""

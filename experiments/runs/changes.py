@@ -4,12 +4,14 @@ The row of an iteration in a run's trace shows the swarm after the events that f
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from experiments.runs.run import Floats, Run
+from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import Settings
 
@@ -26,6 +28,7 @@ class Changes(NamedTuple):
     optima: Floats
 
     @classmethod
+    @cache
     def of(cls, scenario: str) -> "Changes":
         """Return the changes of the scenario of a name, in the default encoding."""
         settings = Settings(scenario=scenario)
@@ -49,20 +52,29 @@ def offline_errors(runs: Sequence[Run], scenario: str) -> Floats:
     """Return the mean gap of each run from the first event on, (runs,), as the reward `offline-error` has it.
 
     Without events the mean is over all iterations.
+
+    Raises:
+        ScenarioError: if the optimum of one of the maps is unknown.
     """
     changes = Changes.of(scenario)
+    if np.isnan(changes.optima).any():
+        raise ScenarioError(f"the offline error of {scenario!r} needs the optimum after each of its events")
     first = int(changes.events[0]) if changes.events.size else 1
     return changes.gaps(runs)[:, first:].mean(axis=1)
 
 
-def iterations_to_feasible(runs: Sequence[Run], event: int, tolerance: float) -> Floats:
+def best_collisions(runs: Sequence[Run]) -> Floats:
+    """Return the degree of collision of the best path of runs of one length, (runs, rows), in map units."""
+    return np.array([run.course("best_collision") for run in runs])
+
+
+def iterations_to_feasible(collisions: Floats, event: int, tolerance: float) -> Floats:
     """Return the iterations from an event to the next feasible best path, (runs,); infinite without one.
 
     Args:
-        runs: runs of one length.
+        collisions: (runs, rows) degrees of collision, see `best_collisions`.
         event: iteration that the event follows.
         tolerance: degree of collision up to which a path counts as feasible, in map units.
     """
-    collision = np.array([run.course("best_collision") for run in runs])[:, event:]
-    feasible = collision <= tolerance
+    feasible = collisions[:, event:] <= tolerance
     return np.where(feasible.any(axis=1), feasible.argmax(axis=1), np.inf)

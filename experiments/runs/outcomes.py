@@ -68,7 +68,11 @@ class Sample:
 
     def objective(self, price: float) -> Floats:
         """Return gap in per cent plus price times evaluations / 100,000 of every run, shaped like `gap`."""
-        return 100.0 * self.gap + price * self.evaluations / 100_000.0
+        return 100.0 * self.gap + self.cost(price)
+
+    def cost(self, price: float) -> Floats:
+        """Return the price times evaluations / 100,000 of every run, shaped like `evaluations`."""
+        return price * self.evaluations / 100_000.0
 
     def draws(self, stream: int = 0) -> Draws:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""

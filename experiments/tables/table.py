@@ -69,8 +69,7 @@ class Table:
         """Return the table in GitHub's Markdown, with the caption above."""
         lines = [self.columns, tuple("---" for _ in self.columns), *self.rows]
         body = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
-        caption = textwrap.fill(f"**{self.caption}**", LINE, break_long_words=False, break_on_hyphens=False)
-        return f"{caption}\n\n{body}\n"
+        return f"{wrapped(f'**{self.caption}**')}\n\n{body}\n"
 
     def latex(self) -> str:
         """Return a `table` environment with booktabs rules."""
@@ -117,6 +116,11 @@ class Table:
         )
         facts = {name: getattr(self, name) for name in ("name", "caption", "scenario", "columns")}
         return f'{json.dumps(facts, ensure_ascii=False)[:-1]}, "rows": [\n{rows}\n]}}\n'
+
+
+def wrapped(text: str) -> str:
+    """Return a paragraph of Markdown in lines of at most `LINE` characters."""
+    return textwrap.fill(text, LINE, break_long_words=False, break_on_hyphens=False)
 
 
 def text_columns(table: Table) -> list[bool]:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from experiments.runs.changes import Changes, iterations_to_feasible
+from experiments.runs.changes import Changes, best_collisions, iterations_to_feasible
 from experiments.runs.labels import label
 from experiments.runs.measures import MEASURES
-from experiments.runs.outcomes import Outcomes
+from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, means
 from experiments.tables.cell import Entry, number, number_in, share
@@ -39,7 +39,6 @@ def over_time_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: 
         values = {group: objective(sample, PRICE) for group, sample in samples.items()}
         for group in sorted(samples, key=lambda name: float(values[name].mean())):
             sample = samples[group]
-            scenarios = sample.scenarios
             resampled = means(values[group], sample.draws())
             rows.append(
                 (
@@ -50,21 +49,23 @@ def over_time_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: 
                     number(100.0 * sample.find_offline_error().mean(), ".3f"),
                     number(100.0 * sample.gap.mean(), ".3f"),
                     number(sample.evaluations.mean(), ",.0f"),
-                    *(
-                        share(_soon(outcomes, group, scenarios, tolerance))
-                        for tolerance in (FEASIBILITY_TOLERANCE, GRAZING)
-                    ),
+                    *map(share, _soon(outcomes, group, sample.scenarios)),
                 )
             )
     return [Table("over-time", CAPTION, COLUMNS, rows)]
 
 
-def _soon(outcomes: Outcomes, group: str, scenarios: tuple[str, ...], tolerance: float) -> float:
-    """Return the share of events, over all runs of a group, that a feasible path follows soon."""
-    found = [
-        iterations_to_feasible(outcomes.runs(controller, scenario), event, tolerance) <= SOON
-        for controller in outcomes.groups[group]
-        for scenario in scenarios
-        for event in Changes.of(scenario).events
-    ]
-    return float(np.concatenate(found).mean()) if found else np.nan
+def _soon(outcomes: Outcomes, group: str, scenarios: tuple[str, ...]) -> tuple[float, float]:
+    """Return the shares of events, over all runs of a group, with a feasible and with a grazing path soon."""
+    found: list[list[Floats]] = []
+    for controller in outcomes.groups[group]:
+        for scenario in scenarios:
+            collisions = best_collisions(outcomes.runs(controller, scenario))
+            found += [
+                [iterations_to_feasible(collisions, event, t) for t in (FEASIBILITY_TOLERANCE, GRAZING)]
+                for event in Changes.of(scenario).events
+            ]
+    if not found:
+        return np.nan, np.nan
+    feasible, grazing = (np.concatenate(at) <= SOON for at in zip(*found, strict=True))
+    return float(feasible.mean()), float(grazing.mean())

@@ -2,12 +2,11 @@
 
 from experiments.runs.labels import label
 from experiments.runs.measures import MEASURES
-from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, means
 from experiments.studies.dynamic.over_time import PRICE
 from experiments.tables.cell import Entry, number, share_in
-from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Table
 
 TOLD = "told the times of events"  # name of the family that is the upper bound
@@ -25,41 +24,37 @@ def seeing_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     blind = [group for family in suite.families if family.blind for group in family.groups]
     if not set(told) & set(outcomes.groups) or not set(blind) & set(outcomes.groups):
         return []
+    objective = MEASURES["offline objective"].of
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
-        found = {group: _objective(outcomes, group, scenario_set, 0) for group in outcomes.groups}
-        worst = _best(blind, found)
-        bound = _best(told, found)
-        rows.append((scenario_set, label(worst), number(found[worst][0], ".3f"), "0 %"))
+        samples = {group: outcomes.sample(group, scenario_set) for group in outcomes.groups}
+        found = {group: float(objective(sample, PRICE).mean()) for group, sample in samples.items()}
+        rival, bound = (
+            min((group for group in groups if group in found), key=found.__getitem__)
+            for groups in (blind, told)
+        )
+        rows.append((scenario_set, label(rival), number(found[rival], ".3f"), "0 %"))
         others = [group for group in found if group not in blind]
-        for group in sorted(others, key=lambda name: found[name][0], reverse=True):
+        for group in sorted(others, key=found.__getitem__, reverse=True):
             rows.append(
                 (
                     scenario_set,
                     label(group),
-                    number(found[group][0], ".3f"),
-                    "100 %" if group == bound else _share(outcomes, scenario_set, group, worst, bound),
+                    number(found[group], ".3f"),
+                    "100 %" if group == bound else _share(samples[group], samples[rival], samples[bound]),
                 )
             )
     return [Table("seeing", CAPTION, COLUMNS, rows)]
 
 
-def _best(groups: list[str], found: dict[str, tuple[float, Floats]]) -> str:
-    return min((group for group in groups if group in found), key=lambda name: found[name][0])
-
-
-def _objective(outcomes: Outcomes, group: str, scenario_set: str, stream: int) -> tuple[float, Floats]:
-    """Return the mean offline objective of a group, and those of resamples."""
-    sample = outcomes.sample(group, scenario_set)
-    values = MEASURES["offline objective"].of(sample, PRICE)
-    return float(values.mean()), means(values, sample.draws(stream))
-
-
-def _share(outcomes: Outcomes, scenario_set: str, group: str, blind: str, told: str) -> Entry:
-    """Return what a group gains over the blind one, as a share of what the told one gains."""
-    (mine, my_draws), (theirs, their_draws), (bound, bound_draws) = (
-        _objective(outcomes, name, scenario_set, stream)
-        for stream, name in enumerate((group, blind, told), start=RIVAL_STREAM - 1)
-    )
-    resampled = (their_draws - my_draws) / (their_draws - bound_draws)
-    return share_in((theirs - mine) / (theirs - bound), interval(resampled), ".0f")
+def _share(*samples: Sample) -> Entry:
+    """Return what a group gains over the blind one, as a share of what the told one gains; in this order."""
+    values = [MEASURES["offline objective"].of(sample, PRICE) for sample in samples]
+    mine, blind, told = (each.mean() for each in values)
+    # One stream of draws for each, since their training seeds are different ones.
+    drawn = [
+        means(each, sample.draws(stream))
+        for stream, (each, sample) in enumerate(zip(values, samples, strict=True))
+    ]
+    resampled = (drawn[1] - drawn[0]) / (drawn[1] - drawn[2])
+    return share_in((blind - mine) / (blind - told), interval(resampled), ".0f")

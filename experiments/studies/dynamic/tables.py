@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.runs.changes import best_collisions, iterations_to_feasible
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
@@ -42,18 +43,18 @@ class Recovery:
 
         A path is feasible if its degree of collision is at most the tolerance, in map units.
         """
-        collision = np.array([run.course("best_collision") for run in runs])
+        collisions = best_collisions(runs)
         spent = np.array([run.course("evaluations") for run in runs])
-        feasible = collision <= tolerance
         # The row of an iteration in the trace shows the event that follows this iteration.
-        before, after = feasible[:, event - 1], feasible[:, event:]
-        first = np.where(after.any(axis=1), after.argmax(axis=1), -1)
-        rows = np.arange(len(runs))
+        before, after = collisions[:, event - 1], collisions[:, event]
+        iterations = iterations_to_feasible(collisions, event, tolerance)
+        found = np.isfinite(iterations)
+        then = event + np.where(found, iterations, 0).astype(int)
         return cls(
-            before.astype(np.float64),
-            after[:, 0].astype(np.float64),
-            np.where(first < 0, np.inf, first),
-            np.where(first < 0, np.inf, spent[rows, event + first] - spent[:, event]),
+            (before <= tolerance).astype(np.float64),
+            (after <= tolerance).astype(np.float64),
+            iterations,
+            np.where(found, spent[np.arange(len(runs)), then] - spent[:, event], np.inf),
         )
 
 

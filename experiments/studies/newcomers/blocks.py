@@ -25,6 +25,7 @@ from experiments.tables.blocks import (
     whole,
 )
 from experiments.tables.document import Block, ResultsFolder
+from experiments.tables.table import wrapped
 
 FIGURES = "results/newcomers"  # seen from the document
 GAP_COLUMNS = (
@@ -54,13 +55,13 @@ def _bends_made_with(results: ResultsFolder) -> str:
 def _gaps(suite: str, results: ResultsFolder) -> str:
     """Return quality and cost by set of scenarios, below the caption of the whole table."""
     caption = results.table(f"{suite}/gaps").caption
-    return f"{caption}.\n\n{gaps(suite, results, GAP_COLUMNS)}"
+    return f"{wrapped(caption)}.\n\n{gaps(suite, results, GAP_COLUMNS)}"
 
 
 def _by_set(suite: str, name: str, results: ResultsFolder) -> str:
     """Return a table by set of scenarios, below the caption of the whole table."""
     table = results.table(f"{suite}/{name}")
-    return f"{table.caption}.\n\n{by_set(table)}"
+    return f"{wrapped(table.caption)}.\n\n{by_set(table)}"
 
 
 def _decisions(results: ResultsFolder) -> str:
