@@ -20,6 +20,9 @@ from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
+# Entries of info that a swarm does not always have.
+SOMETIMES = ("optimality_gap", "feasible_path", "feasible_fitness")
+
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 
@@ -120,8 +123,8 @@ class SwarmBatch:
     def info(self) -> dict[str, NDArray]:
         """Return infos on all swarms: new arrays whose first axis has length B.
 
-        `robot`, (B, 2), and `driven`, (B,), are there if robots drive. `optimality_gap` is NaN where the
-        optimum is unknown or the episode goes on.
+        `robot`, (B, 2), and `driven`, (B,), are there if robots drive. Entries in `SOMETIMES` are NaN for
+        swarms that do not have them: `optimality_gap` where the optimum is unknown or the episode goes on.
         """
         simulation, swarms = self.simulation, self.simulation.swarms
         rows = np.arange(simulation.num_swarms)
@@ -130,7 +133,9 @@ class SwarmBatch:
         return {
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
-            "best_path": simulation.best_paths(),
+            "best_path": simulation.paths.best(),
+            "feasible_fitness": simulation.paths.feasible_fitness(),
+            "feasible_path": simulation.paths.feasible(),
             "evaluations": swarms.evaluations.copy(),
             "population_size": swarms.size.copy(),
             "feasible_share": swarms.summary[:, FEASIBLE_SHARE].copy(),
@@ -139,6 +144,11 @@ class SwarmBatch:
             **where,
             "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
         }
+
+
+def is_there(values: NDArray) -> NDArray[np.bool_]:
+    """Return (B,) which swarms have an entry in `SOMETIMES`, by its values of all swarms."""
+    return ~np.isnan(values.reshape(len(values), -1)[:, 0])
 
 
 def episode_seed(generator: np.random.Generator) -> np.random.SeedSequence:

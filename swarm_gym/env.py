@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.batch import SwarmBatch
+from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed, require_integer
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
@@ -66,6 +66,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `best_fitness` | best fitness so far; smaller is better |
     | `best_collision` | degree of collision of the best path so far, map units |
     | `best_path` | best path so far, (k, 2), map units |
+    | `feasible_path` | if there is one: best feasible path since the map last changed, (k, 2), map units |
+    | `feasible_fitness` | its fitness |
     | `evaluations` | evaluations in this episode |
     | `population_size` | size of the population |
     | `feasible_share` | fraction of the members that do not collide |
@@ -192,9 +194,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     def _info(self) -> dict[str, Any]:
         info = {name: values[0] for name, values in self._batch.info().items()}
-        if np.isnan(info["optimality_gap"]):
-            del info["optimality_gap"]
-        return info
+        absent = [name for name in SOMETIMES if not is_there(info[name][None])[0]]
+        return {name: value for name, value in info.items() if name not in absent}
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy opens its own window.

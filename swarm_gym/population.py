@@ -42,6 +42,8 @@ class Swarms(NamedTuple):
     best_position: Floats  # (B, C) best so far; never lost by a resize
     best_fitness: Floats  # (B,)
     best_collision: Floats  # (B,)
+    feasible_position: Floats  # (B, C) best of the feasible positions so far; members may all collide
+    feasible_fitness: Floats  # (B,) infinite if there was none since the map last changed
     evaluations: Integers  # (B,) calls of the cost function in this episode
     budget: Integers  # (B,) evaluations allowed in this episode
     summary: Floats  # (B, 5) E(P), mean and standard deviation of the collision, feasible share, diversity
@@ -82,6 +84,8 @@ class Swarms(NamedTuple):
             best_position=np.zeros((num_swarms, columns(dimension))),
             best_fitness=np.full(num_swarms, np.inf),
             best_collision=np.full(num_swarms, np.inf),
+            feasible_position=np.zeros((num_swarms, columns(dimension))),
+            feasible_fitness=np.full(num_swarms, np.inf),
             evaluations=np.zeros(num_swarms, dtype=np.int64),
             budget=np.zeros(num_swarms, dtype=np.int64),
             summary=np.zeros((num_swarms, NUM_SUMMARIES)),
@@ -134,7 +138,7 @@ def copy_position(position: Floats, other: Floats) -> None:
 
 @kernel(inline="early")
 def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tuple[float, float]:
-    """Return fitness and collision of `work.path`; count the evaluation and update the best so far."""
+    """Return fitness and collision of `work.path`; count the evaluation and update the best paths so far."""
     fitness, collision = evaluate(table, work.path)
     swarms.evaluations[b] += 1
     if fitness < swarms.best_fitness[b]:
@@ -142,6 +146,10 @@ def evaluate_path(swarms: Swarms, b: int, table: Table, work: Workspace) -> tupl
         swarms.best_collision[b] = collision
         for k in range(swarms.best_position.shape[1]):
             swarms.best_position[b, k] = work.path[k + 1]
+    if collision <= FEASIBILITY_TOLERANCE and fitness < swarms.feasible_fitness[b]:
+        swarms.feasible_fitness[b] = fitness
+        for k in range(swarms.best_position.shape[1]):
+            swarms.feasible_position[b, k] = work.path[k + 1]
     return fitness, collision
 
 
@@ -189,12 +197,11 @@ def adopt_members(swarms: Swarms, b: int, table: Table, work: Workspace, count: 
 
 @kernel
 def re_evaluate_members(swarms: Swarms, b: int, table: Table, work: Workspace) -> None:
-    """Evaluate the members of swarm `b` anew, in order; the best so far is the best of them afterwards.
+    """Evaluate the members of swarm `b` anew, in order; the best so far are the best of them afterwards.
 
     Members for which the budget does not suffice are deleted.
     """
-    swarms.best_fitness[b] = math.inf
-    swarms.best_collision[b] = math.inf
+    forget_best(swarms, b)
     left = swarms.budget[b] - swarms.evaluations[b]
     adopt_members(swarms, b, table, work, min(swarms.size[b], left))
 
@@ -215,8 +222,15 @@ def clear(swarms: Swarms, b: int) -> None:
     """Let swarm `b` have no members, evaluations or best path."""
     swarms.size[b] = 0
     swarms.evaluations[b] = 0
+    forget_best(swarms, b)
+
+
+@kernel
+def forget_best(swarms: Swarms, b: int) -> None:
+    """Let swarm `b` have no best path, and no feasible one."""
     swarms.best_fitness[b] = math.inf
     swarms.best_collision[b] = math.inf
+    swarms.feasible_fitness[b] = math.inf
 
 
 @kernel(inline="early")

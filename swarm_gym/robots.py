@@ -122,10 +122,10 @@ class Robots:
                 self._give(row, problems[number], int(self._world[row]))
 
     def _free_piece(self, row: int, problem: MapProblem, distance: float) -> tuple[Floats, bool] | None:
-        """Return the piece of the best path so far to drive, see `piece_of`; None if it is not free.
+        """Return the piece of the best path so far to drive, see `piece_of`; None if no such piece is free.
 
         Best paths have the best fitness and often graze obstacles by less than a map unit. A path that is not
-        free is therefore repaired once.
+        free is therefore repaired once; if that does not suffice, the best feasible path stands in for it.
         """
         for path in self._paths(row, problem):
             piece, arrives = piece_of(path, distance)
@@ -140,6 +140,8 @@ class Robots:
         best = self._swarms.best_position[row, : problem.dimension]
         yield problem.points(best)
         yield problem.points(problem.repaired(best, 1.0))
+        if self._swarms.feasible_fitness[row] < np.inf:
+            yield problem.points(self._swarms.feasible_position[row, : problem.dimension])
 
     def _cut_walk(self, row: int, driven: Floats, there: WalkProblem) -> None:
         """Let the best walk so far begin at the robot's position; its next point lies in another cell."""

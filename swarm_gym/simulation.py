@@ -1,13 +1,13 @@
 """Episodes of an optimizer: many swarms at once, on one or several problems."""
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.compiler.random_stream import seed_stream
@@ -33,6 +33,7 @@ HISTORY = (
     "best_fitness",
     "evaluations",
     "best_collision",
+    "feasible_fitness",
 )
 
 
@@ -57,6 +58,7 @@ class Simulation:
         robots: robots that drive during planning; None if no robot does.
         dimension: length of a decision vector.
         swarms: state that the kernels work on.
+        paths: the best paths so far, as points on the map.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
         columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters, and
@@ -100,6 +102,7 @@ class Simulation:
             optimizer.walk_points(self.worlds.tables, settings.iterations),
             arrival_window,
         )
+        self.paths = BestPaths(self.swarms, self.worlds)
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
         self.sources = np.tile(settings.new_members.decisions, (num_swarms, 1))
         self.swarms.iterations[:] = settings.iterations
@@ -264,34 +267,6 @@ class Simulation:
         """
         return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
 
-    def best_paths(self) -> Floats:
-        """Return (B, k, 2) best paths so far in map coordinates; for test functions, see `Problem.points`.
-
-        A walk that has reached the target stays there.
-        """
-        if self.swarms.walk.shape[1] > 0:
-            return self._best_walks()
-        vectors, numbers = self.swarms.best_position[:, : self.dimension], self.swarms.problem
-        return self.worlds.points(vectors, numbers)
-
-    def best_path(self, row: int) -> Floats:
-        """Return (k, 2) the best path so far of a swarm; a walk ends when it has reached the target."""
-        if self.swarms.walk.shape[1] > 0:
-            return self.swarms.best_path(row, self._targets[self.swarms.problem[row]])
-        return self.problem_of(row).points(self.best_position(row))
-
-    def _best_walks(self) -> Floats:
-        num_points = self.swarms.walk.shape[1]
-        paths = np.repeat(self._targets[self.swarms.problem][:, None], num_points + 1, axis=1)
-        walked = np.arange(num_points) < self.swarms.best_walk[:, None]
-        paths[:, :-1][walked] = self.swarms.walk[walked]
-        return paths
-
-    @cached_property
-    def _targets(self) -> Floats:
-        """(number of problems, 2) targets of walks."""
-        return np.array([problem.points(np.zeros(2))[-1] for problem in self.problems])
-
     def positions(self, row: int) -> Floats:
         """Return the positions of the living members of a swarm, (size, dimension), a view."""
         return self.swarms.positions[row, : self.swarms.size[row], : self.dimension]
@@ -331,6 +306,7 @@ class Simulation:
         record[:, 3] = swarms.best_fitness
         record[:, 4] = swarms.evaluations
         record[:, 5] = swarms.best_collision
+        record[:, 6] = self.paths.feasible_fitness()
         last = len(HISTORY) + parameters.shape[1]
         record[:, len(HISTORY) : last] = parameters
         record[:, last:] = swarms.source[:, : len(self.columns) - last]

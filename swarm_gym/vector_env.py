@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from swarm_gym.batch import SwarmBatch
+from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 
@@ -205,10 +205,10 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos: dict[str, Any] = {}
         everyone = bool(rows.all())
         for name, values in self._batch.info().items():
-            if everyone and name != "optimality_gap":
+            if everyone and name not in SOMETIMES:
                 infos[name], infos[f"_{name}"] = values, rows.copy()
                 continue
-            there = rows & ~np.isnan(values) if name == "optimality_gap" else rows
+            there = rows & is_there(values) if name in SOMETIMES else rows
             if there.any():
                 blank = np.zeros_like(values) if values.dtype != object else np.full_like(values, None)
                 blank[there] = values[there]

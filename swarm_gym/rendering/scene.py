@@ -60,7 +60,7 @@ class Scene:
             paths=_shown(problem, problem.points(simulation.positions(row))),
             are_points=isinstance(problem, WalkProblem),
             feasible=swarms.collision[row, : swarms.size[row]] <= FEASIBILITY_TOLERANCE,
-            best_path=_shown(problem, simulation.best_path(row)),
+            best_path=_shown(problem, simulation.paths.best_of(row)),
             trajectory=simulation.trajectory(row),
             best_fitness=float(swarms.best_fitness[row]),
             best_feasible=bool(swarms.best_collision[row] <= FEASIBILITY_TOLERANCE),

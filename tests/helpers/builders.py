@@ -258,6 +258,9 @@ def assert_same_as_oracle(swarms, twin, rtol=1e-10):
         np.testing.assert_allclose(along(way), expected, **close)
     else:
         np.testing.assert_allclose(swarms.best_position[0, :n], twin.best[2], **close)
+        np.testing.assert_allclose(swarms.feasible_fitness[0], twin.feasible[0], **close)
+        if twin.feasible[1] is not None:
+            np.testing.assert_allclose(swarms.feasible_position[0, :n], twin.feasible[1], **close)
 
 
 def assert_same_swarm(swarms, twin):

@@ -67,6 +67,7 @@ class Swarm:
         self.members = []
         self.evaluations, self.iteration = 0, 0
         self.best = (math.inf, math.inf, None)
+        self.feasible = (math.inf, None)  # fitness and position of the best path without collision
         self.best_smooth, self.became_best = math.inf, 0  # among the new members of an iteration
 
     def is_spent(self):
@@ -86,6 +87,8 @@ class Swarm:
         member = self.seen(position)
         if member.fitness < self.best[0]:
             self.best = (member.fitness, member.collision, list(position))
+        if member.collision <= naive.FEASIBLE and member.fitness < self.feasible[0]:
+            self.feasible = (member.fitness, list(position))
         return member
 
     def clipped(self, position):
@@ -130,7 +133,7 @@ class Swarm:
     def re_evaluate(self, problem):
         """Evaluate all stored positions on another problem, while the budget lasts."""
         self.problem, best = problem, self.best[2]
-        self.best = (math.inf, math.inf, None)
+        self.best, self.feasible = (math.inf, math.inf, None), (math.inf, None)
         self.re_evaluate_members()
         if not self.is_spent():
             self.member(best)

@@ -146,7 +146,7 @@ def assert_what_is_stored_is_true(optimizer, simulation):
         assert best == problem.evaluate(swarms.best_position[0, :n])
         assert best[0] <= swarms.fitness[0, members].min()
         return
-    path = simulation.best_paths()[0]
+    path = simulation.paths.best()[0]
     assert best[0] >= np.hypot(*np.diff(path, axis=0).T).sum() * (1 - 1e-12)
     if not get_optimizer(optimizer).adopts:
         assert best == pytest.approx(walk_cost(problem, path), rel=1e-9, abs=1e-9)

@@ -68,12 +68,13 @@ RESET_OPTION_NAMES = (
     "scenario", "initial_population", "initial_population_size", "smooth_share", "amplitude",
 )  # fmt: skip
 INFO = (
-    "best_collision", "best_fitness", "best_path", "driven", "evaluations", "feasible_share",
+    "best_collision", "best_fitness", "best_path", "driven", "evaluations", "feasible_fitness",
+    "feasible_path", "feasible_share",
     "optimality_gap", "population_size", "repair_degree", "robot", "scenario",
 )  # fmt: skip
 HISTORY_COLUMNS = (
     "population_collision", "population_size", "repair_degree", "best_fitness", "evaluations",
-    "best_collision",
+    "best_collision", "feasible_fitness",
 )  # fmt: skip
 OBSERVATION_LAYOUTS = (
     "paper", "scaled", "extended", "rich", "priced", "corridors",

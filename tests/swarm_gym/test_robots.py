@@ -376,6 +376,25 @@ def test_a_robot_drives_the_repaired_path_where_that_is_free():
     assert env.simulation.trajectory(0)[:, 1].max() > 300.2
 
 
+def test_a_robot_drives_the_best_feasible_path_where_neither_the_best_nor_its_repair_is_free():
+    high = Scenario(
+        "high",
+        FREE.start,
+        FREE.target,
+        (Polygon.rectangle(500, 150, 520, 310), Polygon.rectangle(500, 305, 520, 590)),
+    )
+    env = straight_ahead(DynamicScenario("around", high, (), Drive(1, 1, 600.0)))
+    problem, swarms = env.simulation.problem_of(0), env.simulation.swarms
+    assert not problem.is_clear(problem.points(problem.repaired(np.zeros(31), 1.0)))
+    around = -200.0 * np.sin(np.linspace(0.0, np.pi, 33)[1:-1])
+    assert problem.is_clear(problem.points(around))
+    swarms.feasible_position[0, :31], swarms.feasible_fitness[0] = around, 350.0
+    _, _, _, _, info = env.step(np.array([2, 0.0]))
+    assert info["driven"] == pytest.approx(600.0)
+    assert problem.is_clear(env.simulation.trajectory(0))
+    assert env.simulation.trajectory(0)[:, 1].min() < 110.0
+
+
 def test_what_would_come_down_on_a_robot_waits_until_it_has_driven_on():
     events = [Appear(3, Circle(320, 300, 40)), Appear(4, Circle(700, 150, 40))]
     env = straight_ahead(DynamicScenario("waiting", FREE, events, Drive(1, 4, 300.0)))
