@@ -148,6 +148,9 @@ PACKAGED_CONTROLLERS = (
 # By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
 PACKAGED_POLICIES = {
     "ablation-all": 5,
+    "case1": 5,
+    "case2": 5,
+    "case3": 5,
     "random-fields-extended-ppo": 5,
     "random-fields-extended": 5,
     "random-fields": 5,

@@ -13,6 +13,7 @@ from experiments.studies.learned.suites import (
     HEADLINE,
     LOOKED_INTO,
     OUT_OF_DISTRIBUTION,
+    SINGLE_CASES,
 )
 from experiments.tables.blocks import (
     decisions_name,
@@ -117,6 +118,9 @@ TABLE_BLOCKS: dict[str, Block] = {
         value_by_set, OUT_OF_DISTRIBUTION.name, "gaps", ("controller",), "mean gap"
     ),
     "out-of-distribution-near-optimum": partial(whole, OUT_OF_DISTRIBUTION.name, "near-optimum"),
+    "single-cases": partial(whole, SINGLE_CASES.name, "headline"),
+    "single-cases-claims": partial(whole, SINGLE_CASES.name, "claims"),
+    "single-cases-made-with": partial(made_with, SINGLE_CASES.name),
     "ablation": partial(whole, ABLATION.name, "headline"),
     "ablation-claims": partial(whole, ABLATION.name, "claims"),
     "ablation-made-with": partial(made_with, ABLATION.name),

@@ -99,6 +99,25 @@ HEADLINE = _study("headline", CASE_FAMILIES, CASES, 200)
 GENERALISATION = _study("generalisation", FIELD_FAMILIES, FIELDS, 1, seed_step=1)
 OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIELDS, 1, seed_step=1)
 
+# Policies of one case each, on all cases.
+SINGLE_CASE_FAMILIES = (
+    Family("the base", ("open-loop:three-cases",), blind=True),
+    Family("all cases", training_seeds("learned:three-cases", 10, 1)),
+    *(Family(f"{case} alone", training_seeds(f"learned:{case}", 5, 1)) for case in CASES),
+)
+SINGLE_CASES = Suite(
+    name="single-cases",
+    controllers=tuple(controller for family in SINGLE_CASE_FAMILIES for controller in family.controllers),
+    scenarios=CASES,
+    num_seeds=200,
+    baseline="open-loop:three-cases",
+    first_seed=NEVER_USED,
+    families=SINGLE_CASE_FAMILIES,
+    tables=("headline", "claims"),
+    figures=(),
+    claims=claims_of(CLAIMS, "single-cases"),
+)
+
 # Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
 CHANGED = ("group-1", "group-16", "step-noise", "critic", "scratch")
 ABLATION_FAMILIES = (
@@ -118,4 +137,4 @@ ABLATION = Suite(
     claims=claims_of(CLAIMS, "ablation"),
 )
 
-SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, ABLATION)
+SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, SINGLE_CASES, ABLATION)
