@@ -13,15 +13,20 @@ from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
 from swarm_gym.errors import StepOrderError
+from swarm_gym.final_repair import final_repair
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
+from swarm_gym.problem import MapProblem
 from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
 # Entries of info that a swarm does not always have.
-SOMETIMES = ("optimality_gap", "feasible_path", "feasible_fitness")
+SOMETIMES = (
+    "optimality_gap", "feasible_path", "feasible_fitness", "repaired_path", "repaired_length",
+    "repair_evaluations",
+)  # fmt: skip
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -130,6 +135,7 @@ class SwarmBatch:
         rows = np.arange(simulation.num_swarms)
         robots = simulation.robots
         where = {} if robots is None else {"robot": robots.places.copy(), "driven": robots.driven.copy()}
+        repaired = self._repaired() if self.settings.final_repair else {}
         return {
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
@@ -142,8 +148,24 @@ class SwarmBatch:
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
             **where,
+            **repaired,
             "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
         }
+
+    def _repaired(self) -> dict[str, NDArray]:
+        """Return the final repairs of the best paths; NaN where the episode goes on or none was found."""
+        simulation = self.simulation
+        paths = np.full_like(simulation.paths.best(), np.nan)
+        lengths, evaluations = np.full((2, len(paths)), np.nan)
+        for row in np.flatnonzero(~simulation.running & (simulation.swarms.size > 0)).tolist():
+            problem = simulation.problem_of(row)
+            assert isinstance(problem, MapProblem)
+            found = final_repair(problem, simulation.paths.best_of(row))
+            if found is not None and len(found.path) <= paths.shape[1]:
+                paths[row] = found.path[-1]
+                paths[row, : len(found.path)] = found.path
+                lengths[row], evaluations[row] = found.length, found.evaluations
+        return {"repaired_path": paths, "repaired_length": lengths, "repair_evaluations": evaluations}
 
 
 def is_there(values: NDArray) -> NDArray[np.bool_]:

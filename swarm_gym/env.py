@@ -74,6 +74,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `repair_degree` | repair degree of the last iteration; 0 after `reset` |
     | `scenario` | name of the scenario |
     | `robot`, `driven` | if the robot drives: its position (2,) and the length of its drives, map units |
+    | `repaired_path` | with `final_repair`, at the end: a free path near the best one, (k, 2), map units |
+    | `repaired_length`, `repair_evaluations` | its length, map units; cost of the repair, evaluations |
     | `optimality_gap` | at the end of an episode with a known optimum: (best fitness - optimum) / optimum |
 
     **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree
@@ -194,7 +196,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     def _info(self) -> dict[str, Any]:
         info = {name: values[0] for name, values in self._batch.info().items()}
-        absent = [name for name in SOMETIMES if not is_there(info[name][None])[0]]
+        absent = [name for name in SOMETIMES if name in info and not is_there(info[name][None])[0]]
         return {name: value for name, value in info.items() if name not in absent}
 
     def __getstate__(self) -> dict[str, Any]:

@@ -1,28 +1,18 @@
 """The options of environments: one dataclass for single and vector environments."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from swarm_gym.checks import look_up, require_integer, require_number
-from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError, shown
+from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, kind_of, names_of_kinds
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem, WalkProblem
-from swarm_gym.problem.grid.problem import MAX_POINTS
-from swarm_gym.scenarios import (
-    AnyScenario,
-    FunctionScenario,
-    GridScenario,
-    Scenario,
-    StaticScenario,
-    World,
-    make_scenarios,
-    rasterised,
-    worlds_of,
-)
+from swarm_gym.problem import Problem
+from swarm_gym.scenarios import AnyScenario, StaticScenario, World, make_scenarios, worlds_of
 from swarm_gym.sources import MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
 
 
@@ -62,6 +52,8 @@ class Settings:
             high), both positive: then each episode draws the price by its seed, uniformly in the logarithm.
         reference_evaluations: number of evaluations that `price` refers to, at least 1.
         max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
+        final_repair: whether the best path is made free at the end of an episode, for `info`; on maps only.
+            See `swarm_gym.final_repair`. Nothing that the optimizer does or finds changes with it.
         knobs: parameters of the optimizer by name, where they differ from its defaults; this field has the
             name that stored configurations have for it.
 
@@ -92,6 +84,7 @@ class Settings:
     price: float | tuple[float, float] = 0.5
     reference_evaluations: int = 100_000
     max_evaluations: int | None = None
+    final_repair: bool = False
     knobs: Mapping[str, float | str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -106,6 +99,8 @@ class Settings:
         Source(self.smooth_share, self.amplitude)
         kind_of_bends(self.bends)
         self._check_price()
+        if not isinstance(self.final_repair, bool):
+            raise SettingError(f"final_repair must be True or False, got {shown(self.final_repair)}")
         if self.max_evaluations is not None:
             require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
 
@@ -173,13 +168,13 @@ class Settings:
             ScenarioError: if a map cannot be converted to cells of this size.
         """
         scenarios = [world.scenario for world in self.worlds]
-        first, kind = scenarios[0], _kind_of(scenarios[0])
+        first, kind = scenarios[0], kind_of(scenarios[0])
         for scenario in scenarios:
-            if (other := _kind_of(scenario)) is not kind:
+            if (other := kind_of(scenario)) is not kind:
                 raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
         if self.encoding not in kind.options:
             raise SettingError(
-                f"encoding {self.encoding!r} needs {_names_of_kinds(self.encoding)}, but scenario "
+                f"encoding {self.encoding!r} needs {names_of_kinds(self.encoding)}, but scenario "
                 f"{first.name!r} is one of the {kind.name}; choose another encoding or scenario"
             )
         problems = [kind.problem(self, scenario) for scenario in scenarios]
@@ -211,7 +206,7 @@ class Settings:
         Raises:
             SettingError: if decision vectors are not whole paths.
         """
-        kind = _kind_of(self.worlds[0].scenario)
+        kind = kind_of(self.worlds[0].scenario)
         if self.encoding in kind.sourced or self.encoding not in kind.options:
             return  # an encoding that this kind of scenario does not have is refused when problems are made
         vectors = "points of a walk" if self.encoding == "walk" else f"vectors of {kind.name}"
@@ -233,7 +228,7 @@ class Settings:
                 f"option {name!r} has no effect with source {self.source!r}; remove it, or choose source "
                 f"{' or '.join(map(repr, others))}"
             )
-        kind = _kind_of(self.worlds[0].scenario)
+        kind = kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
             if not any(name in options for options in kind.options.values()):
                 raise SettingError(f"option {name!r} has no effect on {kind.name}; remove it")
@@ -268,78 +263,6 @@ class Settings:
             SettingError: if it is not.
         """
         require_integer(name, value, self.min_population_size, self.max_population_size)
-
-
-def _analytic_problem(settings: Settings, scenario: Scenario) -> Problem:
-    if settings.encoding == "walk":
-        require_number("cell_size", settings.cell_size, 1e-3, 1e6)
-        return WalkProblem(rasterised(scenario, settings.cell_size), settings.penalty)
-    return AnalyticProblem(scenario, settings.num_waypoints, settings.length_weight)
-
-
-def _grid_problem(settings: Settings, scenario: GridScenario) -> Problem:
-    if settings.encoding == "walk":
-        return WalkProblem(scenario, settings.penalty)
-    option = {"waypoints": "num_waypoints", "bezier": "num_control_points"}[settings.encoding]
-    num_points = getattr(settings, option)
-    require_integer(option, num_points, 1, MAX_POINTS)
-    return GridProblem(scenario, settings.encoding, num_points, settings.penalty)
-
-
-def _function_problem(settings: Settings, scenario: FunctionScenario) -> Problem:  # noqa: ARG001
-    return FunctionProblem(scenario)
-
-
-class Kind(NamedTuple):
-    """A kind of scenario: the class, and what the settings do with it.
-
-    Attributes:
-        name: name of such scenarios, in messages.
-        problem: function that makes the problem of a scenario.
-        options: options that have an effect on the problem, by encoding.
-        sourced: encodings whose decision vectors are whole paths, which can come from every source.
-    """
-
-    name: str
-    problem: Callable[[Settings, Any], Problem]
-    options: dict[str, tuple[str, ...]]
-    sourced: tuple[str, ...] = ()
-
-
-KINDS: dict[type, Kind] = {
-    Scenario: Kind(
-        "analytic maps",
-        _analytic_problem,
-        {
-            "waypoints": ("encoding", "num_waypoints", "length_weight"),
-            "walk": ("encoding", "penalty", "cell_size"),
-        },
-        sourced=("waypoints",),
-    ),
-    GridScenario: Kind(
-        "grid maps",
-        _grid_problem,
-        {
-            "waypoints": ("encoding", "num_waypoints", "penalty"),
-            "bezier": ("encoding", "num_control_points", "penalty"),
-            "walk": ("encoding", "penalty"),
-        },
-        sourced=("waypoints", "bezier"),
-    ),
-    FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
-}
-ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))
-PROBLEM_OPTIONS = {
-    option for kind in KINDS.values() for options in kind.options.values() for option in options
-}
-
-
-def _names_of_kinds(encoding: str) -> str:
-    return " or ".join(kind.name for kind in KINDS.values() if encoding in kind.options)
-
-
-def _kind_of(scenario: StaticScenario) -> Kind:
-    return next(kind for scenarios, kind in KINDS.items() if isinstance(scenario, scenarios))
 
 
 def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object, other: object) -> str:

@@ -13,6 +13,7 @@ from contextlib import closing
 from pathlib import Path
 
 import gymnasium
+import numpy as np
 import pytest
 
 import swarm_gym.scenarios
@@ -62,7 +63,7 @@ OPTIONS = (
     "scenario", "encoding", "num_waypoints", "num_control_points", "length_weight", "penalty",
     "cell_size", "iterations", "initial_population_size", "min_population_size", "max_population_size",
     "mean_weight", "action", "observation", "reward", "price", "reference_evaluations", "max_evaluations",
-    "source", "smooth_share", "amplitude", "bends",
+    "source", "smooth_share", "amplitude", "bends", "final_repair",
 )  # fmt: skip
 RESET_OPTION_NAMES = (
     "scenario", "initial_population", "initial_population_size", "smooth_share", "amplitude",
@@ -70,7 +71,8 @@ RESET_OPTION_NAMES = (
 INFO = (
     "best_collision", "best_fitness", "best_path", "driven", "evaluations", "feasible_fitness",
     "feasible_path", "feasible_share",
-    "optimality_gap", "population_size", "repair_degree", "robot", "scenario",
+    "optimality_gap", "population_size", "repair_degree", "repair_evaluations", "repaired_length",
+    "repaired_path", "robot", "scenario",
 )  # fmt: skip
 HISTORY_COLUMNS = (
     "population_collision", "population_size", "repair_degree", "best_fitness", "evaluations",
@@ -187,9 +189,9 @@ COLLECTION_NAMES = (
 )  # fmt: skip
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "headline", "gaps", "differences", "duels", "front",
-    "near-optimum", "parameters", "moa", "iafsa-functions", "iafsa-convergence", "iafsa-shifted",
-    "iafsa-routes", "recovery", "over-time", "seeing", "brand-yu-counts", "brand-yu-grids", "corridors",
-    "claims",
+    "near-optimum", "free-paths", "parameters", "moa", "iafsa-functions", "iafsa-convergence",
+    "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "brand-yu-counts", "brand-yu-grids",
+    "corridors", "claims",
     "newcomers-optimizers",
 )  # fmt: skip
 FIGURE_NAMES = (
@@ -292,10 +294,16 @@ def test_every_environment_optimizer_and_option_is_there():
 def test_every_reset_option_and_info_is_there():
     assert_all(RESET_OPTION_NAMES, RESET_OPTIONS)
     env = gymnasium.make(
-        "swarm_gym/Firefly-v0", iterations=1, scenario="dynamic:case3-drive@40,every=5,distance=80"
+        "swarm_gym/Firefly-v0",
+        iterations=1,
+        scenario="dynamic:case3-drive@40,every=5,distance=80",
+        source="smooth",
+        amplitude=0.1,
+        initial_population_size=200,
+        final_repair=True,
     )
-    env.reset(seed=0)
-    *_, info = env.step(env.action_space.sample())
+    env.reset(seed=0)  # with a feasible member
+    *_, info = env.step(np.array([200, 0.5]))
     assert_all(INFO, info)
 
 

@@ -92,6 +92,7 @@ def _tables(suite: str) -> dict[str, Block]:
         f"{suite}-gaps": partial(gaps, suite),
         f"{suite}-differences": partial(whole_by_set, suite, "differences"),
         f"{suite}-near-optimum": partial(whole, suite, "near-optimum"),
+        f"{suite}-free-paths": partial(whole, suite, "free-paths"),
         f"{suite}-hypervolume": partial(value_by_set, suite, "hypervolume", FAMILY, "hypervolume"),
     }
 

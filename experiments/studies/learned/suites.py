@@ -70,7 +70,7 @@ UNSEEN_FAMILIES = (
 # Groups whose decisions the document shows.
 LOOKED_INTO = ("learned:three-cases/*@1", "open-loop:three-cases-long/*@1", "tuned:three-cases")
 
-STUDY_TABLES = ("headline", "claims", "gaps", "differences", "front", "near-optimum")
+STUDY_TABLES = ("headline", "claims", "gaps", "differences", "front", "near-optimum", "free-paths")
 STUDY_FIGURES = ("profiles", "front", "decisions")
 CLAIMS = Path(__file__).parent / "claims.toml"
 

@@ -31,6 +31,7 @@ COLUMNS = {
     "front": ("scenarios", "controller", "mean evaluations", "mean gap", "on the front"),
     "hypervolume": ("scenarios", "family", "controllers", "hypervolume"),
     "near-optimum": ("controller", "case1"),
+    "free-paths": ("scenarios", "controller", "strictly free"),
 }
 OTHERS = {
     "parameters": {
@@ -47,7 +48,7 @@ OTHERS = {
         "sensitivity-performance": ("without", "mean gap"),
     },
 }
-STUDIES = ("headline", "generalisation", "out-of-distribution", "ablation")
+STUDIES = ("headline", "generalisation", "out-of-distribution", "single-cases", "ablation")
 
 
 def test_parts_of_a_table():

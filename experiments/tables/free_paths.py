@@ -1,0 +1,96 @@
+"""The table of free paths: how many best paths are free, how many are after final repair, how long."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.run import Floats, Run
+from experiments.runs.suite import Suite
+from experiments.statistics import draw, interval, mean_of_present, means
+from experiments.tables.cell import MISSING, Entry, share, share_in
+from experiments.tables.table import Table
+from swarm_gym.final_repair import final_repair
+from swarm_gym.problem import MapProblem
+from swarm_gym.reference import shortest_path
+from swarm_gym.settings import make_problem
+
+SEEDS = 50  # of each controller and scenario, at most
+COLUMNS = (
+    "scenarios", "controller", "strictly free", "free after repair", "change of length", "above the shortest",
+    "planned anew",
+)  # fmt: skip
+CAPTION = (
+    f"Best paths of the first {SEEDS} seeds of each scenario: share that is free of any collision, checked "
+    "exactly; share that is after final repair; length after it against that of the best path, and above the "
+    "exact shortest path of the map, which need not go through waypoints; share of the repaired paths of "
+    "which a planner had to find a piece. [95 % interval over training seeds, scenarios of a set and seeds]"
+)
+
+
+class _Freed(NamedTuple):
+    """Final repairs of some runs, (runs,) each; NaN where a path was not repaired."""
+
+    free: Floats
+    repaired: Floats
+    change: Floats
+    excess: Floats
+    planned: Floats
+
+
+def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a row for each set of scenarios and group, fewest free paths last."""
+    rows: list[tuple[Entry, ...]] = []
+    for scenario_set, strata in outcomes.sets.items():
+        names = [scenario for stratum in strata for scenario in stratum]
+        found = {}
+        for group, controllers in outcomes.groups.items():
+            each = [
+                [_freed(outcomes.runs(controller, name)[:SEEDS], suite, name) for name in names]
+                for controller in controllers
+            ]
+            found[group] = _Freed(
+                *(np.array([[getattr(one, part) for one in row] for row in each]) for part in _Freed._fields)
+            )
+        for group in sorted(found, key=lambda name: -found[name].free.mean()):
+            freed = found[group]
+            draws = draw(freed.free.shape[0], tuple(map(len, strata)), freed.free.shape[2])
+            rows.append(
+                (
+                    scenario_set,
+                    label(group),
+                    *(share_in(v.mean(), interval(means(v, draws))) for v in (freed.free, freed.repaired)),
+                    *(
+                        share_in(mean_of_present(v), interval(means(v, draws)), "+.2f")
+                        if np.isfinite(v).any()
+                        else MISSING
+                        for v in (freed.change, freed.excess)
+                    ),
+                    share(mean_of_present(freed.planned)) if freed.repaired.any() else MISSING,
+                )
+            )
+    return [Table("free-paths", CAPTION, COLUMNS, rows)]
+
+
+def _freed(runs: list[Run], suite: Suite, scenario: str) -> _Freed:
+    problem, shortest = _problem(scenario, tuple(suite.options.items()))
+    freed = _Freed(np.zeros(len(runs)), np.zeros(len(runs)), *np.full((3, len(runs)), np.nan))
+    for k, run in enumerate(runs):
+        freed.free[k] = problem.is_clear(run.best_path)
+        found = final_repair(problem, run.best_path)
+        if found is not None:
+            freed.repaired[k] = 1.0
+            freed.change[k] = found.length / np.hypot(*np.diff(run.best_path, axis=0).T).sum() - 1.0
+            freed.excess[k] = found.length / shortest - 1.0
+            freed.planned[k] = found.planned > 0
+    return freed
+
+
+@cache
+def _problem(scenario: str, options: tuple) -> tuple[MapProblem, float]:
+    """Return the problem of a scenario, and the length of the shortest path on its map."""
+    problem = make_problem(scenario, **dict(options))
+    assert isinstance(problem, MapProblem)
+    return problem, shortest_path(problem.scenario)[0]

@@ -1,0 +1,90 @@
+"""Final repair: push a path out of obstacles, plan what is left anew, pull it tight, check it exactly."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.final_repair.obstacles import obstacles_of, push_out
+from swarm_gym.final_repair.replanning import replanned
+from swarm_gym.final_repair.tightening import Cells, tighten
+from swarm_gym.problem import MapProblem
+from swarm_gym.scenarios import GridScenario, Scenario
+
+Floats = NDArray[np.float64]
+
+MOST_SWEEPS = 200
+MOST_ROUNDS = 100
+
+
+@dataclass(frozen=True)
+class FinalRepair:
+    """A path after its final repair.
+
+    Attributes:
+        path: (k, 2) free path from start to target, in map units.
+        length: length of that path, in map units.
+        evaluations: cost of the repair, in evaluations of the path that was given: a comparison of all its
+            segments with the map is one. The work of a planner is not in it.
+        planned: number of pieces that a planner found, where pushing did not suffice.
+    """
+
+    path: Floats
+    length: float
+    evaluations: int
+    planned: int
+
+
+def final_repair(problem: MapProblem, path: Floats) -> FinalRepair | None:
+    """Return a free path near a path, (k, 2) in map units; None if none was found.
+
+    Where the path enters obstacles by little, it is pushed out of them by small shifts. Pieces for which that
+    does not suffice are planned anew, by an exact planner on maps of circles and polygons, and by A* on grid
+    maps. At last the path is pulled tight. The result is checked exactly.
+    """
+    whole = np.asarray(path, dtype=np.float64)
+    scenario = problem.scenario
+    freed = _on_cells(problem, whole) if isinstance(scenario, GridScenario) else _on_obstacles(problem, whole)
+    if freed is None:
+        return None
+    if isinstance(scenario, GridScenario):
+        grid = scenario.map
+        points, compared = tighten(Cells(grid.blocked), grid.to_cells(freed.path), MOST_ROUNDS)
+        tight = grid.to_map(points)
+    else:
+        tight, compared = tighten(obstacles_of(scenario), freed.path, MOST_ROUNDS)
+    tight[0], tight[-1] = whole[0], whole[-1]
+    best = tight if problem.is_clear(tight) else freed.path
+    segments = max(len(whole) - 1, 1)
+    length = float(np.hypot(*np.diff(best, axis=0).T).sum())
+    # Each exact check compares all segments with the map once.
+    return FinalRepair(best, length, freed.sweeps + math.ceil(compared / segments) + 1, freed.planned)
+
+
+class _Freed(NamedTuple):
+    """A free path before it is pulled tight: points, sweeps over all segments, and pieces planned anew."""
+
+    path: Floats
+    sweeps: int
+    planned: int
+
+
+def _on_cells(problem: MapProblem, path: Floats) -> _Freed | None:
+    if problem.is_clear(path):
+        return _Freed(path, 1, 0)
+    whole, planned = replanned(problem, path)
+    return _Freed(whole, 2, planned) if problem.is_clear(whole) else None
+
+
+def _on_obstacles(problem: MapProblem, path: Floats) -> _Freed | None:
+    assert isinstance(problem.scenario, Scenario)
+    obstacles, pushed = obstacles_of(problem.scenario), path.copy()
+    sweeps = push_out(obstacles, pushed, MOST_SWEEPS)
+    if problem.is_clear(pushed):
+        return _Freed(pushed, sweeps, 0)
+    whole, planned = replanned(problem, path)
+    # The planner's arcs are polylines that cut the corners of circles by a hair.
+    sweeps += push_out(obstacles, whole, MOST_SWEEPS)
+    return _Freed(whole, sweeps, planned) if problem.is_clear(whole) else None
