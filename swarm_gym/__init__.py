@@ -6,10 +6,24 @@ Importing this package registers the environments:
     import swarm_gym
 
     env = gymnasium.make("swarm_gym/Firefly-v0", scenario="case1")
+
+`swarm_gym.plan(...)` plans a path on a map.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from swarm_gym.registration import register_environments
+
+if TYPE_CHECKING:
+    from swarm_gym.planning import Plan
 
 __version__ = "0.1.0"
 
 register_environments()
+
+
+def plan(*arguments: Any, **options: Any) -> "Plan":
+    """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
+    from swarm_gym import planning  # takes a second to import
+
+    return planning.plan(*arguments, **options)

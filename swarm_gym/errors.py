@@ -34,6 +34,10 @@ class ScenarioError(SwarmGymError, ValueError):
     """A scenario that is not a well-formed task."""
 
 
+class NoPathError(ScenarioError):
+    """A task without a solution: obstacles separate start and target, or none was found."""
+
+
 class UnknownNameError(SwarmGymError, ValueError):
     """A name that is not in its registry."""
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import NoPathError
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_free_cell, as_grid
 from swarm_gym.reference.priority_queue import PriorityQueue, enter, make_queue, take_first
@@ -57,7 +57,7 @@ def shortest_grid_path(blocked: NDArray[np.bool_], start: Sequence[int], goal: S
     arrival = np.full(grid.size, -1, np.int64)
     expansions = search(grid, begin, end, queue, straight, diagonal, arrival)
     if math.isinf(queue.length[end]):
-        raise ScenarioError(f"blocked cells separate start {first} and goal {last}")
+        raise NoPathError(f"blocked cells separate start {first} and goal {last}")
     cells = [end]
     while cells[-1] != begin:
         cells.append(int(arrival[cells[-1]]))

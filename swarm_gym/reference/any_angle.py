@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_grid, as_point
 from swarm_gym.reference.grid_sight import (
@@ -63,7 +63,7 @@ class AnyAnglePlanner:
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]
         search(self._grid, *shifted[0], *shifted[1], queue, sight, arrival)
         if math.isinf(queue.length[num_corners]):
-            raise ScenarioError(f"blocked cells separate start {ends[0]} and goal {ends[1]}")
+            raise NoPathError(f"blocked cells separate start {ends[0]} and goal {ends[1]}")
         corners, node = [], arrival[num_corners]
         while node >= 0:
             corners.append((self._grid.corner_columns[node] - SHIFT, self._grid.corner_rows[node] - SHIFT))

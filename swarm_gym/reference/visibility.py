@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import NoPathError
 from swarm_gym.scenarios import Circle, Polygon, Scenario
 
 # How deep a path may enter an obstacle, relative to the extent of the scenario: well above the
@@ -55,7 +55,7 @@ def shortest_path(scenario: Scenario) -> tuple[float, NDArray[np.float64]]:
     graph = _Graph(sites, obstacles, RELATIVE_TOLERANCE * extent)
     length, points = graph.shortest_path()
     if not points:
-        raise ScenarioError(f"scenario {scenario.name!r}: the obstacles separate start and target")
+        raise NoPathError(f"scenario {scenario.name!r}: the obstacles separate start and target")
     return length, np.array([(point.real, point.imag) for point in points])
 
 

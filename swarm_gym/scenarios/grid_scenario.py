@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.scenarios.grid_map import Cell, GridMap
 from swarm_gym.scenarios.scenario import Point, require_numbers
 
@@ -44,7 +44,7 @@ class GridScenario:
         (from_column, from_row), (to_column, to_row) = cells.values()
         components = self.map.components
         if components[from_row, from_column] != components[to_row, to_column]:
-            raise ScenarioError(
+            raise NoPathError(
                 f"{self._where()}: no path leads from start {self.start} in cell {cells['start']} to target "
                 f"{self.target} in cell {cells['target']}"
             )

@@ -1,0 +1,153 @@
+"""Plan a path on a map: `python -m swarm_gym.plan --map warehouse.yaml --start 0,0 --goal 8,3`.
+
+The function is `swarm_gym.plan`, see `swarm_gym.planning`. Since this module has the same name, it can be
+called like the function.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
+from swarm_gym.planning.planner import Plan, plan
+from swarm_gym.planning.writing import FORMATS, format_of, write_plan
+from swarm_gym.scenarios import Point
+
+INVALID, NO_PATH = 2, 3  # exit statuses
+
+EXAMPLES = """examples:
+  python -m swarm_gym.plan --map case2 --output path.csv
+  python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8.5,3 --robot-radius 0.2 --output path.yaml
+  python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
+
+exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Plan a path, print what is known of it and write it; return the exit status."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        if options.output is not None:
+            format_of(options.output)
+        evaluations, seconds = _budget(parser, options.budget)
+        found = plan(
+            options.map,
+            options.start,
+            options.goal,
+            robot_radius=options.robot_radius,
+            clearance=options.clearance,
+            optimizer=options.optimizer,
+            controller=options.controller,
+            max_evaluations=evaluations,
+            max_seconds=seconds,
+            seed=options.seed,
+            fallback=options.fallback == "exact",
+        )
+        print(_described(found))
+        if options.output is not None:
+            write_plan(found, options.output)
+            print(f"written to {options.output}")
+    except NoPathError as error:
+        print(f"no path: {error}", file=sys.stderr)
+        return NO_PATH
+    except (SwarmGymError, MissingExtraError, ValueError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return INVALID
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m swarm_gym.plan",
+        description="Plan a free path on a map with a swarm optimizer.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--map",
+        required=True,
+        help="a file (.yaml of ROS's map_server, .map of Moving AI, .geojson with polygons), or a scenario's "
+        "name, e.g. case1",
+    )
+    parser.add_argument("--start", type=_point, metavar="X,Y", help="start, in the map's units")
+    parser.add_argument("--goal", type=_point, metavar="X,Y", help="goal, in the map's units")
+    parser.add_argument(
+        "--robot-radius", type=float, default=0.0, metavar="R", help="radius of the robot, in the map's units"
+    )
+    parser.add_argument(
+        "--clearance",
+        type=float,
+        default=0.0,
+        metavar="D",
+        help="distance that the robot keeps from obstacles besides, in the map's units",
+    )
+    parser.add_argument("--optimizer", help="name of the optimizer; by default one that suits the map")
+    parser.add_argument(
+        "--controller", help="name of the controller; by default one that suits the optimizer"
+    )
+    parser.add_argument(
+        "--budget",
+        metavar="N|Ns",
+        help="evaluations, e.g. 50000, or seconds, e.g. 2s; episodes begin until it is spent (default: five "
+        "episodes)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first episode (default: 0)")
+    parser.add_argument(
+        "--fallback", choices=("exact",), help="take the exact planner's path if the swarm finds none"
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"file for the path; its ending says how: {', '.join(FORMATS)}",
+    )
+    return parser
+
+
+def _point(text: str) -> Point:
+    try:
+        x, y = (float(number) for number in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"expected two numbers x,y, got {text!r}") from error
+    return x, y
+
+
+def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | None, float | None]:
+    """Return the evaluations or the seconds that a text stands for."""
+    if text is None:
+        return None, None
+    try:
+        return (None, float(text[:-1])) if text.endswith("s") else (int(text), None)
+    except ValueError:
+        parser.error(
+            f"argument --budget: expected evaluations such as 50000 or seconds such as 2s, got {text!r}"
+        )
+
+
+def _described(found: Plan) -> str:
+    gap = "unknown" if found.gap is None else f"{100.0 * found.gap:.2f} %"
+    lines = [
+        f"length       {found.length:.6g}",
+        f"clearance    {found.clearance:.6g}",
+        f"above exact  {gap}",
+        f"evaluations  {found.evaluations:,}",
+        f"seconds      {found.seconds:.3f}",
+        f"found by     {found.found_by}",
+    ]
+    return "\n".join(["stopped by Ctrl-C", *lines] if found.stopped else lines)
+
+
+class _Callable(ModuleType):
+    def __call__(self, *arguments: Any, **options: Any) -> Plan:
+        return plan(*arguments, **options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
+else:
+    sys.modules[__name__].__class__ = _Callable

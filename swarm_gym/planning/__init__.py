@@ -1,0 +1,5 @@
+"""Plan a path that a robot can drive: a map, a start and a goal in, a free path out."""
+
+from swarm_gym.planning.planner import Plan, plan
+
+__all__ = ["Plan", "plan"]

@@ -1,0 +1,245 @@
+"""The planner: a swarm optimizer on a task, final repair of what it finds, the shortest free path kept."""
+
+import math
+import time
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import NoPathError
+from swarm_gym.final_repair import final_repair
+from swarm_gym.planning.clearance import clearance_of
+from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
+from swarm_gym.planning.scaling import scaled_to_cases
+from swarm_gym.planning.tasks import Task, read_task
+from swarm_gym.problem import GridProblem, MapProblem
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point
+
+Floats = NDArray[np.float64]
+
+# Optimizers, controllers and options by kind of map, where nothing else is asked for.
+ON_OBSTACLES = ("firefly", "learned:random-fields-sourced/0")
+ON_GRIDS = ("multivariate", "fixed:65")
+ITERATIONS = {"firefly": 100}  # of an episode; the controllers were tuned or trained for these
+FEW_ITERATIONS = 40  # of the other optimizers
+EPISODES = 5  # without a budget
+LARGEST_EXACT = 2**21  # cells of a grid map up to which the exact shortest path is computed
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A free path.
+
+    Attributes:
+        map: the map as it was given, with start and goal.
+        path: (k, 2) points from start to goal, in map units.
+        length: length of the path, in map units.
+        clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
+        evaluations: evaluations of the optimizer, and those of final repairs.
+        seconds: time that planning took, without that of `gap`.
+        gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
+            None where it is unknown.
+        found_by: "swarm"; "swarm and planner" if pieces of its path were planned anew; "guide" if nothing was
+            shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; or "exact
+            planner".
+        stopped: whether Ctrl-C ended planning.
+    """
+
+    map: MapScenario
+    path: Floats
+    length: float
+    clearance: float
+    evaluations: int
+    seconds: float
+    gap: float | None
+    found_by: str
+    stopped: bool = False
+
+
+def plan(
+    where: str | Path | AnyScenario,
+    start: Point | None = None,
+    goal: Point | None = None,
+    *,
+    robot_radius: float = 0.0,
+    clearance: float = 0.0,
+    optimizer: str | None = None,
+    controller: str | None = None,
+    max_evaluations: int | None = None,
+    max_seconds: float | None = None,
+    seed: int = 0,
+    fallback: bool = False,
+) -> Plan:
+    """Return a free path from start to goal, found by a swarm.
+
+    Episodes run until a budget is spent, each from another seed; without a budget, `EPISODES` do. The best
+    path of each is made free, see `swarm_gym.final_repair`, and the shortest is kept. On grid maps, swarms
+    begin around a path of A*: the first around the shortest one, the others around paths that a block
+    somewhere on the best path so far leaves.
+
+    Args:
+        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON with polygons), a scenario,
+            or its name.
+        start: (x, y) in map units; a scenario has its own.
+        goal: (x, y) in map units; a scenario has its own.
+        robot_radius: radius of the robot, in map units.
+        clearance: distance that the robot keeps from obstacles besides, in map units.
+        optimizer: name of the optimizer; by default one that suits the kind of map.
+        controller: name of the controller; by default one that suits the optimizer and the kind of map.
+        max_evaluations: evaluations after which no further episode begins, and at least one does.
+        max_seconds: seconds after which planning ends.
+        seed: seed of the first episode.
+        fallback: whether the exact planner's path is returned if the swarm finds none.
+
+    Raises:
+        ScenarioError: for a map, start or goal that is invalid.
+        SettingError: for another value that is invalid.
+        NoPathError: if there is no path, or none was found within the budget.
+    """
+    require_number("robot_radius", robot_radius, 0.0, 1e9)
+    require_number("clearance", clearance, 0.0, 1e9)
+    require_integer("seed", seed, 0, 2**31)
+    if max_seconds is not None:
+        require_number("max_seconds", max_seconds, 1e-3, 1e9)
+    if max_evaluations is not None:
+        require_integer("max_evaluations", max_evaluations, 1)
+    began = time.monotonic()
+    task = read_task(where, start, goal, robot_radius + clearance)
+    search = _Search(task, optimizer, controller, seed)
+    limit = math.inf if max_seconds is None else began + max_seconds
+    most = math.inf if max_evaluations is None else max_evaluations
+    stopped = False
+    try:
+        for episode in count(1):
+            search.run(limit)
+            if time.monotonic() >= limit or search.evaluations >= most:
+                break
+            if max_seconds is None and max_evaluations is None and episode == EPISODES:
+                break
+    except KeyboardInterrupt:
+        stopped = True
+        search.keep_best()
+    found, found_by = search.best, search.found_by
+    if found is None:
+        if not fallback:
+            raise NoPathError(
+                f"no free path found on {task.given.name!r} with {search.evaluations:,} evaluations in "
+                f"{time.monotonic() - began:.2f} seconds; a larger budget or `fallback` may help"
+            )
+        found, found_by = shortest_path(task.grown)[1], "exact planner"
+    seconds = time.monotonic() - began
+    length = float(np.hypot(*np.diff(found, axis=0).T).sum())
+    gap = _gap(task, length)
+    least = clearance_of(task.given, found)
+    return Plan(task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped)
+
+
+def _gap(task: Task, length: float) -> float | None:
+    if isinstance(task.grown, GridScenario) and task.grown.map.blocked.size > LARGEST_EXACT:
+        return None
+    return length / shortest_path(task.grown)[0] - 1.0
+
+
+class _Search:
+    """Episodes on a task, and the shortest free path that they have found.
+
+    Attributes:
+        best: (k, 2) that path, in map units; None if there is none yet.
+        found_by: origin of that path, see `Plan`.
+        evaluations: evaluations so far.
+    """
+
+    def __init__(self, task: Task, optimizer: str | None, controller: str | None, seed: int):
+        self._on_grid = isinstance(task.grown, GridScenario)
+        usual, usual_controller = ON_GRIDS if self._on_grid else ON_OBSTACLES
+        name = optimizer or usual
+        known = controller or (usual_controller if name == usual else "fixed:60")
+        self._controller: Controller = make_controller(known)
+        # Noise and steps of optimizers have units: maps are as wide as those of the papers.
+        scaled = None if isinstance(task.grown, GridScenario) else scaled_to_cases(task.grown)
+        self._to_map = (lambda path: path) if scaled is None else scaled.to_map
+        scenario = task.grown if scaled is None else scaled.scenario
+        options: dict[str, Any] = {"iterations": ITERATIONS.get(name, FEW_ITERATIONS)}
+        if self._on_grid and "bezier" in _encodings(name):
+            options["encoding"] = "bezier"
+        self._env = SwarmEnv(name, scenario=scenario, **options, **self._controller.env_options())
+        self._task, self._seed = task, seed
+        self._guide: Floats | None = None
+        self.best: Floats | None = None
+        self.found_by = "swarm"
+        self.evaluations = 0
+        self._before = 0  # evaluations of the episodes before
+
+    def run(self, limit: float) -> None:
+        """Run an episode, at most until that time of the monotonic clock, and keep its path if it is best."""
+        self._guide = self._next_guide()
+        self._controller.reset(1, self._seed)
+        observation, info = self._env.reset(seed=self._seed, options=self._first())
+        self._seed += 1
+        ended = False
+        while not ended and time.monotonic() < limit:
+            observation, _, ended, _, info = self._env.step(self._controller.act(observation[None])[0])
+            self.evaluations = self._before + int(info["evaluations"])
+        self._before = self.evaluations
+        self.keep_best()
+
+    def keep_best(self) -> None:
+        """Make the best paths of the present population free, and keep the shortest if it is shorter."""
+        simulation = self._env.simulation
+        problem = simulation.problem_of(0)
+        assert isinstance(problem, MapProblem)
+        paths = [simulation.paths.best_of(0)]
+        feasible = simulation.paths.feasible()[0]
+        if np.isfinite(feasible).all():
+            paths.append(feasible)
+        names = ["swarm"] * len(paths)
+        if self._guide is not None:
+            paths.append(self._guide)
+            names.append("guide")
+        for path, name in zip(paths, names, strict=True):
+            found = final_repair(problem, path)
+            if found is None:
+                continue
+            self.evaluations += found.evaluations
+            self._before += found.evaluations
+            mapped = self._to_map(found.path)
+            mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
+            if self.best is None or _length(mapped) < _length(self.best):
+                self.best = mapped
+                self.found_by = "swarm and planner" if found.planned else name
+
+    def _next_guide(self) -> Floats | None:
+        """Return the way that the next episode begins around, on grid maps: first that of A*, then others."""
+        scenario = self._task.grown
+        if not isinstance(scenario, GridScenario):
+            return None
+        way = None
+        if self.best is not None:
+            way = other_way(scenario, self.best, np.random.default_rng(self._seed))
+        return way_of_a_star(scenario) if way is None else way
+
+    def _first(self) -> dict[str, Any] | None:
+        """Return the reset options of an episode: on grid maps, members around a planned way."""
+        problem = self._env.simulation.problems[0]
+        if self._guide is None or not isinstance(problem, GridProblem) or problem.encoding != "bezier":
+            return None
+        size = self._env.settings.initial_population_size
+        return {"initial_population": guided_population(problem, self._guide, size, self._seed)}
+
+
+def _encodings(optimizer: str) -> tuple[str, ...]:
+    from swarm_gym.optimizers import get_optimizer
+
+    return get_optimizer(optimizer).encodings
+
+
+def _length(path: Floats) -> float:
+    return float(np.hypot(*np.diff(path, axis=0).T).sum())

@@ -1,0 +1,91 @@
+"""Tasks of planning: maps of any kind with a start and a goal, and the same maps with grown obstacles."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from swarm_gym.errors import NoPathError, ScenarioError, shown
+from swarm_gym.planning.geojson import read_geojson
+from swarm_gym.planning.growing import grown, grown_grid
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridScenario,
+    MapScenario,
+    Point,
+    Scenario,
+    make_scenario,
+)
+from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.scenarios.formats.moving_ai import read_map
+from swarm_gym.scenarios.formats.ros_map import read_ros_map
+
+READERS = {".yaml": read_ros_map, ".map": read_map}
+GEOJSON = (".geojson", ".json")
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task of planning.
+
+    Attributes:
+        given: the map as it is, with start and goal.
+        grown: map with obstacles that have grown by the margin: a point on it is the whole robot.
+        margin: distance in map units that the path keeps from obstacles: radius of the robot and clearance.
+    """
+
+    given: MapScenario
+    grown: MapScenario
+    margin: float
+
+
+def read_task(
+    where: str | Path | AnyScenario, start: Point | None, goal: Point | None, margin: float
+) -> Task:
+    """Return the task on a map.
+
+    Args:
+        where: a file, here or in the data folder: `.yaml` of ROS's map_server, `.map` of Moving AI, or
+            GeoJSON with polygons; or a scenario or its name.
+        start: (x, y), in map units; a scenario has its own.
+        goal: (x, y), in map units; a scenario has its own.
+        margin: distance to keep from obstacles, in map units.
+
+    Raises:
+        ScenarioError: for a file that is missing or malformed, or an end that is outside the map, inside an
+            obstacle, or closer to one than the margin.
+        NoPathError: if obstacles separate start and goal, also after they have grown.
+    """
+    given = _given(where, start, goal)
+    if margin == 0.0:
+        return Task(given, given, 0.0)
+    try:
+        larger = _grown(given, margin)
+    except ScenarioError as error:
+        kind = NoPathError if isinstance(error, NoPathError) else ScenarioError
+        raise kind(
+            f"{error}; obstacles have grown by {margin:g}, for the robot's radius and the clearance"
+        ) from error
+    return Task(given, larger, margin)
+
+
+def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
+    named = str(where) if isinstance(where, str | Path) else ""
+    ending = Path(named).suffix
+    if ending in (*READERS, *GEOJSON) and not set("?#") & set(named):
+        if start is None or goal is None:
+            raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
+        path = Path(named) if Path(named).is_file() else find_data_file(named)
+        if ending in GEOJSON:
+            return read_geojson(path, start, goal)
+        return GridScenario(path.stem, READERS[ending](path), start, goal)
+    scenario = make_scenario(str(where) if isinstance(where, Path) else where)
+    if not isinstance(scenario, Scenario | GridScenario):
+        raise ScenarioError(f"scenario {shown(scenario.name)}: planning needs a map that stays as it is")
+    if start is not None:
+        scenario = replace(scenario, start=start)
+    return scenario if goal is None else replace(scenario, target=goal)
+
+
+def _grown(given: MapScenario, margin: float) -> MapScenario:
+    if isinstance(given, GridScenario):
+        return replace(given, map=grown_grid(given.map, margin))
+    return grown(given, margin)

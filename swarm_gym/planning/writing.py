@@ -1,0 +1,77 @@
+"""Files with a path: CSV, GeoJSON, ROS's nav_msgs/Path as YAML, or a picture, by the ending of the name."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarm_gym.errors import SettingError
+from swarm_gym.files import write_atomically
+from swarm_gym.planning.drawing import drawing
+from swarm_gym.planning.planner import Plan
+
+
+def as_csv(plan: Plan) -> str:
+    """Return lines `x,y` below a head, in map units."""
+    return "".join(["x,y\n", *(f"{x!r},{y!r}\n" for x, y in plan.path.tolist())])
+
+
+def as_geojson(plan: Plan) -> str:
+    """Return a feature with a line string, in map units."""
+    facts: dict[str, Any] = {
+        "map": plan.map.name,
+        "length": plan.length,
+        "evaluations": plan.evaluations,
+        "found_by": plan.found_by,
+    }
+    if np.isfinite(plan.clearance):
+        facts["clearance"] = plan.clearance
+    geometry = {"type": "LineString", "coordinates": plan.path.tolist()}
+    return json.dumps({"type": "Feature", "properties": facts, "geometry": geometry}, indent=1) + "\n"
+
+
+def as_ros_path(plan: Plan) -> str:
+    """Return a message nav_msgs/Path in the frame `map`; poses look along the path."""
+    headings = np.arctan2(*np.diff(plan.path, axis=0).T[::-1])
+    lines = ["header:", "  frame_id: map", "poses:"]
+    for (x, y), heading in zip(plan.path.tolist(), [*headings.tolist(), headings[-1]], strict=True):
+        sin, cos = np.sin(heading / 2.0), np.cos(heading / 2.0)
+        lines += [
+            "- header:",
+            "    frame_id: map",
+            "  pose:",
+            f"    position: {{x: {x!r}, y: {y!r}, z: 0.0}}",
+            f"    orientation: {{x: 0.0, y: 0.0, z: {sin:.17g}, w: {cos:.17g}}}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+FORMATS: dict[str, Callable[[Plan], str]] = {
+    ".csv": as_csv,
+    ".geojson": as_geojson,
+    ".yaml": as_ros_path,
+    ".svg": drawing,
+}
+
+
+def format_of(path: Path) -> Callable[[Plan], str]:
+    """Return the function that makes the content of a file of that name.
+
+    Raises:
+        SettingError: for an ending that is not in `FORMATS`.
+    """
+    if path.suffix not in FORMATS:
+        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(FORMATS)}")
+    return FORMATS[path.suffix]
+
+
+def write_plan(plan: Plan, path: Path) -> None:
+    """Write the path of a plan in the format that the file's ending names.
+
+    Raises:
+        SettingError: for an ending that is not in `FORMATS`.
+        OSError: if the file cannot be written.
+    """
+    write_atomically(path, format_of(path)(plan))

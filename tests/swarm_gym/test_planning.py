@@ -1,0 +1,263 @@
+"""Planning: free paths from a map, a start and a goal, checked by shapely, not by the package's own tests."""
+
+import json
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import shapely
+
+import swarm_gym
+from helpers.shapes import shape
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import NoPathError, ScenarioError, SettingError
+from swarm_gym.plan import main
+from swarm_gym.planning import plan, planner
+from swarm_gym.planning.growing import grown
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import Circle, GridScenario, Polygon, Scenario, make_scenario
+from swarm_gym.scenarios.formats.data_files import data_folder
+from swarm_gym.scenarios.formats.moving_ai import read_scenarios
+
+L_SHAPE = [[2, 1], [8, 1], [8, 3], [4, 3], [4, 9], [2, 9], [2, 1]]
+FIELD = {
+    "type": "FeatureCollection",
+    "features": [
+        {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [L_SHAPE]}},
+        {"type": "Feature", "geometry": {"type": "Point", "coordinates": [1, 1]}},
+        {
+            "type": "Feature",
+            "geometry": {"type": "MultiPolygon", "coordinates": [[[[10, 4], [12, 4], [11, 8], [10, 4]]]]},
+        },
+    ],
+}
+
+
+def obstacles_of(scenario):
+    """Return everything that is blocked as one shape."""
+    if not isinstance(scenario, GridScenario):
+        return shapely.union_all([shape(obstacle, 512) for obstacle in scenario.obstacles])
+    grid, rows, columns = scenario.map, *np.nonzero(scenario.map.blocked)
+    corners = [grid.to_map(np.stack([columns + a, rows + b], axis=-1)) for a, b in ((-0.5, -0.5), (0.5, 0.5))]
+    low, high = np.minimum(*corners), np.maximum(*corners)
+    return shapely.union_all(shapely.box(*low.T, *high.T))
+
+
+def assert_free(found, radius=0.0):
+    """The path joins start and goal, is as long and as far from obstacles as it says, and enters none."""
+    scenario, line = found.map, shapely.LineString(found.path)
+    np.testing.assert_array_equal(found.path[[0, -1]], [scenario.start, scenario.target])
+    assert found.length == pytest.approx(line.length)
+    blocked = obstacles_of(scenario)
+    assert line.intersection(blocked.buffer(-1e-5)).length == 0.0
+    assert line.distance(blocked) >= radius - 1e-4
+    assert found.clearance == pytest.approx(line.distance(blocked), abs=1e-3)
+    assert found.gap >= -1e-6
+
+
+@pytest.mark.parametrize("radius", [0.0, 12.0])
+@pytest.mark.parametrize("name", ["case2", "case3", "random-fields:test:5"])
+def test_paths_among_obstacles_are_free_and_short(name, radius):
+    found = plan(name, robot_radius=radius / 2, clearance=radius / 2, seed=1)
+    assert_free(found, radius)
+    assert found.gap < (0.06 if radius == 0.0 else 0.6)
+    assert found.found_by.startswith("swarm")
+    assert found.evaluations > 1000
+
+
+@pytest.mark.parametrize("name", ["rooms:0", "caves:1"])
+def test_paths_on_grids_are_free(name):
+    assert_free(plan(name))
+
+
+def test_the_robots_radius_counts_on_grids():
+    assert_free(plan("rooms:0", robot_radius=0.4), 0.4)
+
+
+def test_the_same_seed_gives_the_same_path_and_more_budget_no_longer_one():
+    first, again = plan("case2", seed=3), plan("case2", seed=3)
+    np.testing.assert_array_equal(first.path, again.path)
+    more = plan("case2", seed=3, max_evaluations=2 * first.evaluations)
+    assert more.evaluations >= 2 * first.evaluations
+    assert more.length <= first.length
+    other = swarm_gym.plan("case2", optimizer="particle-swarm", controller="fixed:40", seed=3)
+    assert_free(other)
+
+
+def test_seconds_end_an_episode_in_its_middle(monkeypatch):
+    ticks = iter(np.arange(0.0, 1000.0, 0.01))
+    monkeypatch.setattr(planner.time, "monotonic", lambda: next(ticks))
+    found = plan("case1", max_seconds=0.2)
+    assert found.evaluations < plan("case1").evaluations
+    assert_free(found)
+
+
+def test_ctrl_c_gives_the_best_path_so_far(monkeypatch):
+    steps, step = iter(range(100)), SwarmEnv.step
+
+    def interrupted(env, action):
+        if next(steps) == 40:
+            raise KeyboardInterrupt
+        return step(env, action)
+
+    monkeypatch.setattr(SwarmEnv, "step", interrupted)
+    found = plan("case3")
+    assert found.stopped
+    assert_free(found)
+
+
+def test_polygons_of_a_file_grow_around_discs():
+    scenario = make_scenario("case1")
+    larger = grown(scenario, 7.0)
+    for before, after in zip(scenario.obstacles, larger.obstacles, strict=True):
+        expected = shape(before, 512).buffer(7.0, quad_segs=512)
+        area = shape(after, 512)
+        assert expected.difference(area).area < 1e-3 * expected.area
+        assert area.difference(expected.buffer(0.04)).is_empty
+
+
+def test_polygons_of_geojson_are_obstacles_convex_or_not(tmp_path):
+    file = tmp_path / "field.geojson"
+    file.write_text(json.dumps(FIELD))
+    found = plan(file, (0.0, 5.0), (14.0, 5.0), clearance=0.3)
+    area = shapely.union_all([shapely.Polygon(L_SHAPE), shapely.Polygon([[10, 4], [12, 4], [11, 8]])])
+    assert shapely.LineString(found.path).distance(area) >= 0.3 - 1e-6
+    assert obstacles_of(found.map).symmetric_difference(area).area < 1e-9
+    assert shapely.box(*found.map.workspace).contains(shapely.LineString([(0, 5), (14, 5)]))
+
+
+def test_files_have_the_path_in_every_format(tmp_path, capsys):
+    command = ["--map", "case1", "--seed", "2", "--output"]
+    for ending in ("csv", "geojson", "yaml", "svg"):
+        assert main([*command, str(tmp_path / f"path.{ending}")]) == 0
+    found = plan("case1", seed=2)
+    printed = capsys.readouterr().out
+    assert f"length       {found.length:.6g}" in printed
+    assert "found by     swarm" in printed
+    table = np.loadtxt(tmp_path / "path.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(table, found.path)
+    feature = json.loads((tmp_path / "path.geojson").read_text())
+    assert feature["geometry"]["coordinates"] == found.path.tolist()
+    assert feature["properties"]["length"] == found.length
+    yaml = pytest.importorskip("yaml")
+    poses = yaml.safe_load((tmp_path / "path.yaml").read_text())["poses"]
+    assert [[one["pose"]["position"][k] for k in "xy"] for one in poses] == found.path.tolist()
+    for pose, step in zip(poses, np.diff(found.path, axis=0), strict=False):
+        turn = pose["pose"]["orientation"]
+        assert 2.0 * math.atan2(turn["z"], turn["w"]) == pytest.approx(math.atan2(step[1], step[0]))
+    picture = ElementTree.parse(tmp_path / "path.svg").getroot()
+    assert picture.tag.endswith("svg")
+    assert len(picture.findall(".//{*}polyline")) == 1
+
+
+def test_walls_leave_no_path(tmp_path, capsys):
+    rows = ["..@..", "..@..", "..@.."]
+    file = tmp_path / "walled.map"
+    file.write_text("type octile\nheight 3\nwidth 5\nmap\n" + "\n".join(rows) + "\n")
+    assert main(["--map", str(file), "--start", "0,0", "--goal", "4,2"]) == 3
+    assert "no path leads from start (0.0, 0.0)" in capsys.readouterr().err
+    narrow = tmp_path / "narrow.map"
+    narrow.write_text("type octile\nheight 3\nwidth 5\nmap\n..@..\n.....\n..@..\n")
+    assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1"]) == 0
+    assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1", "--robot-radius", "0.8"]) == 3
+    assert "obstacles have grown by 0.8" in capsys.readouterr().err
+
+
+RING = tuple(
+    Polygon.rectangle(*corners)
+    for corners in ((40, 20, 60, 22), (40, 38, 60, 40), (40, 20, 42, 40), (58, 20, 60, 40))
+)
+CAGED = Scenario("caged", (10.0, 30.0), (50.0, 30.0), RING, (0.0, 0.0, 100.0, 60.0))
+OPEN = Scenario("open", (10.0, 30.0), (90.0, 30.0), (Circle(50, 29, 10),), (0.0, 0.0, 100.0, 60.0))
+
+
+def test_the_exact_planner_stands_in_only_where_it_is_asked_to(monkeypatch):
+    with pytest.raises(NoPathError, match="no free path found on 'caged' with"):
+        plan(CAGED)
+    with pytest.raises(NoPathError, match="separate start and target"):
+        plan(CAGED, fallback=True)
+    monkeypatch.setattr(planner, "final_repair", lambda *_: None)
+    with pytest.raises(NoPathError, match="no free path found on 'open'"):
+        plan(OPEN)
+    found = plan(OPEN, fallback=True)
+    assert found.found_by == "exact planner"
+    assert found.length == pytest.approx(shortest_path(OPEN)[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--map", "nowhere.yaml", "--start", "0,0", "--goal", "1,1"], "no file nowhere.yaml; searched"),
+        (["--map", "case9"], "unknown scenario 'case9'"),
+        (["--map", "case1", "--start", "100,250"], "start (100.0, 250.0) lies inside obstacle 0"),
+        (["--map", "case1", "--start", "20,300", "--goal", "20,300"], "must be different points"),
+        (["--map", "case1", "--robot-radius", "80"], "obstacles have grown by 80"),
+        (["--map", "case1", "--robot-radius", "-1"], "robot_radius"),
+        (["--map", "case1", "--output", "path.doc"], "the name must end with .csv"),
+        (["--map", "case1", "--controller", "mine"], "unknown controller 'mine'"),
+        (["--map", "case1", "--optimizer", "bees"], "unknown optimizer 'bees'"),
+        (["--map", "function:booth-2"], "planning needs a map"),
+        (["--map", "dynamic:case1-gate@50"], "planning needs a map that stays as it is"),
+    ],
+)
+def test_invalid_input_is_refused_with_status_2(arguments, message, capsys):
+    assert main(arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "expected GeoJSON"),
+        ("[]", "expected GeoJSON objects with a type"),
+        ('{"type": "FeatureCollection", "features": []}', "expected at least one polygon"),
+        ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 1]]]}', "a ring needs at least 4 points"),
+        ('{"type": "Polygon", "coordinates": [["a"]]}', "expected rings of points"),
+    ],
+)
+def test_malformed_geojson_is_refused(tmp_path, content, message):
+    file = tmp_path / "field.geojson"
+    file.write_text(content)
+    with pytest.raises(ScenarioError, match=message):
+        plan(file, (0.0, 0.0), (1.0, 0.0))
+
+
+def test_other_values_are_refused():
+    with pytest.raises(SettingError, match="max_seconds"):
+        plan("case1", max_seconds=-1.0)
+    with pytest.raises(SettingError, match="max_evaluations"):
+        plan("case1", max_evaluations=0)
+    with pytest.raises(ScenarioError, match="a file needs a start and a goal"):
+        plan(Path("somewhere.map"))
+    with pytest.raises(SystemExit):
+        main(["--map", "case1", "--budget", "many"])
+    with pytest.raises(SystemExit):
+        main(["--map", "case1", "--start", "1;2"])
+
+
+PUBLIC = {
+    "maze-128-128-10.map": "maze-128-128-10-random-1.scen",
+    "room-64-64-8.map": "room-64-64-8-random-1.scen",
+    "random-64-64-20.map": "random-64-64-20-random-1.scen",
+    "arena.map": "arena.map.scen",
+    "den400d.map": "den400d.map.scen",
+}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if "maze" in name else pytest.mark.slow) for name in PUBLIC]
+)
+def test_public_maps_have_free_paths_within_two_per_cent(name):
+    folder = data_folder() / "movingai"
+    if not (folder / name).exists():
+        pytest.skip(f"needs {name} in the folder that SWARM_GYM_DATA names")
+    tasks = read_scenarios(folder / PUBLIC[name])
+    chosen = np.random.default_rng(0).choice(len(tasks), 10, replace=False)
+    gaps = []
+    for task in (tasks[k] for k in chosen):
+        found = plan(folder / name, task.start, task.goal)
+        assert_free(found)
+        gaps.append(found.gap)
+    assert np.mean(np.array(gaps) <= 0.02) >= 0.9
