@@ -150,6 +150,9 @@ PACKAGED_CONTROLLERS = (
 # By recipe, the number of training seeds: `learned:three-cases/0` to `learned:three-cases/9`.
 PACKAGED_POLICIES = {
     "ablation-all": 5,
+    "ablation-group-4": 5,
+    "ablation-lambda": 5,
+    "ablation-branching": 5,
     "case1": 5,
     "case2": 5,
     "case3": 5,
@@ -185,13 +188,13 @@ SUITE_NAMES = (
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
 )  # fmt: skip
 COLLECTION_NAMES = (
-    "iafsa-paper", "brand-yu", "newcomers-study",
+    "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study",
 )  # fmt: skip
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "headline", "gaps", "differences", "duels", "front",
     "near-optimum", "free-paths", "parameters", "moa", "iafsa-functions", "iafsa-convergence",
-    "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "brand-yu-counts", "brand-yu-grids",
-    "corridors", "claims",
+    "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "robots", "brand-yu-counts",
+    "brand-yu-grids", "corridors", "claims",
     "newcomers-optimizers",
 )  # fmt: skip
 FIGURE_NAMES = (

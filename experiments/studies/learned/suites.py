@@ -24,7 +24,7 @@ LINEAR = training_seeds("learned:three-cases-linear", 5, 1)
 FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 
 # Tuned on the objective of the policies at price 1, with as many environment steps in all.
-TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 2)
+TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 5)
 LOOPS = training_seeds("open-loop:three-cases-long", 5, 1)
 THIRTEEN_KNOTS = training_seeds("open-loop:three-cases-13-knots", 5, 1)
 
@@ -119,7 +119,9 @@ SINGLE_CASES = Suite(
 )
 
 # Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
-CHANGED = ("group-1", "group-16", "step-noise", "critic", "scratch")
+CHANGED = (
+    "group-1", "group-4", "group-16", "step-noise", "critic", "lambda", "branching", "scratch",
+)  # fmt: skip
 ABLATION_FAMILIES = (
     Family("the base", ("open-loop:three-cases",), blind=True),
     *(Family(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
