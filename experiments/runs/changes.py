@@ -63,18 +63,12 @@ def offline_errors(runs: Sequence[Run], scenario: str) -> Floats:
     return changes.gaps(runs)[:, first:].mean(axis=1)
 
 
-def best_collisions(runs: Sequence[Run]) -> Floats:
-    """Return the degree of collision of the best path of runs of one length, (runs, rows), in map units."""
-    return np.array([run.course("best_collision") for run in runs])
-
-
-def iterations_to_feasible(collisions: Floats, event: int, tolerance: float) -> Floats:
-    """Return the iterations from an event to the next feasible best path, (runs,); infinite without one.
+def iterations_to_feasible(runs: Sequence[Run], event: int) -> Floats:
+    """Return the iterations from an event to the first feasible path after it, (runs,); infinite without one.
 
     Args:
-        collisions: (runs, rows) degrees of collision, see `best_collisions`.
-        event: iteration that the event follows.
-        tolerance: degree of collision up to which a path counts as feasible, in map units.
+        runs: runs of one length.
+        event: iteration that the event follows; 0 iterations later is right after the event.
     """
-    feasible = collisions[:, event:] <= tolerance
-    return np.where(feasible.any(axis=1), feasible.argmax(axis=1), np.inf)
+    found = np.isfinite([run.course("feasible_fitness")[event:] for run in runs])
+    return np.where(found.any(axis=1), found.argmax(axis=1), np.inf)

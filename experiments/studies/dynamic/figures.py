@@ -15,17 +15,28 @@ from experiments.runs.suite import Suite
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import Settings
 
+# Groups that the figure shows, as far as they were run.
+SHOWN = (
+    "spsfa-tip", "tuned:random-fields", "open-loop:random-fields-sourced/*@1", "restart",
+    "reacting-loop:dynamic-reacting/*@1",
+)  # fmt: skip
+
 
 def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
-    """Draw best fitness on the map in force and the optimum of that map, one panel per scenario.
+    """Draw best fitness on the map in force and the optimum of that map, by iteration.
 
-    Each scenario has one event.
+    There is a panel for each set of scenarios in which an obstacle closes a corridor, with the events at the
+    second of the set's times.
     """
-    figure = new_figure(3.5 * len(outcomes.scenarios) + 0.6, 4.6)
-    panels = figure.subplots(1, len(outcomes.scenarios), squeeze=False)[0]
-    among = styles(outcomes.groups)
-    for axes, scenario in zip(panels, outcomes.scenarios, strict=True):
-        for group, controllers in outcomes.groups.items():
+    scenarios = [
+        strata[0][len(strata[0]) // 2] for name, strata in outcomes.sets.items() if name.endswith("-gate")
+    ]
+    figure = new_figure(3.5 * len(scenarios) + 0.6, 4.6)
+    panels = figure.subplots(1, len(scenarios), squeeze=False)[0]
+    groups = {group: outcomes.groups[group] for group in SHOWN if group in outcomes.groups}
+    among = styles(groups)
+    for axes, scenario in zip(panels, scenarios, strict=True):
+        for group, controllers in groups.items():
             runs = [run for controller in controllers for run in outcomes.runs(controller, scenario)]
             courses = columns(runs, "best_fitness")
             low, middle, high = np.quantile(courses, [0.25, 0.5, 0.75], axis=0)

@@ -6,10 +6,10 @@ from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, means
 from experiments.studies.dynamic.over_time import PRICE
+from experiments.studies.dynamic.suites import TOLD
 from experiments.tables.cell import Entry, number, share_in
 from experiments.tables.table import Table
 
-TOLD = "told the times of events"  # name of the family that is the upper bound
 COLUMNS = ("scenarios", "controller", "offline objective", "share of the gain")
 CAPTION = (
     "What seeing a change is worth: the best blind controller of each set gains nothing, the best one that "

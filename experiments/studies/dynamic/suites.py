@@ -1,28 +1,69 @@
-"""The suite of maps that change: an obstacle appears in the middle of an episode."""
+"""The suites of maps that change, shown in docs/dynamic.md: the cases, random fields, and robots that drive.
 
-from experiments.runs.suite import FRESH_SEEDS, Suite
-from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, HEADLINE_LEARNED
+To add a controller, enter its name in a family. All training seeds of a recipe are reported on together.
+"""
 
-# An obstacle closes the corridor that the population has settled in, in the middle of an episode.
-DYNAMIC = Suite(
-    name="dynamic",
-    controllers=(
-        *FIXED_SIZES,
-        "spsfa",
-        "spsfa-tip",
-        "tuned:three-cases",
-        "open-loop:three-cases",
-        *HEADLINE_LEARNED,
-        *HEADLINE_EXTENDED,
-        "random",
-    ),
-    scenarios=tuple(f"dynamic:{case}-gate@50" for case in CASES),
-    num_seeds=20,
-    baseline="spsfa-tip",
-    pairs=(("learned:three-cases/*@1", "open-loop:three-cases"), ("spsfa-tip", "fixed:80")),
-    first_seed=FRESH_SEEDS,
-    tables=("recovery", "differences", "duels"),
-    figures=("recovery", "front"),
+from pathlib import Path
+
+from experiments.runs.claims import claims_of
+from experiments.runs.suite import Family, Suite
+from experiments.studies.controllers import CASES, training_seeds
+from swarm_gym.scenarios import expand_name
+
+NEVER_USED = 40_000  # test seeds that no earlier study has used: 40,000 to 40,299
+CLAIMS = Path(__file__).parent / "claims.toml"
+
+# An obstacle appears on a case, at times that nothing was tuned or trained with: it closes the corridor that
+# most runs settle in, or stands beside it.
+CASE_EVENTS = tuple(
+    f"dynamic:{case}-{event}@{time}" for case in CASES for event in ("gate", "block") for time in (23, 47, 71)
+)
+FIELDS = expand_name("dynamic-fields:test:0-199")
+# The kind of event that nothing was tuned or trained on.
+MOVING = expand_name("dynamic-fields:moving:0-99")
+DRIVES = tuple(
+    f"dynamic:{case}-gate@{time}-drive@40,every=5,distance=120" for case in CASES for time in (47, 53)
 )
 
-SUITES = (DYNAMIC,)
+PRINTED = Family("printed", ("fixed:60", "spsfa-tip"))
+STILL = Family(
+    "tuned or trained on maps that stay",
+    ("tuned:random-fields", *training_seeds("learned:three-cases-sourced-ppo", 5)),
+)
+BLIND = Family("blind", training_seeds("open-loop:random-fields-sourced", 5, 1), blind=True)
+REACTING = Family("reacting", ("restart", *training_seeds("reacting-loop:dynamic-reacting", 5, 1)))
+FAMILIES = (PRINTED, STILL, BLIND, REACTING)
+TOLD = "told the times of events"  # name of the family that is the upper bound in the table `seeing`
+
+
+def _suite(
+    name: str,
+    scenarios: tuple[str, ...],
+    num_seeds: int,
+    tables: tuple[str, ...],
+    figures: tuple[str, ...] = (),
+    seed_step: int = 0,
+) -> Suite:
+    return Suite(
+        name=name,
+        controllers=tuple(controller for family in FAMILIES for controller in family.controllers),
+        scenarios=scenarios,
+        num_seeds=num_seeds,
+        baseline="spsfa-tip",
+        first_seed=NEVER_USED,
+        seed_step=seed_step,
+        families=FAMILIES,
+        tables=tables,
+        figures=figures,
+        claims=claims_of(CLAIMS, name),
+    )
+
+
+OVER_TIME = ("over-time", "seeing", "recovery", "claims")
+DYNAMIC = _suite("dynamic", CASE_EVENTS, 10, OVER_TIME, ("recovery",))
+# Each field has one seed, which no other field has.
+DYNAMIC_FIELDS = _suite("dynamic-fields", (*FIELDS, *MOVING), 1, OVER_TIME, seed_step=1)
+DYNAMIC_ROBOTS = _suite("dynamic-robots", DRIVES, 16, ("robots",))
+
+SUITES = (DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS)
+COLLECTIONS = {"dynamic-study": tuple(suite.name for suite in SUITES)}

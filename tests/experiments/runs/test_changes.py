@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.runs.changes import Changes, best_collisions, iterations_to_feasible, offline_errors
+from experiments.runs.changes import Changes, iterations_to_feasible, offline_errors
 from helpers.stored_runs import stored_run
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
@@ -48,10 +48,9 @@ def test_the_offline_error_is_what_the_reward_of_that_name_sums_to():
 
 
 def test_feasible_again_is_counted_from_the_event():
-    runs = runs_with(best_collision=[[0, 0, 3, 2, 0], [0, 0, 0, 0, 0], [5, 4, 3, 2, 0.9]])
-    collisions = best_collisions(runs)
-    np.testing.assert_array_equal(iterations_to_feasible(collisions, 2, 1e-9), [2, 0, np.inf])
-    np.testing.assert_array_equal(iterations_to_feasible(collisions, 2, 1.0), [2, 0, 2])
+    none = np.nan
+    runs = runs_with(feasible_fitness=[[300, 300, none, none, 310], [300] * 5, [300, 300, none, none, none]])
+    np.testing.assert_array_equal(iterations_to_feasible(runs, 2), [2, 0, np.inf])
 
 
 def test_the_offline_error_needs_the_optimum_of_every_map(monkeypatch):

@@ -1,4 +1,4 @@
-"""Tables and figures of Brand and Yu's paper, and of maps that change, say what the runs say."""
+"""Tables and figures of Brand and Yu's paper say what the runs say."""
 
 import dataclasses
 from math import acos, degrees, hypot, sqrt
@@ -12,8 +12,6 @@ from experiments.documents.page import make_tables
 from experiments.runs.run import Snapshot
 from experiments.studies.brand_yu.published import TABLE_1
 from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
-from experiments.studies.dynamic.suites import DYNAMIC as GATES
-from experiments.studies.dynamic.tables import Recovery
 from helpers.stored_runs import cells_of, line, part_of, printed_rows, stored_run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 
@@ -220,82 +218,3 @@ def test_lengths_and_times_are_drawn_against_the_side(database, grids):
         heights = axes.collections[0].get_paths()[0].vertices[:, 1]
         assert (heights.min(), heights.max()) == pytest.approx(MADE[FEW][number][[0, 3]] * SPREAD[[0, 3]])
     np.testing.assert_allclose(line(lengths, "shortest path"), [SIDES, STRAIGHT])
-
-
-# Recovery.
-
-
-def test_recovery_is_counted_from_the_row_of_the_event():
-    """The event follows iteration 3: the row of that shows the changed map already."""
-    collisions = [
-        [9, 9, 0, 9, 9, 0, 0],  # feasible before, two iterations after
-        [9, 9, 9, 0, 9, 9, 9],  # at once
-        [0, 0, 9, 9, 9, 9, 9],  # no longer before, never again
-        [0, 0, 0, 0.5, 0.5, 0.5, 9],  # grazes
-    ]
-    spent = 10.0 ** np.arange(7)
-    runs = [made_run(("spsfa", "", 0), best_collision=course, evaluations=spent) for course in collisions]
-    for tolerance, grazing in ((FEASIBILITY_TOLERANCE, (0.0, np.inf, np.inf)), (1.0, (1.0, 0.0, 0.0))):
-        found = Recovery.of(runs, 3, tolerance)
-        assert found.was_feasible.tolist() == [1.0, 0.0, 0.0, 1.0]
-        assert found.stayed_feasible.tolist() == [0.0, 1.0, 0.0, grazing[0]]
-        assert found.iterations.tolist() == [2.0, 0.0, np.inf, grazing[1]]
-        assert found.evaluations.tolist() == [99_000.0, 0.0, np.inf, grazing[2]]
-
-
-SEEDS = ("learned:three-cases/0@1", "learned:three-cases/1@1")
-AGAIN = {"fixed:80": (60, 55, None), SEEDS[0]: (50, 52, 58), SEEDS[1]: (None, None, None)}  # feasible from
-OPTIMA = {"dynamic:case1-gate@50": (299.00284, 299.00284), "dynamic:case3-gate@50": (300.27415, 306.51812)}
-
-
-@pytest.fixture
-def gates(database):
-    """Three runs each, whose courses are random but for feasibility."""
-    rng = np.random.default_rng(0)
-    courses = {}
-    for s, (name, (_, optimum)) in enumerate(OPTIMA.items()):
-        for c, (controller, places) in enumerate(AGAIN.items()):
-            for seed, place in enumerate(places):
-                collision = np.full(101, 9.0)
-                collision[49 if seed else 48] = 0.0
-                collision[101 if place is None else place :] = 0.5 if seed == 1 else 0.0
-                best = rng.uniform(310.0, 400.0, 101)
-                fitness = optimum * (1.1 + 0.1 * seed + 0.03 * c + 0.01 * s)
-                spent = 1000.0 * np.arange(1, 102)
-                of = {"best_fitness": best, "best_collision": collision, "evaluations": spent}
-                database.add(made_run((controller, name, seed), fitness=fitness, **of))
-                courses.setdefault((name, controller), []).append(best)
-    return part_of(GATES, AGAIN, OPTIMA, 3, tables=("recovery",), figures=("recovery",)), courses
-
-
-def test_recovery_tables_have_quartiles_of_all_training_seeds(database, gates):
-    (table,) = make_tables(gates[0], database)
-    rows = printed_rows(table)
-    assert [row[:3] for row in rows] == [
-        (name, *who) for name in OPTIMA for who in (("FA-80", "3"), ("learned three-cases@1", "6"))
-    ]
-    # Strictly, the second run of each only grazes, and never recovers: medians and quartiles of what is left.
-    fixed = (
-        "67 %, 0 %, 33 %", "never [10, never]", "never [10,000, never]",
-        "67 %, 0 %, 67 %", "10 [5, never]", "10,000 [5,000, never]",
-    )  # fmt: skip
-    learned = (
-        "67 %, 17 %, 33 %", "never [8, never]", "never [8,000, never]",
-        "67 %, 17 %, 50 %", "8 [2, never]", "8,000 [2,000, never]",
-    )  # fmt: skip
-    assert [row[3:9] for row in rows] == [fixed, learned] * 2
-    assert [row[9].partition(" [")[0] for row in rows] == ["20.00 %", "24.50 %", "21.00 %", "25.50 %"]
-    assert {row[10] for row in rows} == {"101,000"}
-
-
-def test_recovery_is_drawn_as_medians_beside_the_optimum_of_the_map_in_force(database, gates):
-    suite, courses = gates
-    panels = plan(suite, database)["recovery"]().axes
-    for axes, (name, optima) in zip(panels, OPTIMA.items(), strict=True):
-        assert axes.get_title() == name
-        for text, controllers in (("FA-80", ("fixed:80",)), ("learned three-cases@1", SEEDS)):
-            made = [course for controller in controllers for course in courses[name, controller]]
-            np.testing.assert_allclose(line(axes, text), [np.arange(101), np.median(made, axis=0)])
-        np.testing.assert_allclose(line(axes, "optimum"), [(0, 50, 100), (*optima, optima[1])], rtol=1e-7)
-        assert [each.get_drawstyle() for each in axes.lines][-2] == "steps-post"
-        assert line(axes, "the obstacle appears")[0].tolist() == [50.0, 50.0]

@@ -1,0 +1,67 @@
+"""The table of robots that drive while the map changes: how many arrive, how far they drive, at what cost."""
+
+from functools import cache
+
+import numpy as np
+
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.suite import Suite
+from experiments.statistics import interval, mean_of_present, means
+from experiments.tables.cell import Entry, number, number_in, share_in
+from experiments.tables.table import Table
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import make_scenario, worlds_of
+
+COLUMNS = ("scenarios", "controller", "runs", "arrived", "driven", "evaluations")
+CAPTION = (
+    "Robots that drive while an obstacle appears: share that arrives without a collision; length that "
+    "these have driven, in per cent above the shortest way from the start on the changed map; evaluations "
+    "[95 % intervals over training seeds, scenarios of a set and seeds]"
+)
+AT_THE_TARGET = 1e-6  # map units
+
+
+def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
+    """Return a table with a row for each set of scenarios and group of controllers, most arrivals first."""
+    rows: list[tuple[Entry, ...]] = []
+    for scenario_set in outcomes.sets:
+        found: list[tuple[float, tuple[Entry, ...]]] = []
+        for group in outcomes.groups:
+            sample = outcomes.sample(group, scenario_set)
+            excess = np.array(
+                [
+                    [_excess(outcomes.runs(controller, scenario), scenario) for scenario in sample.scenarios]
+                    for controller in outcomes.groups[group]
+                ]
+            )
+            arrived, draws = np.isfinite(excess).astype(np.float64), sample.draws()
+            driven: Entry = "–"
+            if arrived.any():
+                driven = share_in(mean_of_present(excess), interval(means(excess, draws)), "+.2f")
+            entries = (
+                number(excess.size, ",d"),
+                share_in(arrived.mean(), interval(means(arrived, draws))),
+                driven,
+                number_in(sample.evaluations.mean(), interval(means(sample.evaluations, draws)), ",.0f"),
+            )
+            found.append((float(arrived.mean()), (scenario_set, label(group), *entries)))
+        rows += [entries for _, entries in sorted(found, key=lambda one: -one[0])]
+    return [Table("robots", CAPTION, COLUMNS, rows)]
+
+
+def _excess(runs: list, scenario: str) -> Floats:
+    """Return how far the robots of runs have driven above the shortest way, (runs,); NaN if not arrived."""
+    target, shortest = _target_and_shortest(scenario)
+    found = np.full(len(runs), np.nan)
+    for k, run in enumerate(runs):
+        if np.hypot(*(run.trajectory[-1] - target)) <= AT_THE_TARGET:
+            found[k] = np.hypot(*np.diff(run.trajectory, axis=0).T).sum() / shortest - 1.0
+    return found
+
+
+@cache
+def _target_and_shortest(scenario: str) -> tuple[Floats, float]:
+    *_, (_, changed) = worlds_of(make_scenario(scenario))
+    length, way = shortest_path(changed)
+    return way[-1], length
