@@ -15,6 +15,7 @@ from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.planning.clearance import clearance_of
 from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
 from swarm_gym.planning.scaling import scaled_to_cases
@@ -136,7 +137,7 @@ def plan(
             )
         found, found_by = shortest_path(task.grown)[1], "exact planner"
     seconds = time.monotonic() - began
-    length = float(np.hypot(*np.diff(found, axis=0).T).sum())
+    length = _length(found)
     gap = _gap(task, length)
     least = clearance_of(task.given, found)
     return Plan(task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped)
@@ -168,7 +169,7 @@ class _Search:
         self._to_map = (lambda path: path) if scaled is None else scaled.to_map
         scenario = task.grown if scaled is None else scaled.scenario
         options: dict[str, Any] = {"iterations": ITERATIONS.get(name, FEW_ITERATIONS)}
-        if self._on_grid and "bezier" in _encodings(name):
+        if self._on_grid and "bezier" in get_optimizer(name).encodings:
             options["encoding"] = "bezier"
         self._env = SwarmEnv(name, scenario=scenario, **options, **self._controller.env_options())
         self._task, self._seed = task, seed
@@ -233,12 +234,6 @@ class _Search:
             return None
         size = self._env.settings.initial_population_size
         return {"initial_population": guided_population(problem, self._guide, size, self._seed)}
-
-
-def _encodings(optimizer: str) -> tuple[str, ...]:
-    from swarm_gym.optimizers import get_optimizer
-
-    return get_optimizer(optimizer).encodings
 
 
 def _length(path: Floats) -> float:
