@@ -24,6 +24,7 @@ from swarm_gym.files import digest_of_sources, user_cache
 KERNEL_SOURCES = (
     "compiler",
     "corridors.py",
+    "final_repair",
     "population.py",
     "sources.py",
     "problem",

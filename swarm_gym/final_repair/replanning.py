@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym import reference  # its planners are imported when they are first used
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import MapProblem
-from swarm_gym.reference import shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridScenario
 
 Floats = NDArray[np.float64]
@@ -43,9 +43,10 @@ def _way(problem: MapProblem, start: Floats, target: Floats) -> Floats | None:
     try:
         if isinstance(scenario, GridScenario):
             grid = scenario.map
-            cells = shortest_grid_path(grid.blocked, grid.cell_of(tuple(start)), grid.cell_of(tuple(target)))
-            return np.vstack([start, grid.to_map(smooth(grid.blocked, cells.cells)), target])
+            ends = grid.cell_of(tuple(start)), grid.cell_of(tuple(target))
+            found = reference.shortest_grid_path(grid.blocked, *ends)
+            return np.vstack([start, grid.to_map(reference.smooth(grid.blocked, found.cells)), target])
         between = replace(scenario, start=tuple(start.tolist()), target=tuple(target.tolist()))
-        return shortest_path(between)[1]
+        return reference.shortest_path(between)[1]
     except ScenarioError:
         return None
