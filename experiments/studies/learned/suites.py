@@ -20,7 +20,10 @@ UNSEEN_FIELDS = tuple(name for kind in UNSEEN_KINDS for name in expand_name(f"ra
 
 PRICES = (1, 5, 0.5)  # told to policies; 1 is that of the headline
 LEARNED = training_seeds("learned:three-cases", 10, *PRICES)
-LINEAR = training_seeds("learned:three-cases-linear", 5, 1)
+BY_EVOLUTION = (
+    *training_seeds("learned:three-cases-linear", 5, 1),
+    *training_seeds("learned:three-cases-evolution", 5, 1),
+)
 FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 
 # Tuned on the objective of the policies at price 1, with as many environment steps in all.
@@ -45,7 +48,7 @@ CASE_FAMILIES = (
     Family("tuned schedules", ("tuned:three-cases", *TUNED_SCHEDULES)),
     LOOPS_OF_CASES,
     Family("learned by PPO", LEARNED),
-    Family("learned by CMA-ES", LINEAR),
+    Family("learned by CMA-ES", BY_EVOLUTION),
     Family("learned by imitation", IMITATING),
     Family("blinded", training_seeds("blinded:three-cases", 10, 1)),
 )
