@@ -156,6 +156,7 @@ PACKAGED_POLICIES = {
     "case1": 5,
     "case2": 5,
     "case3": 5,
+    "dynamic": 5,
     "three-cases-evolution": 5,
     "random-fields-extended-ppo": 5,
     "random-fields-extended": 5,

@@ -18,7 +18,7 @@ from swarm_gym.settings import Settings
 # Groups that the figure shows, as far as they were run.
 SHOWN = (
     "spsfa-tip", "tuned:random-fields", "open-loop:random-fields-sourced/*@1", "restart",
-    "reacting-loop:dynamic-reacting/*@1",
+    "reacting-loop:dynamic-reacting/*@1", "learned:dynamic/*",
 )  # fmt: skip
 
 

@@ -32,7 +32,8 @@ STILL = Family(
 )
 BLIND = Family("blind", training_seeds("open-loop:random-fields-sourced", 5, 1), blind=True)
 REACTING = Family("reacting", ("restart", *training_seeds("reacting-loop:dynamic-reacting", 5, 1)))
-FAMILIES = (PRINTED, STILL, BLIND, REACTING)
+LEARNED = Family("learned", training_seeds("learned:dynamic", 5))
+FAMILIES = (PRINTED, STILL, BLIND, REACTING, LEARNED)
 TOLD = "told the times of events"  # name of the family that is the upper bound in the table `seeing`
 
 
