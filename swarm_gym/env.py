@@ -67,7 +67,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `best_collision` | degree of collision of the best path so far, map units |
     | `best_path` | best path so far, (k, 2), map units |
     | `feasible_path` | if there is one: best feasible path since the map last changed, (k, 2), map units |
-    | `feasible_fitness` | its fitness |
+    | `feasible_fitness` | fitness of that path, there with it |
     | `evaluations` | evaluations in this episode |
     | `population_size` | size of the population |
     | `feasible_share` | fraction of the members that do not collide |
@@ -75,7 +75,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `scenario` | name of the scenario |
     | `robot`, `driven` | if the robot drives: its position (2,) and the length of its drives, map units |
     | `repaired_path` | with `final_repair`, at the end: a free path near the best one, (k, 2), map units |
-    | `repaired_length`, `repair_evaluations` | its length, map units; cost of the repair, evaluations |
+    | `repaired_length`, `repair_evaluations` | length of that path, map units; what the repair cost |
     | `optimality_gap` | at the end of an episode with a known optimum: (best fitness - optimum) / optimum |
 
     **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree

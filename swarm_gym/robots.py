@@ -14,6 +14,7 @@ from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import MapProblem, WalkProblem
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import Point, drive_of
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import Worlds
@@ -107,7 +108,7 @@ class Robots:
                 self._give(row, there, int(world[row]))
                 moved[row] = True
             self.places[row] = piece[-1]
-            self.driven[row] += _length(piece)
+            self.driven[row] += length_of(piece)
             self.trajectories[row] += [(x, y) for x, y in piece[1:].tolist()]
         return moved
 
@@ -193,7 +194,3 @@ def piece_of(path: Floats, distance: float) -> tuple[Floats, bool]:
     share = (distance - begin) / (ends[segment] - begin)
     last = path[segment] + share * (path[segment + 1] - path[segment])
     return np.vstack([path[: segment + 1], last]), False
-
-
-def _length(path: Floats) -> float:
-    return float(np.hypot(*np.diff(path, axis=0).T).sum())

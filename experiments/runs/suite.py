@@ -1,6 +1,6 @@
 """Suites as data: controllers, scenarios and seeds that are run, and tables and figures of the runs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -33,6 +33,11 @@ class Family:
     def groups(self) -> tuple[str, ...]:
         """Return the keys of the groups of the controllers."""
         return tuple(group_controllers(self.controllers))
+
+
+def controllers_of(families: Iterable[Family]) -> tuple[str, ...]:
+    """Return the controllers of families, in order."""
+    return tuple(controller for family in families for controller in family.controllers)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.run import Floats, Run
+from experiments.runs.run import Floats, Run, length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import draw, interval, mean_of_present, means
 from experiments.tables.cell import MISSING, Entry, share, share_in
@@ -42,15 +42,18 @@ class _Freed(NamedTuple):
 
 def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a row for each set of scenarios and group, fewest free paths last."""
+    # Every scenario is in a set of its own, and in the union of all sets.
+    freed_of = {
+        (controller, name): _freed(outcomes.runs(controller, name)[:SEEDS], suite, name)
+        for controller in outcomes.controllers
+        for name in outcomes.scenarios
+    }
     rows: list[tuple[Entry, ...]] = []
     for scenario_set, strata in outcomes.sets.items():
         names = [scenario for stratum in strata for scenario in stratum]
         found = {}
         for group, controllers in outcomes.groups.items():
-            each = [
-                [_freed(outcomes.runs(controller, name)[:SEEDS], suite, name) for name in names]
-                for controller in controllers
-            ]
+            each = [[freed_of[controller, name] for name in names] for controller in controllers]
             found[group] = _Freed(
                 *(np.array([[getattr(one, part) for one in row] for row in each]) for part in _Freed._fields)
             )
@@ -82,7 +85,7 @@ def _freed(runs: list[Run], suite: Suite, scenario: str) -> _Freed:
         found = final_repair(problem, run.best_path)
         if found is not None:
             freed.repaired[k] = 1.0
-            freed.change[k] = found.length / np.hypot(*np.diff(run.best_path, axis=0).T).sum() - 1.0
+            freed.change[k] = found.length / length_of(run.best_path) - 1.0
             freed.excess[k] = found.length / shortest - 1.0
             freed.planned[k] = found.planned > 0
     return freed

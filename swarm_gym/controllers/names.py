@@ -9,7 +9,7 @@ recipe or a file, `<recipe>[/<seed>][@<price>]`; that of any other family is its
 * `learned:three-cases/*`: all training seeds of that recipe, as a group.
 * `learned:three-cases/0@0.3`: that policy for the price 0.3.
 * `open-loop:three-cases-extended@2`: the open loop of the recipe `three-cases-extended` for the price 2.
-* `reacting-loop:dynamic/0@1`: the open loop of that name, begun again when the best fitness rises.
+* `reacting-loop:dynamic-reacting/0@1`: the open loop of that name, begun again when the best fitness rises.
 * `tuned:runs/mine.json`: a file.
 * `blinded:three-cases/0@0.3`: in a suite, that policy with all inputs but the clock replaced by their means.
 * `multivariate(50)+fixed:65`: in a suite, `fixed:65` for this optimizer, in episodes of 50 iterations.

@@ -11,6 +11,7 @@ from swarm_gym.final_repair.obstacles import obstacles_of, push_out
 from swarm_gym.final_repair.replanning import replanned
 from swarm_gym.final_repair.tightening import Cells, tighten
 from swarm_gym.problem import MapProblem
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import GridScenario, Scenario
 
 Floats = NDArray[np.float64]
@@ -58,9 +59,10 @@ def final_repair(problem: MapProblem, path: Floats) -> FinalRepair | None:
     tight[0], tight[-1] = whole[0], whole[-1]
     best = tight if problem.is_clear(tight) else freed.path
     segments = max(len(whole) - 1, 1)
-    length = float(np.hypot(*np.diff(best, axis=0).T).sum())
     # Each exact check compares all segments with the map once.
-    return FinalRepair(best, length, freed.sweeps + math.ceil(compared / segments) + 1, freed.planned)
+    return FinalRepair(
+        best, length_of(best), freed.sweeps + math.ceil(compared / segments) + 1, freed.planned
+    )
 
 
 class _Freed(NamedTuple):

@@ -21,6 +21,7 @@ from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
 from swarm_gym.planning.scaling import scaled_to_cases
 from swarm_gym.planning.tasks import Task, read_task
 from swarm_gym.problem import GridProblem, MapProblem
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point
 
@@ -137,7 +138,7 @@ def plan(
             )
         found, found_by = shortest_path(task.grown)[1], "exact planner"
     seconds = time.monotonic() - began
-    length = _length(found)
+    length = length_of(found)
     gap = _gap(task, length)
     least = clearance_of(task.given, found)
     return Plan(task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped)
@@ -159,17 +160,16 @@ class _Search:
     """
 
     def __init__(self, task: Task, optimizer: str | None, controller: str | None, seed: int):
-        self._on_grid = isinstance(task.grown, GridScenario)
-        usual, usual_controller = ON_GRIDS if self._on_grid else ON_OBSTACLES
+        # Noise and steps of optimizers have units: maps of obstacles are as wide as those of the papers.
+        scaled = None if isinstance(task.grown, GridScenario) else scaled_to_cases(task.grown)
+        usual, usual_controller = ON_GRIDS if scaled is None else ON_OBSTACLES
         name = optimizer or usual
         known = controller or (usual_controller if name == usual else "fixed:60")
         self._controller: Controller = make_controller(known)
-        # Noise and steps of optimizers have units: maps are as wide as those of the papers.
-        scaled = None if isinstance(task.grown, GridScenario) else scaled_to_cases(task.grown)
         self._to_map = (lambda path: path) if scaled is None else scaled.to_map
         scenario = task.grown if scaled is None else scaled.scenario
         options: dict[str, Any] = {"iterations": ITERATIONS.get(name, FEW_ITERATIONS)}
-        if self._on_grid and "bezier" in get_optimizer(name).encodings:
+        if scaled is None and "bezier" in get_optimizer(name).encodings:
             options["encoding"] = "bezier"
         self._env = SwarmEnv(name, scenario=scenario, **options, **self._controller.env_options())
         self._task, self._seed = task, seed
@@ -177,7 +177,6 @@ class _Search:
         self.best: Floats | None = None
         self.found_by = "swarm"
         self.evaluations = 0
-        self._before = 0  # evaluations of the episodes before
 
     def run(self, limit: float) -> None:
         """Run an episode, at most until that time of the monotonic clock, and keep its path if it is best."""
@@ -185,11 +184,10 @@ class _Search:
         self._controller.reset(1, self._seed)
         observation, info = self._env.reset(seed=self._seed, options=self._first())
         self._seed += 1
-        ended = False
+        before, ended = self.evaluations, False
         while not ended and time.monotonic() < limit:
             observation, _, ended, _, info = self._env.step(self._controller.act(observation[None])[0])
-            self.evaluations = self._before + int(info["evaluations"])
-        self._before = self.evaluations
+            self.evaluations = before + int(info["evaluations"])
         self.keep_best()
 
     def keep_best(self) -> None:
@@ -210,10 +208,9 @@ class _Search:
             if found is None:
                 continue
             self.evaluations += found.evaluations
-            self._before += found.evaluations
             mapped = self._to_map(found.path)
             mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
-            if self.best is None or _length(mapped) < _length(self.best):
+            if self.best is None or length_of(mapped) < length_of(self.best):
                 self.best = mapped
                 self.found_by = "swarm and planner" if found.planned else name
 
@@ -234,7 +231,3 @@ class _Search:
             return None
         size = self._env.settings.initial_population_size
         return {"initial_population": guided_population(problem, self._guide, size, self._seed)}
-
-
-def _length(path: Floats) -> float:
-    return float(np.hypot(*np.diff(path, axis=0).T).sum())

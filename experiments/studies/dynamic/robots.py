@@ -6,12 +6,13 @@ import numpy as np
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.run import Run, arrives, length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, mean_of_present, means
-from experiments.tables.cell import Entry, number, number_in, share_in
+from experiments.tables.cell import MISSING, Entry, number, number_in, share_in
 from experiments.tables.table import Table
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import make_scenario, worlds_of
+from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 
 COLUMNS = ("scenarios", "controller", "runs", "arrived", "driven", "evaluations")
 CAPTION = (
@@ -19,7 +20,6 @@ CAPTION = (
     "these have driven, in per cent above the shortest way from the start on the changed map; evaluations "
     "[95 % intervals over training seeds, scenarios of a set and seeds]"
 )
-AT_THE_TARGET = 1e-6  # map units
 
 
 def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
@@ -36,7 +36,7 @@ def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG0
                 ]
             )
             arrived, draws = np.isfinite(excess).astype(np.float64), sample.draws()
-            driven: Entry = "–"
+            driven: Entry = MISSING
             if arrived.any():
                 driven = share_in(mean_of_present(excess), interval(means(excess, draws)), "+.2f")
             entries = (
@@ -50,18 +50,18 @@ def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG0
     return [Table("robots", CAPTION, COLUMNS, rows)]
 
 
-def _excess(runs: list, scenario: str) -> Floats:
+def _excess(runs: list[Run], scenario: str) -> Floats:
     """Return how far the robots of runs have driven above the shortest way, (runs,); NaN if not arrived."""
     target, shortest = _target_and_shortest(scenario)
     found = np.full(len(runs), np.nan)
     for k, run in enumerate(runs):
-        if np.hypot(*(run.trajectory[-1] - target)) <= AT_THE_TARGET:
-            found[k] = np.hypot(*np.diff(run.trajectory, axis=0).T).sum() / shortest - 1.0
+        if arrives(run, target):
+            found[k] = length_of(run.trajectory) / shortest - 1.0
     return found
 
 
 @cache
-def _target_and_shortest(scenario: str) -> tuple[Floats, float]:
+def _target_and_shortest(scenario: str) -> tuple[Point, float]:
     *_, (_, changed) = worlds_of(make_scenario(scenario))
-    length, way = shortest_path(changed)
-    return way[-1], length
+    assert not isinstance(changed, FunctionScenario)
+    return changed.target, shortest_path(changed)[0]

@@ -6,7 +6,7 @@ To add a controller, enter its name in a family. All training seeds of a recipe 
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import Family, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -14,7 +14,7 @@ NEVER_USED = 40_000  # test seeds that no earlier study has used: 40,000 to 40,2
 CLAIMS = Path(__file__).parent / "claims.toml"
 
 # An obstacle appears on a case, at times that nothing was tuned or trained with: it closes the corridor that
-# most runs settle in, or stands beside it.
+# most runs settle in (gate), or stands in the shortest way (block).
 CASE_EVENTS = tuple(
     f"dynamic:{case}-{event}@{time}" for case in CASES for event in ("gate", "block") for time in (23, 47, 71)
 )
@@ -47,7 +47,7 @@ def _suite(
 ) -> Suite:
     return Suite(
         name=name,
-        controllers=tuple(controller for family in FAMILIES for controller in family.controllers),
+        controllers=controllers_of(FAMILIES),
         scenarios=scenarios,
         num_seeds=num_seeds,
         baseline="spsfa-tip",

@@ -7,7 +7,7 @@ To add a controller, enter its name in a family. Training seeds of a recipe, suc
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import Family, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_LEARNED, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -84,7 +84,7 @@ def _study(
     """Return a suite of the study: families of controllers, and chance as the floor of every comparison."""
     return Suite(
         name=name,
-        controllers=(*(controller for family in families for controller in family.controllers), "random"),
+        controllers=(*controllers_of(families), "random"),
         scenarios=scenarios,
         num_seeds=num_seeds,
         baseline="spsfa-tip",
@@ -93,6 +93,22 @@ def _study(
         families=families,
         tables=STUDY_TABLES,
         figures=STUDY_FIGURES,
+        claims=claims_of(CLAIMS, name),
+    )
+
+
+def _beside(name: str, families: tuple[Family, ...], num_seeds: int, baseline: str) -> Suite:
+    """Return a suite of the cases that only compares objectives, beside the study."""
+    return Suite(
+        name=name,
+        controllers=controllers_of(families),
+        scenarios=CASES,
+        num_seeds=num_seeds,
+        baseline=baseline,
+        first_seed=NEVER_USED,
+        families=families,
+        tables=("headline", "claims"),
+        figures=(),
         claims=claims_of(CLAIMS, name),
     )
 
@@ -108,18 +124,7 @@ SINGLE_CASE_FAMILIES = (
     Family("all cases", training_seeds("learned:three-cases", 10, 1)),
     *(Family(f"{case} alone", training_seeds(f"learned:{case}", 5, 1)) for case in CASES),
 )
-SINGLE_CASES = Suite(
-    name="single-cases",
-    controllers=tuple(controller for family in SINGLE_CASE_FAMILIES for controller in family.controllers),
-    scenarios=CASES,
-    num_seeds=200,
-    baseline="open-loop:three-cases",
-    first_seed=NEVER_USED,
-    families=SINGLE_CASE_FAMILIES,
-    tables=("headline", "claims"),
-    figures=(),
-    claims=claims_of(CLAIMS, "single-cases"),
-)
+SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, 200, "open-loop:three-cases")
 
 # Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
 CHANGED = (
@@ -129,17 +134,6 @@ ABLATION_FAMILIES = (
     Family("the base", ("open-loop:three-cases",), blind=True),
     *(Family(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
 )
-ABLATION = Suite(
-    name="ablation",
-    controllers=tuple(controller for family in ABLATION_FAMILIES for controller in family.controllers),
-    scenarios=CASES,
-    num_seeds=100,
-    baseline="learned:ablation-all/*",
-    first_seed=NEVER_USED,
-    families=ABLATION_FAMILIES,
-    tables=("headline", "claims"),
-    figures=(),
-    claims=claims_of(CLAIMS, "ablation"),
-)
+ABLATION = _beside("ablation", ABLATION_FAMILIES, 100, "learned:ablation-all/*")
 
 SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, SINGLE_CASES, ABLATION)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from agents.runs.seeds import VALIDATION
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import Family, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -58,11 +58,6 @@ def families(*found: Family) -> tuple[Family, ...]:
     return tuple(family for family in found if family.controllers)
 
 
-def controllers(found: tuple[Family, ...]) -> tuple[str, ...]:
-    """Return the controllers of all families."""
-    return tuple(controller for family in found for controller in family.controllers)
-
-
 CASE_FAMILIES = families(
     Family("printed", PRINTED),
     Family("tuned schedule", TUNED_SCHEDULE),
@@ -93,7 +88,7 @@ CASE_PAIRS = (
 )
 NEWCOMERS = Suite(
     name="newcomers",
-    controllers=controllers(CASE_FAMILIES),
+    controllers=controllers_of(CASE_FAMILIES),
     scenarios=CASES,
     num_seeds=200,
     baseline=BASELINE,
@@ -133,7 +128,7 @@ FIELD_PAIRS = (
 # Fields that no other suite runs; each has a seed of its own.
 FIELDS = Suite(
     name="newcomers-fields",
-    controllers=controllers(FIELD_FAMILIES),
+    controllers=controllers_of(FIELD_FAMILIES),
     scenarios=expand_name("random-fields:test:200-399"),
     num_seeds=1,
     baseline="open-loop:random-fields-extended",
@@ -157,7 +152,7 @@ ABLATION_FAMILIES = families(
 )
 ABLATION = Suite(
     name="newcomers-ablation",
-    controllers=controllers(ABLATION_FAMILIES),
+    controllers=controllers_of(ABLATION_FAMILIES),
     scenarios=CASES,
     num_seeds=100,
     baseline=f"open-loop:ablation-{ALL_DECISIONS}/*@1",
