@@ -31,15 +31,16 @@ class GroupClaim:
 
     Attributes:
         sentence: the sentence.
-        suite: name of the suite whose runs decide.
+        suite: name of the suite whose runs decide. In a file, a list of names stands for a claim of each.
         group: key of the group that the sentence is about.
-        rival: key of the group that it is compared with, on the same scenarios and seeds; empty if the
-            sentence has a limit.
+        rival: key of the group that it is compared with, on the same scenarios and seeds, or a yardstick of
+            the suite; empty if the sentence has a limit.
         metric: name of a measure in `experiments.runs.measures`, averaged over runs.
         factor: the group has to be below this multiple of the rival.
         limit: number that the group has to be below, if there is no rival.
         price: price of 100,000 evaluations in the objective.
-        sets: sets of scenarios that the sentence is about; by default all, and their union.
+        sets: sets of scenarios, or single scenarios, that the sentence is about; by default all sets, and
+            their union.
     """
 
     sentence: str
@@ -58,10 +59,6 @@ class GroupClaim:
         if bool(self.rival) == (self.limit > 0.0):
             raise ValueError("a claim needs either a rival or a limit above 0")
 
-    def is_about(self, scenario_set: str) -> bool:
-        """Return whether the sentence is about a set of scenarios."""
-        return not self.sets or scenario_set in self.sets
-
 
 def load_claims(path: Path) -> tuple[GroupClaim, ...]:
     """Return the claims in a file, in their order.
@@ -75,7 +72,11 @@ def load_claims(path: Path) -> tuple[GroupClaim, ...]:
         raise ClaimFileError(f"{path}: not a readable file of claims ({error})") from error
     if set(content) - {"claim"}:
         raise ClaimFileError(f"{path}: expected tables [[claim]] only, got {', '.join(content)}")
-    return tuple(_read(entry, f"{path}: claim {k + 1}") for k, entry in enumerate(content.get("claim", [])))
+    return tuple(
+        claim
+        for k, entry in enumerate(content.get("claim", []))
+        for claim in _read(entry, f"{path}: claim {k + 1}")
+    )
 
 
 def claims_of(path: Path, suite: str) -> tuple[GroupClaim, ...]:
@@ -87,12 +88,16 @@ def claims_of(path: Path, suite: str) -> tuple[GroupClaim, ...]:
     return tuple(claim for claim in load_claims(path) if claim.suite == suite)
 
 
-def _read(entry: dict[str, Any], where: str) -> GroupClaim:
+def _read(entry: dict[str, Any], where: str) -> list[GroupClaim]:
     known = [one.name for one in dataclasses.fields(GroupClaim)]
     if unknown := sorted(set(entry) - set(known)):
         raise ClaimFileError(f"{where}: unknown key {shown(unknown[0])}, expected some of {', '.join(known)}")
     values = {**entry, **({"sets": tuple(entry["sets"])} if "sets" in entry else {})}
+    named = values.pop("suite", [])
+    suites = [named] if isinstance(named, str) else named
+    if not suites:
+        raise ClaimFileError(f"{where}: suite is missing, a name or a list of names")
     try:
-        return GroupClaim(**values)
+        return [GroupClaim(**values, suite=suite) for suite in suites]
     except (TypeError, ValueError) as error:
         raise ClaimFileError(f"{where}: {error}") from error

@@ -5,8 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from experiments.runs.convergence import STILL_TO_COME, convergence_iteration
 from experiments.runs.outcomes import Sample
-from experiments.runs.run import Floats
+from experiments.runs.run import Floats, Run, arrives, length_of, trajectory_of, turning_of
+from swarm_gym.scenarios import FunctionScenario, make_scenario, worlds_of
 
 NEAR = 0.01  # gap up to which a run counts as close to the optimum
 
@@ -18,10 +20,12 @@ class Measure(NamedTuple):
         of: returns the measure of every run of a sample, (training seeds, scenarios, seeds), nan for runs
             that do not count; takes the price of 100,000 evaluations besides.
         said: words about the measure for captions.
+        form: format of its numbers.
     """
 
     of: Callable[[Sample, float], Floats]
     said: str
+    form: str = ".2f"
 
 
 def _spread(sample: Sample) -> Floats:
@@ -31,6 +35,25 @@ def _spread(sample: Sample) -> Floats:
 
 def _offline_objective(sample: Sample, price: float) -> Floats:
     return 100.0 * sample.find_offline_error() + sample.cost(price)
+
+
+def _convergence(run: Run) -> float:
+    return float(convergence_iteration(run.course("best_fitness")))
+
+
+def _evaluations_to_converge(run: Run) -> float:
+    return float(run.course("evaluations")[convergence_iteration(run.course("best_fitness"))])
+
+
+def _if_arrived(measure: Callable[[Floats], float]) -> Callable[[Run], float]:
+    """Return a measure of the trajectory of a run, or of its best path; nan if it did not arrive."""
+
+    def of_run(run: Run) -> float:
+        _, scenario = worlds_of(make_scenario(run.scenario))[-1]
+        assert not isinstance(scenario, FunctionScenario)
+        return measure(trajectory_of(run)) if arrives(run, scenario.target) else np.nan
+
+    return of_run
 
 
 MEASURES: dict[str, Measure] = {
@@ -47,7 +70,7 @@ MEASURES: dict[str, Measure] = {
         lambda sample, _: _spread(sample),
         "spread is the mean distance of a gap from the median of its scenario, in per cent",
     ),
-    "fitness": Measure(lambda sample, _: sample.fitness, "fitness is the best of the run"),
+    "fitness": Measure(lambda sample, _: sample.fitness, "fitness is the best of the run", ".3g"),
     "length": Measure(
         # The fitness of a feasible path is its length.
         lambda sample, _: np.where(sample.feasible, sample.fitness, np.nan),
@@ -66,4 +89,26 @@ MEASURES: dict[str, Measure] = {
         lambda sample, _: 100.0 * (1.0 - sample.feasible),
         "infeasible is the per cent of the best paths that are not feasible",
     ),
+    "convergence": Measure(
+        lambda sample, _: sample.each(_convergence),
+        f"convergence is the iteration after which at most {STILL_TO_COME:g} of the run's whole gain is "
+        "still to come",
+        ".1f",
+    ),
+    "evaluations to converge": Measure(
+        lambda sample, _: sample.each(_evaluations_to_converge),
+        "evaluations to converge are those until then",
+        ",.0f",
+    ),
+    "way": Measure(
+        lambda sample, _: sample.each(_if_arrived(length_of)),
+        "way is the length that the robot went, or that of the best path, of the runs that arrived",
+        ".1f",
+    ),
+    "turning": Measure(
+        lambda sample, _: sample.each(_if_arrived(turning_of)),
+        "turning is the sum of all turns on the way, in degrees, of the runs that arrived",
+        ".0f",
+    ),
+    "seconds": Measure(lambda sample, _: sample.seconds, "seconds are the processor time of a run", ".3f"),
 }

@@ -40,6 +40,8 @@ class Sample:
         set_sizes: number of scenarios of each set; sets follow each other along the second axis.
         find_offline_error: function that returns the offline errors, shaped like `fitness`; it reads all
             traces.
+        load: function that reads the stored runs of a controller on a scenario, with paths and traces.
+        controllers: names of the controllers, one of each training seed.
     """
 
     fitness: Floats
@@ -50,6 +52,8 @@ class Sample:
     scenarios: tuple[str, ...]
     set_sizes: tuple[int, ...]
     find_offline_error: Callable[[], Floats]
+    load: Callable[[str, str], list[Any]]
+    controllers: tuple[str, ...]
 
     @cached_property
     def gap(self) -> Floats:
@@ -73,6 +77,15 @@ class Sample:
     def cost(self, price: float) -> Floats:
         """Return the price times evaluations / 100,000 of every run, shaped like `evaluations`."""
         return price * self.evaluations / 100_000.0
+
+    def each(self, measure: Callable[[Any], float]) -> Floats:
+        """Return a measure of every stored run (`run.Run`), shaped like `fitness`; it reads all traces."""
+        return np.array(
+            [
+                [[measure(run) for run in self.load(controller, scenario)] for scenario in self.scenarios]
+                for controller in self.controllers
+            ]
+        )
 
     def draws(self, stream: int = 0) -> Draws:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""
@@ -159,8 +172,8 @@ class Outcomes:
         )
 
     def sample(self, group: str, scenario_set: str) -> Sample:
-        """Return the runs of a group on a set of scenarios, by the keys of both."""
-        strata = self.sets[scenario_set]
+        """Return the runs of a group on a set of scenarios, or on a scenario, by the keys of both."""
+        strata = self.sets.get(scenario_set, ((scenario_set,),))
         rows = _places(self.groups[group], self.controllers)
         columns = _places([name for scenarios in strata for name in scenarios], self.scenarios)
         at = np.ix_(rows, columns)
@@ -173,6 +186,8 @@ class Outcomes:
             tuple(self.scenarios[column] for column in columns),
             tuple(len(scenarios) for scenarios in strata),
             lambda: self.offline_error[at],
+            self.runs,
+            self.groups[group],
         )
 
 

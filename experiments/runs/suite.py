@@ -1,6 +1,6 @@
 """Suites as data: controllers, scenarios and seeds that are run, and tables and figures of the runs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -61,6 +61,8 @@ class Suite:
         tables: names of tables in `experiments.catalogue`.
         figures: names of figures in `experiments.catalogue`.
         claims: comparative sentences about the suite's runs.
+        yardsticks: functions by name that return a number for a set of scenarios, such as the length of A*'s
+            path; claims compare with them as with controllers.
         replayed: controllers whose first runs a report replays; by default the baseline and the best one.
     """
 
@@ -80,6 +82,7 @@ class Suite:
     tables: tuple[str, ...] = SPSFA_TABLES
     figures: tuple[str, ...] = SPSFA_FIGURES
     claims: tuple[GroupClaim, ...] = ()
+    yardsticks: Mapping[str, Callable[[str], float]] = field(default_factory=dict)
     replayed: tuple[str, ...] = ()
 
     @cached_property

@@ -21,45 +21,46 @@ CAPTION = (
 
 def group_claim_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of the suite's claims about groups that were run; none if there are none."""
-    claims = [
-        claim
-        for claim in suite.claims
-        if outcomes.groups.keys() >= {claim.group, *([claim.rival] if claim.rival else [])}
-    ]
+    known = {*outcomes.groups, *suite.yardsticks, ""}
+    claims = [claim for claim in suite.claims if claim.group in outcomes.groups and claim.rival in known]
     rows = [
-        _row(claim, outcomes, scenario_set)
+        _row(claim, suite, outcomes, scenario_set)
         for claim in claims
-        for scenario_set in outcomes.sets
-        if claim.is_about(scenario_set)
+        for scenario_set in claim.sets or outcomes.sets
+        if scenario_set in {*outcomes.sets, *outcomes.scenarios}
     ]
     measures = dict.fromkeys(claim.metric for claim in claims)
     caption = "; ".join([CAPTION, *(MEASURES[name].said for name in measures)])
     return [Table("claims", caption, COLUMNS, rows)] if rows else []
 
 
-def check_claim(claim: GroupClaim, outcomes: Outcomes, scenario_set: str) -> tuple[float, float, Interval]:
+def check_claim(
+    claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str
+) -> tuple[float, float, Interval]:
     """Return the mean of the group, that of the rival times the factor, and the difference's interval."""
     measure = MEASURES[claim.metric].of
     mine = outcomes.sample(claim.group, scenario_set)
     values = measure(mine, claim.price)
     mean = mean_of_present(values)
-    if not claim.rival:
-        return mean, claim.limit, interval(means(values, mine.draws()) - claim.limit)
+    if claim.rival not in outcomes.groups:
+        limit = claim.factor * suite.yardsticks[claim.rival](scenario_set) if claim.rival else claim.limit
+        return mean, limit, interval(means(values, mine.draws()) - limit)
     theirs = outcomes.sample(claim.rival, scenario_set)
     others = claim.factor * measure(theirs, claim.price)
     _, ends = mean_difference(values, others, mine.draws(), theirs.draws(RIVAL_STREAM))
     return mean, mean_of_present(others), ends
 
 
-def _row(claim: GroupClaim, outcomes: Outcomes, scenario_set: str) -> tuple[Entry, ...]:
-    mine, theirs, ends = check_claim(claim, outcomes, scenario_set)
+def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str) -> tuple[Entry, ...]:
+    mine, theirs, ends = check_claim(claim, suite, outcomes, scenario_set)
+    form = MEASURES[claim.metric].form
     told = f" at price {claim.price:g}" if claim.metric.endswith("objective") else ""
     return (
         claim.sentence,
         scenario_set,
         f"{claim.metric}{told}",
-        number(mine, ".2f"),
-        number(theirs, ".2f"),
-        MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, "+.2f"),
+        number(mine, form),
+        number(theirs, form),
+        MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, f"+{form}"),
         verdict(ends[1] < 0.0),
     )

@@ -1,5 +1,8 @@
 """The suites of the paper of Brand and Yu: table 1, an obstacle that appears, and grids of growing size."""
 
+from pathlib import Path
+
+from experiments.runs.claims import claims_of
 from experiments.runs.suite import FRESH_SEEDS, Suite
 from experiments.studies.brand_yu.published import APPEARS, TABLE_1
 
@@ -7,6 +10,7 @@ GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
 FEW, ANTS = "glowworm+fixed:26", "ant-colony(100)+fixed:50"
 SIDES = (50, 100, 200, 500, 1000, 2000)
 OPTIONS = {"encoding": "walk"}
+CLAIMS = Path(__file__).parent / "claims.toml"
 
 STATIC = Suite(
     name="brand-yu-static",
@@ -21,7 +25,8 @@ STATIC = Suite(
         (controller, "block:500", FRESH_SEEDS, (0, iteration))
         for controller, iteration in zip(GLOWWORMS, (90,) * len(GLOWWORMS), strict=True)
     ),
-    tables=("brand-yu-counts",),
+    tables=("brand-yu-counts", "claims"),
+    claims=claims_of(CLAIMS, "brand-yu-static"),
     figures=("brand-yu-ways",),
 )
 DYNAMIC = Suite(
@@ -33,7 +38,8 @@ DYNAMIC = Suite(
     optimizer="glowworm",
     first_seed=FRESH_SEEDS,
     options={**OPTIONS, "iterations": 1500},
-    tables=("brand-yu-counts",),
+    tables=("brand-yu-counts", "claims"),
+    claims=claims_of(CLAIMS, "brand-yu-dynamic"),
     figures=("brand-yu-ways",),
 )
 GRIDS = Suite(
@@ -45,7 +51,8 @@ GRIDS = Suite(
     optimizer="glowworm",
     first_seed=FRESH_SEEDS,
     options={**OPTIONS, "iterations": 600},
-    tables=("brand-yu-grids",),
+    tables=("brand-yu-grids", "claims"),
+    claims=claims_of(CLAIMS, "brand-yu-grids"),
     figures=("brand-yu-grids",),
 )
 

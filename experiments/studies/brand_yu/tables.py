@@ -10,9 +10,9 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, length_of, trajectory_of, turning_of
 from experiments.runs.suite import Suite
-from experiments.statistics import mean_interval, rank_sum
+from experiments.statistics import mean_interval
 from experiments.studies.brand_yu.published import TABLE_1
-from experiments.studies.brand_yu.suites import ANTS, FEW
+from experiments.studies.brand_yu.suites import ANTS
 from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, percent, share
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.document import document_of_suite
@@ -23,7 +23,6 @@ from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
 
 # Bounds of the claims about glowworms, and about ants.
 MOST_ABOVE_OPTIMUM, MOST_ABOVE_OCTILE = 0.08, 0.10
-RIGID, SMOOTH = 10, 122  # numbers of fireflies whose trajectories Brand and Yu call rigid and smooth
 OCTILE_SIDES = (50, 100, 200)
 
 
@@ -131,9 +130,6 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             },
         ),
     ]
-    if {RIGID, SMOOTH} <= named.keys():
-        falls = _mean_of(named[SMOOTH].turnings) < _mean_of(named[RIGID].turnings)
-        claims.append(Claim(f"ways turn less with {SMOOTH} than with {RIGID}", {scenario: bool(falls)}))
     return [
         claims_table(
             f"{suite.name}-claims",
@@ -204,7 +200,7 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             slopes,
         ),
     ]
-    if {FEW, ANTS} <= set(suite.controllers):
+    if ANTS in suite.controllers:
         tables.insert(0, _grid_claims(suite, walks, optima, sides))
     return tables
 
@@ -218,43 +214,21 @@ def _grid_claims(
     def named(side: int) -> str:
         return f"{side} x {side}"
 
-    pairs = {side: (walks[FEW, side], walks[ANTS, side]) for side in sides}
-    arrived = {side: len(ants.arrived) == len(ants.runs) for side, (_, ants) in pairs.items()}
-    shorter = {side: _mean_of(few.lengths) < _mean_of(ants.lengths) for side, (few, ants) in pairs.items()}
-    faster = {side: few.seconds.mean() < ants.seconds.mean() for side, (few, ants) in pairs.items()}
-    apart = {
-        side: min(few.lengths.size, ants.lengths.size) > 1 and rank_sum(few.lengths, ants.lengths) < 0.05
-        for side, (few, ants) in pairs.items()
-    }
-    small = [side for side in OCTILE_SIDES if side in pairs]
-    large = [side for side in sides if side not in small]
+    ants = {side: walks[ANTS, side] for side in sides}
+    arrived = {side: len(walk.arrived) == len(walk.runs) for side, walk in ants.items()}
+    small = [side for side in OCTILE_SIDES if side in ants]
     return claims_table(
         f"{suite.name}-claims",
-        "What is said of fireflies and ants on growing grids, and where it does not hold",
+        "What is said of ants on growing grids, and where it does not hold",
         [
             Claim("ants arrive in every run", {named(side): holds for side, holds in arrived.items()}),
             Claim(
                 f"the ants' best paths are within {percent(MOST_ABOVE_OCTILE, '.0f')} of the shortest in "
                 "steps to eight neighbours, on average",
                 {
-                    named(side): _mean_of(pairs[side][1].lengths)
-                    <= (1.0 + MOST_ABOVE_OCTILE) * optima[side][1]
+                    named(side): _mean_of(ants[side].lengths) <= (1.0 + MOST_ABOVE_OCTILE) * optima[side][1]
                     for side in small
                 },
-            ),
-            Claim(
-                "the paper's: lengths do not differ on small grids (U test, 5 %)",
-                {named(side): not apart[side] for side in small},
-            ),
-            Claim(
-                "the paper's: fireflies find shorter ways on large grids",
-                {named(s): shorter[s] for s in large},
-            ),
-            Claim(
-                "the paper's: ants take less time on small grids", {named(s): not faster[s] for s in small}
-            ),
-            Claim(
-                "the paper's: fireflies take less time on large grids", {named(s): faster[s] for s in large}
             ),
         ],
     )

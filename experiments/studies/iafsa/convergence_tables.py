@@ -1,24 +1,24 @@
 """Iterations until runs on the test functions of the IAFSA paper converge, beside its own numbers.
 
-The IAFSA paper states no criterion. Ours: at most a thousandth of the whole gain of a run is still to come.
+The IAFSA paper states no criterion; ours is that of `experiments.runs.convergence`.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from experiments.runs.convergence import STILL_TO_COME, convergence_iteration
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.studies.iafsa.function_tables import AFSA, IAFSA, Function, find_entrants
+from experiments.studies.iafsa.function_tables import find_entrants
+from experiments.studies.iafsa.functions import AFSA, Function
 from experiments.studies.iafsa.published import CONVERGENCE, ITERATIONS
 from experiments.tables.cell import MISSING, Entry, number, number_in
-from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
 
-STILL_TO_COME = 1e-3
 LENGTH = ITERATIONS[-1]  # of the runs; the IAFSA paper does not state it
 
 
@@ -37,7 +37,7 @@ class Converged(NamedTuple):
 
 
 def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Return iterations to convergence (table 3), and the claims about them."""
+    """Return iterations to convergence (table 3)."""
     names = {o: name for (o, length), name in find_entrants(suite).items() if length == LENGTH}
     found = {}
     for scenario in suite.scenarios:
@@ -46,18 +46,6 @@ def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             runs = outcomes.runs(name, scenario)
             found[Function.of(scenario), optimizer] = _converged(runs, level)
     return [
-        claims_table(
-            "iafsa-convergence-claims",
-            "What is said of convergence, and where it does not hold",
-            [
-                Claim(f"IAFSA {text} than AFSA, on average", _sooner(found, what))
-                for what, text in (
-                    ("iterations", "converges in fewer iterations"),
-                    ("evaluations", "converges after fewer evaluations"),
-                    ("until_level", "is below AFSA's final mean in fewer iterations"),
-                )
-            ],
-        ),
         Table(
             "iafsa-convergence",
             f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
@@ -71,15 +59,6 @@ def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             [_row(function, optimizer, one) for (function, optimizer), one in found.items()],
         ),
     ]  # fmt: skip
-
-
-def convergence_iteration(course: Floats) -> int:
-    """Return the first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
-
-    Args:
-        course: (T + 1,) best fitness so far.
-    """
-    return int(np.argmax(course - course[-1] <= STILL_TO_COME * (course[0] - course[-1])))
 
 
 def iterations_to(course: Floats, level: float) -> int:
@@ -109,14 +88,3 @@ def _row(function: Function, optimizer: str, found: Converged) -> tuple[Entry, .
         number(found.until_level.mean()),
         *([number(value, ".0f") for value in published] if published else [MISSING] * 3),
     )
-
-
-def _sooner(found: dict[tuple[Function, str], Converged], what: str) -> dict[str, bool]:
-    """Return for every function whether IAFSA's mean of an attribute of `Converged` is below AFSA's."""
-    return {
-        function.label: bool(
-            getattr(found[function, IAFSA], what).mean() < getattr(found[function, AFSA], what).mean()
-        )
-        for function in dict.fromkeys(function for function, _ in found)
-        if {(function, AFSA), (function, IAFSA)} <= found.keys()
-    }

@@ -5,10 +5,8 @@ independent and spread over many powers of ten: Mann-Whitney's U test compares t
 runs are paired by the place of the optimum: Wilcoxon's signed-rank test compares them.
 """
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,45 +16,13 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import compare, holm, mean_interval, rank_sum
+from experiments.studies.iafsa.functions import AFSA, IAFSA, Function
 from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS, MEAN_BEST
 from experiments.tables.cell import Entry, number, number_in, verdict
-from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
 
-AFSA, IAFSA = "fish-swarm", "improved-fish-swarm"
 # Number of runs in table 2 of the IAFSA paper; its table 3 has more.
 MEAN_RUNS = 50
-# Factor by which AFSA may differ from the published means, since not all settings are published.
-NEAR_PAPER = 20.0
-
-
-class Function(NamedTuple):
-    """A test function by the set of its scenarios, `function:booth-2`, or `function:booth-2-shifted`."""
-
-    key: str
-    dimension: int
-
-    @classmethod
-    def of(cls, scenario_set: str) -> "Function":
-        """Return the function of a set of scenarios.
-
-        Raises:
-            ValueError: if the scenarios are not of a test function.
-        """
-        match = re.fullmatch(r"function:([a-z-]+)-([0-9]+)(?:-shifted)?", scenario_set)
-        if not match:
-            raise ValueError(f"scenarios {scenario_set!r}: expected function:<name>-<dimension>[-shifted]")
-        return cls(match[1], int(match[2]))
-
-    @property
-    def label(self) -> str:
-        """Name of the function as tables print it."""
-        return f"{self.key.replace('-', ' ').capitalize()}, {self.dimension}-D"
-
-    @property
-    def is_published(self) -> bool:
-        """True if the IAFSA paper states this dimension."""
-        return DIMENSIONS.get(self.key) == self.dimension
 
 
 @dataclass(frozen=True)
@@ -78,11 +44,6 @@ class SwarmComparison:
     p_value: float
 
     @property
-    def case(self) -> str:
-        """Name of the comparison in claims."""
-        return f"{self.function.label} at {self.iterations}"
-
-    @property
     def improves(self) -> bool:
         """True if IAFSA's mean is below AFSA's."""
         return bool(self.fitness[IAFSA].mean() < self.fitness[AFSA].mean())
@@ -94,7 +55,7 @@ class SwarmComparison:
 
 
 def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Return the means (table 2), the claims about them, and a table about dimensions."""
+    """Return the means (table 2), and a table about dimensions."""
     comparisons = find_comparisons(suite, outcomes, paired=False)
     adjusted = holm([compared.p_value for compared in comparisons])
     rows = [
@@ -106,11 +67,6 @@ def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for compared, p in zip(comparisons, adjusted, strict=True)
     ]
     return [
-        claims_table(
-            "iafsa-functions-claims",
-            "What is said of mean final values on the paper's functions, and where it does not hold",
-            _function_claims(comparisons),
-        ),
         Table(
             "iafsa-functions",
             f"Table 2. Mean final value [95 % interval] of {_runs(comparisons)} runs, optimum 0; p of "
@@ -124,20 +80,10 @@ def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def shifted_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Return means and claims for functions whose optimum is at another place in each run."""
+    """Return means for functions whose optimum is at another place in each run."""
     comparisons = find_comparisons(suite, outcomes, paired=True)
     adjusted = holm([compared.p_value for compared in comparisons])
     return [
-        claims_table(
-            "iafsa-shifted-claims",
-            "What is said of the shifted functions, and where it does not hold",
-            [
-                Claim(
-                    "IAFSA's mean is below AFSA's",
-                    {compared.case: compared.improves for compared in comparisons},
-                )
-            ],
-        ),
         Table(
             "iafsa-shifted",
             f"Mean final value [95 % interval] of {_runs(comparisons)} runs, each with the optimum, 0, at "
@@ -213,41 +159,6 @@ def _mean(values: Floats) -> Entry:
 
 def _published(compared: SwarmComparison, optimizer: str) -> Entry:
     return number(MEAN_BEST.get((compared.function.key, optimizer, compared.iterations)), ".2g")
-
-
-def _function_claims(comparisons: list[SwarmComparison]) -> list[Claim]:
-    published = [compared for compared in comparisons if compared.function.is_published]
-    plane = [compared for compared in published if compared.function.dimension == 2]
-    groups = {
-        "the functions stated as 2-D": plane,
-        "those stated as 10-D": [compared for compared in published if compared not in plane],
-        "these in 2-D instead": [compared for compared in comparisons if compared not in published],
-    }
-    return [
-        *(
-            Claim(f"IAFSA's mean is below AFSA's, {text}", {d.case: d.improves for d in of})
-            for text, of in groups.items()
-        ),
-        *(
-            Claim(f"IAFSA's mean is no larger than the paper's, {text}", _no_larger(of))
-            for text, of in groups.items()
-        ),
-        *(
-            Claim(f"AFSA's mean is within a factor of {NEAR_PAPER:g} of the paper's, {text}", _near(of))
-            for text, of in groups.items()
-        ),
-    ]
-
-
-def _no_larger(comparisons: list[SwarmComparison]) -> dict[str, bool]:
-    return {compared.case: compared.over_published(IAFSA) <= 1.0 for compared in comparisons}
-
-
-def _near(comparisons: list[SwarmComparison]) -> dict[str, bool]:
-    return {
-        compared.case: 1.0 / NEAR_PAPER <= compared.over_published(AFSA) <= NEAR_PAPER
-        for compared in comparisons
-    }
 
 
 def _best_over_published(compared: SwarmComparison, optimizer: str) -> float:

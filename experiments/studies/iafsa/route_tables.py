@@ -4,102 +4,26 @@ Runs of two optimizers on one route are independent, and not all may be feasible
 compares their lengths.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run, length_of
+from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, mean_interval, rank_sum
-from experiments.studies.iafsa.function_tables import AFSA, IAFSA
+from experiments.studies.iafsa.functions import AFSA
 from experiments.studies.iafsa.published import ROUTE_LENGTHS
+from experiments.studies.iafsa.routes import A_STAR, Route, make_route
 from experiments.tables.cell import MISSING, Entry, number, number_in, share
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
-from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.geometry.clearance import clearance
-from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
-from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.scenarios.papers.iafsa import SITES, read_site_map
+from swarm_gym.scenarios.papers.iafsa import SITES
 
-A_STAR, SMOOTHED = "A*", "A*, smoothed"
 COLUMNS = (
     "route", "method", "feasible", "mean length", "shortest", "above shortest path", "against A*",
     "p against AFSA", "least clearance", "evaluations", "paper",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Route:
-    """A route and its runs; lengths in metres.
-
-    Attributes:
-        site: key of its map in `SITES`.
-        pair: letters of its ends.
-        scenario: task on the inflated map.
-        runs: runs by optimizer.
-    """
-
-    site: str
-    pair: str
-    scenario: GridScenario
-    runs: Mapping[str, list[Run]]
-
-    @property
-    def label(self) -> str:
-        """Name of the route as tables print it."""
-        return f"{self.site} {self.pair}"
-
-    @cached_property
-    def raw(self) -> GridMap:
-        """The map without the robot."""
-        return read_site_map(self.site)
-
-    @cached_property
-    def shortest(self) -> tuple[float, Floats]:
-        """The shortest path at any angle on the inflated map: its length, and its points (k, 2)."""
-        return shortest_path(self.scenario)
-
-    @cached_property
-    def a_star(self) -> GridPath:
-        """The path that A* finds on the inflated map."""
-        grid = self.scenario.map
-        ends = (grid.cell_of(point) for point in (self.scenario.start, self.scenario.target))
-        return shortest_grid_path(grid.blocked, *ends)
-
-    @cached_property
-    def cell_paths(self) -> dict[str, Floats]:
-        """(k, 2) paths of A* in map coordinates, as found and smoothed, by method."""
-        grid, cells = self.scenario.map, self.a_star.cells
-        return {A_STAR: grid.to_map(cells), SMOOTHED: grid.to_map(smooth(grid.blocked, cells))}
-
-    def mean(self, method: str) -> float:
-        """Return the mean length of an optimizer's feasible runs, or of a path of cells; NaN without one."""
-        lengths = self.lengths(method) if method in self.runs else length_of(self.cell_paths[method])
-        return float(np.mean(lengths)) if np.size(lengths) else np.nan
-
-    def lengths(self, optimizer: str) -> Floats:
-        """Return the lengths of the feasible runs; the fitness of a feasible path is its length."""
-        return np.array(
-            [
-                run.final_fitness
-                for run in self.runs[optimizer]
-                if run.final_collision <= FEASIBILITY_TOLERANCE
-            ]
-        )
-
-    def clearances(self, optimizer: str) -> Floats:
-        """Return the least distance of every run's best path from an obstacle."""
-        return np.array([self.clearance(run.best_path) for run in self.runs[optimizer]])
-
-    def clearance(self, path: Floats) -> float:
-        """Return the least distance of a path in map coordinates from an obstacle."""
-        return clearance(self.raw.blocked, self.raw.to_cells(path)) * self.raw.resolution
 
 
 def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -144,14 +68,6 @@ def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
         make_route(name, {optimizers[c]: outcomes.runs(c, name) for c in suite.controllers})
         for name in suite.scenarios
     ]
-
-
-def make_route(name: str, runs: Mapping[str, list[Run]]) -> Route:
-    """Return the route of a scenario, with runs by optimizer."""
-    scenario = make_scenario(name)
-    assert isinstance(scenario, GridScenario)
-    site, _, pair = name.partition(":")[2].partition("-")
-    return Route(site, pair, scenario, runs)
 
 
 def _optimum_row(route: Route) -> tuple[Entry, ...]:
@@ -203,26 +119,12 @@ def _published(route: Route, method: str) -> Entry:
 
 
 def _claims(routes: list[Route]) -> list[Claim]:
-    compared = [route for route in routes if {AFSA, IAFSA} <= route.runs.keys()]
     return [
         Claim(
-            "IAFSA's mean is no longer than AFSA's",
-            {route.label: route.mean(IAFSA) <= route.mean(AFSA) for route in compared},
-        ),
-        *(
-            Claim(
-                f"IAFSA's mean is shorter than the path of {method}",
-                {route.label: route.mean(IAFSA) < route.mean(method) for route in compared},
-            )
-            for method in (A_STAR, SMOOTHED)
-        ),
-        *(
-            Claim(
-                f"all runs of {OPTIMIZER_LABELS.get(optimizer, optimizer)} keep the robot clear of obstacles",
-                {r.label: bool((r.clearances(optimizer) >= SITES[r.site].radius).all()) for r in routes},
-            )
-            for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
-        ),
+            f"all runs of {OPTIMIZER_LABELS.get(optimizer, optimizer)} keep the robot clear of obstacles",
+            {r.label: bool((r.clearances(optimizer) >= SITES[r.site].radius).all()) for r in routes},
+        )
+        for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
     ]
 
 

@@ -1,11 +1,18 @@
 """The suites of the IAFSA paper: test functions, shifted test functions, and routes."""
 
+from functools import partial
+from pathlib import Path
+
+from experiments.runs.claims import claims_of
 from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.studies.iafsa.functions import AFSA, IAFSA, published_mean
 from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS
+from experiments.studies.iafsa.routes import A_STAR, SMOOTHED, length_of_planner
 from swarm_gym.scenarios import expand_name
 
 STATED = tuple(f"{key}-{dimension}" for key, dimension in DIMENSIONS.items())
-RIVALS = ("fish-swarm", "improved-fish-swarm")
+RIVALS = (AFSA, IAFSA)
+CLAIMS = Path(__file__).parent / "claims.toml"
 # Since schedules span the episode, its length makes another entrant.
 ENTRANTS = tuple(f"{method}({iterations})+fixed:100" for iterations in ITERATIONS for method in RIVALS)
 # Table 2 of the IAFSA paper is over 50 of these runs, table 3 over all. Functions that the IAFSA paper states
@@ -19,8 +26,16 @@ FUNCTIONS = Suite(
     num_seeds=100,
     baseline=ENTRANTS[0],
     first_seed=FRESH_SEEDS,
-    tables=("iafsa-functions", "iafsa-convergence"),
+    tables=("iafsa-functions", "iafsa-convergence", "claims"),
     figures=("functions",),
+    claims=claims_of(CLAIMS, "iafsa-functions"),
+    yardsticks={
+        f"the paper's {name}({iterations})": partial(
+            published_mean, optimizer=optimizer, iterations=iterations
+        )
+        for name, optimizer in (("AFSA", AFSA), ("IAFSA", IAFSA))
+        for iterations in ITERATIONS
+    },
 )
 # The optimum is at another place in each run.
 SHIFTED = Suite(
@@ -31,8 +46,9 @@ SHIFTED = Suite(
     baseline=ENTRANTS[0],
     first_seed=FRESH_SEEDS,
     seed_step=1,
-    tables=("iafsa-shifted",),
+    tables=("iafsa-shifted", "claims"),
     figures=(),
+    claims=claims_of(CLAIMS, "iafsa-shifted"),
 )
 ROUTES = Suite(
     name="iafsa-routes",
@@ -43,8 +59,10 @@ ROUTES = Suite(
     # On 20 lower seeds, 3 to 5 control points were always feasible, and gaps of IAFSA differed by up to 1 %.
     first_seed=FRESH_SEEDS,
     options={"encoding": "bezier", "num_control_points": 4, "iterations": 100},
-    tables=("iafsa-routes",),
+    tables=("iafsa-routes", "claims"),
     figures=("routes",),
+    claims=claims_of(CLAIMS, "iafsa-routes"),
+    yardsticks={method: partial(length_of_planner, method=method) for method in (A_STAR, SMOOTHED)},
 )
 
 SUITES = (FUNCTIONS, SHIFTED, ROUTES)

@@ -9,7 +9,7 @@ import pytest
 
 from experiments.catalogue import SUITES
 from experiments.runs.claims import ClaimFileError, GroupClaim, load_claims
-from experiments.runs.groups import group_controllers
+from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.studies.newcomers.suites import NEWCOMERS
 from experiments.tables.group_claims import group_claim_tables
 from helpers.stored_runs import cells_of, outcomes_of
@@ -78,7 +78,7 @@ def test_lengths_are_those_of_feasible_paths():
     assert length["holds"] == "yes"
     assert infeasible["controller"] == f"{100 / 3:.2f}"
     assert infeasible["rival or limit"] == "0.00"
-    assert fitness["controller"] == f"{1.3 * optimum:.2f}"
+    assert fitness["controller"] == f"{1.3 * optimum:.3g}"
     assert fitness["holds"] == "**no**"
     assert "length is that of the best paths that are feasible" in table.caption
 
@@ -95,6 +95,23 @@ def test_a_limit_needs_no_rival():
     rows = check(GAPS, claim(limit=3.5), claim(limit=2.5, sets=("case1",)))
     assert [row["holds"] for row in rows] == ["yes", "yes", "yes", "**no**"]
     assert rows[0]["rival or limit"] == "3.50"
+
+
+def test_a_yardstick_is_a_limit_for_each_set():
+    suite = dataclasses.replace(
+        NEWCOMERS,
+        claims=(claim(rival="a number", sets=("case1", "case2")),),
+        yardsticks={"a number": lambda scenario_set: {"case1": 3.5, "case2": 1.5}[scenario_set]},
+    )
+    first, second = cells_of(group_claim_tables(suite, outcomes_of(GAPS)), "claims")
+    assert (first["rival or limit"], first["holds"]) == ("3.50", "yes")
+    assert (second["rival or limit"], second["holds"]) == ("1.50", "**no**")
+
+
+def test_a_claim_of_several_suites_is_one_of_each(tmp_path):
+    text = "[[claim]]\nsentence='a'\nsuite=['b', 'c']\ngroup='d'\nlimit=1.0"
+    (tmp_path / "claims.toml").write_text(text)
+    assert [one.suite for one in load_claims(tmp_path / "claims.toml")] == ["b", "c"]
 
 
 def test_training_seeds_of_both_groups_are_drawn():
@@ -120,7 +137,8 @@ def test_there_is_no_table_without_claims():
             "[[claim]]\nsentence = 'a'\nrivals = 'b'",
             "claim 1: unknown key 'rivals', expected some of sentence",
         ),
-        ("[[claim]]\nsentence = 'a'", "claim 1: .*missing.*suite"),
+        ("[[claim]]\nsentence = 'a'", "claim 1: suite is missing"),
+        ("[[claim]]\nsentence = 'a'\nsuite = 'b'", "claim 1: .*missing.*group"),
         ("[[claim]]\nsentence='a'\nsuite='b'\ngroup='c'", "claim 1: .*either a rival or a limit"),
         ("[[claim]]\nsentence='a'\nsuite='b'\ngroup='c'\nrival='d'\nlimit=1", "either a rival or a limit"),
         (
@@ -140,7 +158,10 @@ def test_claims_are_about_controllers_that_their_suites_run():
     assert len(files) >= 2
     for one in (claim for file in files for claim in load_claims(file)):
         groups = group_controllers(SUITES[one.suite].controllers)
-        assert {one.group, one.rival} - {""} <= set(groups), one.sentence
+        assert one.group in groups, one.sentence
+        assert one.rival in {"", *groups, *SUITES[one.suite].yardsticks}, one.sentence
+        known = {*scenario_sets(SUITES[one.suite].scenarios), *SUITES[one.suite].scenarios, EVERY_SET}
+        assert set(one.sets) <= known, one.sentence
         assert one in SUITES[one.suite].claims
         assert "claims" in SUITES[one.suite].tables
 

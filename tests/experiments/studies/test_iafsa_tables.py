@@ -9,12 +9,13 @@ from scipy import stats
 from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
+from experiments.runs.convergence import convergence_iteration
 from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
-from experiments.studies.iafsa.convergence_tables import convergence_iteration, iterations_to
+from experiments.studies.iafsa.convergence_tables import iterations_to
 from experiments.studies.iafsa.figures import by_evaluations, by_iterations
-from experiments.studies.iafsa.function_tables import Function
+from experiments.studies.iafsa.functions import Function
 from experiments.studies.iafsa.published import (
     CONVERGENCE,
     DIMENSIONS,
@@ -23,7 +24,7 @@ from experiments.studies.iafsa.published import (
     ROUTE_LENGTHS,
     SWARMS,
 )
-from experiments.studies.iafsa.route_tables import make_route
+from experiments.studies.iafsa.routes import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
 from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
@@ -75,8 +76,6 @@ def test_a_function_is_known_by_its_scenarios():
     assert Function.of("function:sum-squares-10") == ("sum-squares", 10)
     assert Function.of("function:easom-2-shifted") == ("easom", 2)
     assert Function.of("function:sum-squares-10").label == "Sum squares, 10-D"
-    assert Function("rastrigin", 10).is_published
-    assert not Function("rastrigin", 2).is_published
     with pytest.raises(ValueError, match="case1"):
         Function.of("case1")
 
@@ -135,20 +134,19 @@ def test_p_values_are_of_unpaired_runs_and_corrected_over_the_table(functions):
 
 
 def test_claims_say_where_they_do_not_hold(functions):
-    tables = functions[2]
-    found = [tuple(row.values()) for row in cells_of(tables, "iafsa-functions-claims")]
-    assert found == [
-        (f"{claim}, {of}", *holds)
-        for claim in (
-            "IAFSA's mean is below AFSA's",
-            "IAFSA's mean is no larger than the paper's",
-            "AFSA's mean is within a factor of 20 of the paper's",
-        )
-        for of, *holds in (
-            ("the functions stated as 2-D", "1 of 1", "–"),
-            ("those stated as 10-D", "0 of 1", "Rastrigin, 10-D at 200"),
-        )
-    ]
+    _, values, tables = functions
+    found = {(row["claim"], row["scenarios"]): row for row in cells_of(tables, "claims")}
+    for sentence in (
+        "The paper: after 200 iterations, IAFSA's best is below AFSA's.",
+        "After 200 iterations, IAFSA's best is below what the paper prints of it.",
+        "After 200 iterations, AFSA's best is below 20 times what the paper prints of it.",
+    ):
+        assert found[sentence, "function:booth-2"]["holds"] == "yes"
+        assert found[sentence, "function:rastrigin-10"]["holds"] == "**no**"
+    printed = found["After 200 iterations, AFSA's best is below 20 times what the paper prints of it.",
+                    "function:booth-2"]  # fmt: skip
+    assert printed["controller"] == f"{values['function:booth-2', AFSA].mean():.3g}"
+    assert printed["rival or limit"] == f"{20 * 0.006078095:.3g}"
 
 
 def test_a_claim_about_nothing_is_not_made():
@@ -174,8 +172,10 @@ def test_convergence_is_beside_the_papers(functions):
     assert rows[2]["paper mean"] == "–"
     # On Booth IAFSA ends below AFSA, on Rastrigin it never gets there.
     assert [row["to AFSA's mean"] for row in rows if row["method"] == "IAFSA"] == ["2.0", "2.0"]
-    claims = cells_of(tables, "iafsa-convergence-claims")
-    assert [row["holds"] for row in claims] == ["2 of 2", "2 of 2", "2 of 2"]
+    claims = [row for row in cells_of(tables, "claims") if "converge" in row["claim"]]
+    assert [(row["controller"], row["rival or limit"], row["holds"]) for row in claims] == [
+        (of, than, "yes") for of, than in (("2.0", "4.0"), ("300", "500")) for _ in range(2)
+    ]
 
 
 def test_a_run_that_never_reaches_a_level_counts_all_iterations():
@@ -252,7 +252,15 @@ def test_a_run_through_an_obstacle_leaves_no_clearance_and_no_claim(database, ro
     claims = {row["claim"]: row for row in cells_of(tables, "iafsa-routes-claims")}
     assert claims["all runs of AFSA keep the robot clear of obstacles"]["does not hold"] == "turtlebot3 A-B"
     assert claims["all runs of IAFSA keep the robot clear of obstacles"]["holds"] == "1 of 1"
-    assert claims["IAFSA's mean is no longer than AFSA's"]["holds"] == "1 of 1"
+    assert "IAFSA" not in {row["does not hold"] for row in claims.values()}
+
+
+def test_routes_are_compared_with_paths_of_a_star(database, routes):
+    suite, made = routes
+    of_afsa, of_a_star, of_smoothed = cells_of(make_tables(suite, database), "claims")
+    assert of_afsa["rival or limit"] == of_a_star["rival or limit"] == f"{made.mean('A*'):.2f}"
+    assert of_smoothed["rival or limit"] == f"{made.mean('A*, smoothed'):.2f}"
+    assert [row["holds"] for row in (of_afsa, of_a_star, of_smoothed)] == ["yes", "yes", "yes"]
 
 
 # Figures.
@@ -284,10 +292,9 @@ def test_the_document_shows_all_tables_and_small_figures():
     text = (DOCS / "iafsa-paper.md").read_text(encoding="utf-8")
     for name in block_names(text):
         assert replace_block(text, name, "") != text, f"{name} is empty"
-    tables = ("functions", "functions-claims", "dimensions", "convergence", "convergence-claims", "shifted",
-              "shifted-claims", "routes", "routes-claims")  # fmt: skip
+    tables = ("functions", "dimensions", "convergence", "shifted", "routes", "routes-claims")
     shown = {name.partition("/")[2] for name in block_names(text)}
-    assert shown == {"made-with", *(f"iafsa-{table}" for table in tables)}
+    assert shown == {"made-with", "claims", *(f"iafsa-{table}" for table in tables)}
     figures = list((DOCS / "results/iafsa-paper").glob("*.svg"))
     assert all(f"results/iafsa-paper/{figure.name}" in text for figure in figures)
     assert sum(figure.stat().st_size for figure in figures) < 700_000
