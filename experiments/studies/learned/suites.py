@@ -30,7 +30,6 @@ FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 5)
 LOOPS = training_seeds("open-loop:three-cases-long", 5, 1)
 THIRTEEN_KNOTS = training_seeds("open-loop:three-cases-13-knots", 5, 1)
-CONSTANTS = training_seeds("open-loop:three-cases-constant-long", 5, 1)
 
 # An earlier recipe, without groups, and ten numbers distilled from its policy.
 IMITATING = ("learned:three-cases-ppo/0", "distilled:three-cases")
@@ -46,7 +45,6 @@ LOOPS_OF_CASES = Family(
 CASE_FAMILIES = (
     PRINTED,
     BLIND_RULES,
-    Family("tuned constants", CONSTANTS, blind=True),
     Family("tuned schedules", ("tuned:three-cases", *TUNED_SCHEDULES)),
     LOOPS_OF_CASES,
     Family("learned by PPO", LEARNED),
@@ -130,8 +128,8 @@ SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, 200, "open-loop:thr
 
 # Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
 CHANGED = (
-    "group-1", "group-4", "group-16", "step-noise", "critic", "lambda", "branching", "from-start", "imitation",
-    "scratch", "steps-1M",
+    "group-1", "group-4", "group-16", "step-noise", "critic", "lambda", "branching", "from-start",
+    "imitation", "scratch", "steps-1M",
 )  # fmt: skip
 ABLATION_FAMILIES = (
     Family("the base", ("open-loop:three-cases",), blind=True),
