@@ -7,14 +7,15 @@ from experiments.runs.suite import Suite
 from experiments.statistics import interval, means
 from experiments.studies.dynamic.over_time import PRICE
 from experiments.studies.dynamic.suites import TOLD
-from experiments.tables.cell import Entry, number, share_in
+from experiments.tables.cell import MISSING, Entry, number, share_in
 from experiments.tables.table import Table
 
 COLUMNS = ("scenarios", "controller", "offline objective", "share of the gain")
 CAPTION = (
     "What seeing a change is worth: the best blind controller of each set gains nothing, the best one that "
     "is told the times of events gains everything, and the others have their share of that gain [95 % "
-    "interval over training seeds, scenarios of a set and seeds]. Below 0 is a larger objective than blind"
+    "interval over training seeds, scenarios of a set and seeds]. Below 0 is a larger objective than blind. "
+    "Where the interval of the whole gain has 0 in it, there are no shares"
 )
 
 
@@ -41,7 +42,7 @@ def seeing_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                     scenario_set,
                     label(group),
                     number(found[group], ".3f"),
-                    "100 %" if group == bound else _share(samples[group], samples[rival], samples[bound]),
+                    _share(samples[group], samples[rival], samples[bound]),
                 )
             )
     return [Table("seeing", CAPTION, COLUMNS, rows)]
@@ -56,5 +57,9 @@ def _share(*samples: Sample) -> Entry:
         means(each, sample.draws(stream))
         for stream, (each, sample) in enumerate(zip(values, samples, strict=True))
     ]
-    resampled = (drawn[1] - drawn[0]) / (drawn[1] - drawn[2])
-    return share_in((blind - mine) / (blind - told), interval(resampled), ".0f")
+    gain = drawn[1] - drawn[2]
+    if interval(gain)[0] <= 0.0:
+        return MISSING
+    if samples[0] is samples[2]:
+        return "100 %"
+    return share_in((blind - mine) / (blind - told), interval((drawn[1] - drawn[0]) / gain), ".0f")
