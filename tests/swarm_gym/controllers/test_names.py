@@ -44,8 +44,8 @@ OTHER_NAMES = {
     "experiments/tables/reshape.py": "columns of tables",
     "experiments/studies/moa/tables.py": "scenarios",
     "experiments/studies/brand_yu/tables.py": "scenarios",
-    "experiments/studies/iafsa/function_tables.py": "scenarios",
-    "experiments/studies/iafsa/route_tables.py": "scenarios",
+    "experiments/studies/iafsa/functions.py": "scenarios",
+    "experiments/studies/iafsa/routes.py": "scenarios",
     "experiments/speed": "benchmarks and processors",
 }
 PARSERS = {"partition", "rpartition", "split", "rsplit", "removeprefix", "removesuffix", "startswith"}
