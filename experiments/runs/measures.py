@@ -1,14 +1,16 @@
 """Measures of runs that sentences compare: smaller is better."""
 
 from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from experiments.runs.convergence import STILL_TO_COME, convergence_iteration
 from experiments.runs.outcomes import Sample
-from experiments.runs.run import Floats, Run, arrives, length_of, trajectory_of, turning_of
-from swarm_gym.scenarios import FunctionScenario, make_scenario, worlds_of
+from experiments.runs.run import Floats, Run, arrives, trajectory_of, turning_of
+from swarm_gym.problem.geometry.polylines import length_of
+from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 
 NEAR = 0.01  # gap up to which a run counts as close to the optimum
 
@@ -45,13 +47,19 @@ def _evaluations_to_converge(run: Run) -> float:
     return float(run.course("evaluations")[convergence_iteration(run.course("best_fitness"))])
 
 
+@cache
+def _target_of(scenario: str) -> Point:
+    """Return the target on the last map of a scenario; maps can be large, so that each is made once."""
+    _, last = worlds_of(make_scenario(scenario))[-1]
+    assert not isinstance(last, FunctionScenario)
+    return last.target
+
+
 def _if_arrived(measure: Callable[[Floats], float]) -> Callable[[Run], float]:
     """Return a measure of the trajectory of a run, or of its best path; nan if it did not arrive."""
 
     def of_run(run: Run) -> float:
-        _, scenario = worlds_of(make_scenario(run.scenario))[-1]
-        assert not isinstance(scenario, FunctionScenario)
-        return measure(trajectory_of(run)) if arrives(run, scenario.target) else np.nan
+        return measure(trajectory_of(run)) if arrives(run, _target_of(run.scenario)) else np.nan
 
     return of_run
 

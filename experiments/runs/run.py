@@ -80,11 +80,6 @@ def arrives(run: Run, target: Point) -> bool:
     return run.final_collision <= FEASIBILITY_TOLERANCE
 
 
-def length_of(path: Floats) -> float:
-    """Return the length of a polyline, (k, 2)."""
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-
-
 def turning_of(path: Floats) -> float:
     """Return the sum of all turns of a polyline, (k, 2), to either side, in degrees."""
     steps = np.diff(path, axis=0)

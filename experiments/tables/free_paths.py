@@ -7,13 +7,14 @@ import numpy as np
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.run import Floats, Run, length_of
+from experiments.runs.run import Floats, Run
 from experiments.runs.suite import Suite
 from experiments.statistics import draw, interval, mean_of_present, means
 from experiments.tables.cell import MISSING, Entry, share, share_in
 from experiments.tables.table import Table
 from swarm_gym.final_repair import final_repair
 from swarm_gym.problem import MapProblem
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.settings import make_problem
 

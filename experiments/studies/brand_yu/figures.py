@@ -11,8 +11,9 @@ from experiments.plots import map_plot
 from experiments.plots.courses import Case
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
-from experiments.runs.run import Run, RunKey, Snapshot, arrives, length_of, trajectory_of, turning_of
+from experiments.runs.run import Run, RunKey, Snapshot, arrives, trajectory_of, turning_of
 from swarm_gym.controllers.names import ControllerName
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 
 PANEL_COLUMNS = 3

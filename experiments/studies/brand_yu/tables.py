@@ -8,7 +8,7 @@ from scipy import stats
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run, arrives, length_of, trajectory_of, turning_of
+from experiments.runs.run import Run, arrives, trajectory_of, turning_of
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
 from experiments.studies.brand_yu.published import TABLE_1
@@ -18,6 +18,7 @@ from experiments.tables.claims import Claim, claims_table
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ControllerName
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario, worlds_of
 

@@ -6,11 +6,12 @@ import numpy as np
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import Run, arrives, length_of
+from experiments.runs.run import Run, arrives
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, mean_of_present, means
 from experiments.tables.cell import MISSING, Entry, number, number_in, share_in
 from experiments.tables.table import Table
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 

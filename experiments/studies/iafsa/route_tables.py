@@ -9,7 +9,6 @@ import numpy as np
 from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
-from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, mean_interval, rank_sum
 from experiments.studies.iafsa.functions import AFSA
@@ -18,6 +17,7 @@ from experiments.studies.iafsa.routes import A_STAR, Route, make_route
 from experiments.tables.cell import MISSING, Entry, number, number_in, share
 from experiments.tables.claims import Claim, claims_table
 from experiments.tables.table import Table
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.papers.iafsa import SITES
 
 COLUMNS = (

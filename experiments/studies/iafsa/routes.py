@@ -7,9 +7,10 @@ from functools import cache, cached_property
 import numpy as np
 
 from experiments.runs.outcomes import Floats
-from experiments.runs.run import Run, length_of
+from experiments.runs.run import Run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.scenarios.papers.iafsa import read_site_map

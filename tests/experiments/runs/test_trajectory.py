@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from experiments.runs.run import length_of, turning_of
+from experiments.runs.run import turning_of
+from swarm_gym.problem.geometry.polylines import length_of
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 3.0, -2.5])

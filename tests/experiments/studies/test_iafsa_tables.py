@@ -10,7 +10,6 @@ from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
 from experiments.documents.page import make_tables
 from experiments.runs.convergence import convergence_iteration
-from experiments.runs.run import length_of
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.convergence_tables import iterations_to
@@ -29,6 +28,7 @@ from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
 from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
 
