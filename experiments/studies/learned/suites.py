@@ -30,6 +30,7 @@ FIELD_LEARNED = training_seeds("learned:random-fields", 5, *PRICES)
 TUNED_SCHEDULES = training_seeds("tuned:three-cases-schedule", 5)
 LOOPS = training_seeds("open-loop:three-cases-long", 5, 1)
 THIRTEEN_KNOTS = training_seeds("open-loop:three-cases-13-knots", 5, 1)
+CONSTANTS = training_seeds("open-loop:three-cases-constant-long", 5, 1)
 
 # An earlier recipe, without groups, and ten numbers distilled from its policy.
 IMITATING = ("learned:three-cases-ppo/0", "distilled:three-cases")
@@ -45,6 +46,7 @@ LOOPS_OF_CASES = Family(
 CASE_FAMILIES = (
     PRINTED,
     BLIND_RULES,
+    Family("tuned constants", CONSTANTS, blind=True),
     Family("tuned schedules", ("tuned:three-cases", *TUNED_SCHEDULES)),
     LOOPS_OF_CASES,
     Family("learned by PPO", LEARNED),
