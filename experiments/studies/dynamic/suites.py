@@ -10,7 +10,7 @@ from experiments.runs.suite import Family, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 from swarm_gym.scenarios import expand_name
 
-NEVER_USED = 40_000  # test seeds that no earlier study has used: 40,000 to 40,299
+NEVER_USED = 50_000  # test seeds that no earlier study has used: 50,000 to 50,299
 CLAIMS = Path(__file__).parent / "claims.toml"
 
 # An obstacle appears on a case, at times that nothing was tuned or trained with: it closes the corridor that
