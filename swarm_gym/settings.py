@@ -12,7 +12,8 @@ from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, kind_of, names_of_kinds
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.problem import Problem
-from swarm_gym.scenarios import AnyScenario, StaticScenario, World, make_scenarios, worlds_of
+from swarm_gym.problem.grid.winding import warn_of_winding
+from swarm_gym.scenarios import AnyScenario, GridScenario, StaticScenario, World, make_scenarios, worlds_of
 from swarm_gym.sources import MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
 
 
@@ -184,6 +185,8 @@ class Settings:
                 raise SettingError(
                     _clash(first, problem.scenario, "dimensions", dimension, problem.dimension)
                 )
+        if self.encoding == "waypoints":
+            warn_of_winding([scenario for scenario in scenarios if isinstance(scenario, GridScenario)])
         return problems
 
     @property

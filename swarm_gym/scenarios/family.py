@@ -88,6 +88,11 @@ def numbers_below(size: int, text: str, name: str, example: str, after: str) -> 
     return numbers
 
 
+def spaceless(name: str) -> str:
+    """Return a name without spaces at its ends and around `:`, `?`, `#`, `&`, `=` and `,`."""
+    return re.sub(r" *([:?#&=,]) *", r"\1", name.strip(" "))
+
+
 def parse_numbers(text: str, name: str) -> range:
     """Return the numbers that a text such as `7` or `0-511` stands for, the last one included.
 

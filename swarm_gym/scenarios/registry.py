@@ -45,9 +45,9 @@ def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
     if isinstance(scenario, AnyScenario):
         return scenario
     names = expand_name(scenario)
-    if names != (scenario,):
+    if len(names) != 1:
         raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, got a range of {len(names)}")
-    return _make(scenario)
+    return _make(names[0])
 
 
 def make_scenarios(scenario: str | AnyScenario) -> tuple[AnyScenario, ...]:
@@ -85,6 +85,7 @@ def expand_name(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no scenario of that name.
         ScenarioError: if the name does not have the form of its family.
     """
+    name = name.strip(" ") if isinstance(name, str) else name
     family = _family_of(name)
     if family is not None:
         return family.expand(name)

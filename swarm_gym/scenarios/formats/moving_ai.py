@@ -11,6 +11,7 @@ water, the lengths in the problem files may therefore not be those of the shorte
 import itertools
 import os
 import re
+import warnings
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +20,7 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
+from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
 from swarm_gym.scenarios.grid_map import MAX_SIDE, Cell, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -102,13 +103,28 @@ def read_scenarios(path: str | Path) -> list[BenchmarkProblem]:
 def expand(name: str) -> tuple[str, ...]:
     """Return the names of the single problems that a name stands for; `...#0-799` stands for 800 problems.
 
-    The first problem of a file is number 0. No file is read.
+    The first problem of a file is number 0. Problems of a range that begin or end in a blocked cell are left
+    out, with one warning. Files are read for ranges only.
 
     Raises:
-        ScenarioError: if the name has another form.
+        ScenarioError: if the name has another form, or all problems of a range begin or end in blocked cells.
     """
+    name = spaceless(name)
     given, problems, cells = _parse(name)
-    return (name,) if cells else tuple(f"{NAME}:{given}#{number}" for number in problems)
+    short = given if Path(given).is_absolute() else given.removesuffix(".map")
+    if cells:
+        return (f"{NAME}:{short}{name[len(NAME) + 1 + len(given) :]}",)
+    blocked = _problems_in_blocked_cells(given) if len(problems) > 1 else frozenset()
+    kept = [number for number in problems if number not in blocked]
+    if not kept:
+        raise ScenarioError(f"scenario {shown(name)}: all of its problems begin or end in a blocked cell")
+    if len(kept) < len(problems):
+        left_out = f"{len(problems) - len(kept)} of {len(problems)} problems"
+        warnings.warn(
+            f"scenario {shown(name)}: {left_out} begin or end in a blocked cell; they are left out",
+            stacklevel=2,
+        )
+    return tuple(f"{NAME}:{short}#{number}" for number in kept)
 
 
 def make(name: str) -> GridScenario:
@@ -121,11 +137,10 @@ def make(name: str) -> GridScenario:
         ScenarioError: if a file is missing or malformed, or there is no such problem, or it has no solution.
     """
     given, problems, cells = _parse(name)
-    stem = given.removesuffix(".map") if Path(given).is_absolute() else given
-    grid = cached_map(find_data_file(f"{stem}.map"))
+    grid = _map_of(given)
     if cells:
         return GridScenario(name, grid, *cells)
-    path = find_data_file(f"{stem}.map.scen", f"{stem}.scen")
+    path = _problem_file_of(given)
     listed = _cached_problems(path, stamp_of(path))
     if problems[0] >= len(listed):
         raise ScenarioError(f"scenario {shown(name)}: {path} has only the problems 0 to {len(listed) - 1}")
@@ -149,6 +164,30 @@ def cached_map(path: Path) -> GridMap:
 
 
 FAMILY = Family(USAGE, (), expand, make)
+
+
+def _map_of(given: str) -> GridMap:
+    return cached_map(find_data_file(f"{given.removesuffix('.map')}.map"))
+
+
+def _problem_file_of(given: str) -> Path:
+    stem = given.removesuffix(".map")
+    return find_data_file(f"{stem}.map.scen", f"{stem}.scen")
+
+
+def _problems_in_blocked_cells(given: str) -> frozenset[int]:
+    """Return the numbers of problems of a map that begin or end in a blocked cell; none without the files."""
+    try:
+        grid, path = _map_of(given), _problem_file_of(given)
+    except ScenarioError:
+        return frozenset()  # whoever makes the scenario is told what is missing
+    listed = _cached_problems(path, stamp_of(path))
+    return frozenset(
+        number
+        for number, (_, problem) in enumerate(listed)
+        if (problem.width, problem.height) == (grid.width, grid.height)
+        and not (grid.is_free(problem.start) and grid.is_free(problem.goal))
+    )
 
 
 @lru_cache(maxsize=8)

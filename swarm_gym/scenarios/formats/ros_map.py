@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
-from swarm_gym.scenarios.family import Family
+from swarm_gym.scenarios.family import Family, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, require_inside, stamp_of
 from swarm_gym.scenarios.grid_map import MAX_RESOLUTION, MAX_SIDE, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
@@ -89,19 +89,24 @@ def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """Return the name itself; no file is read.
+    """Return the name without spaces between its parts, and without `.yaml` in the data folder.
+
+    No file is read.
 
     Raises:
         ScenarioError: if the name has another form.
     """
-    _parse(name)
-    return (name,)
+    name = spaceless(name)
+    given, *_ = _parse(name)
+    short = given if Path(given).is_absolute() else given.removesuffix(".yaml")
+    return (f"{NAME}:{short}{name[len(NAME) + 1 + len(given) :]}",)
 
 
 def make(name: str) -> GridScenario:
     """Return the scenario of that name; start, goal and radius are in metres.
 
-    The map is the file `<map>.yaml` in the data folder, or an absolute path that ends with `.yaml`.
+    The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`, or an
+    absolute path that ends with `.yaml`.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.

@@ -217,6 +217,31 @@ def test_a_map_may_be_given_by_its_absolute_path(small, monkeypatch, tmp_path):
     assert make_scenario(f"moving-ai:{small}/small.map?start=3,1&goal=0,2").start == (3.0, 1.0)
 
 
+@pytest.mark.parametrize(
+    "name", ["moving-ai:small.map#1", " moving-ai: small #1 ", "moving-ai:small.map # 1"]
+)
+def test_a_problem_has_one_name_however_it_is_written(small, name):
+    assert expand_name(name) == ("moving-ai:small#1",)
+    assert make_scenario(name).name == "moving-ai:small#1"
+
+
+def test_cells_may_have_spaces_between_them(small):
+    name = "moving-ai:small.map ? start = 3, 1 & goal = 0, 2"
+    assert make_scenario(name).name == "moving-ai:small?start=3,1&goal=0,2"
+
+
+def test_problems_of_a_range_in_blocked_cells_are_left_out_with_one_warning(small):
+    blocked = b"2\tmaps/small.map\t4\t3\t1\t0\t0\t0\t9\n" + b"2\tmaps/small.map\t4\t3\t0\t0\t2\t2\t9\n"
+    written(small, PROBLEMS + blocked, "small.map.scen")
+    with pytest.warns(UserWarning, match="left out") as caught:
+        made = make_scenarios("moving-ai:small#0-4")
+    assert [scenario.name for scenario in made] == [f"moving-ai:small#{number}" for number in range(3)]
+    assert len(caught) == 1
+    assert "2 of 5 problems begin or end in a blocked cell" in str(caught[0].message)
+    refused(lambda: make_scenario("moving-ai:small#3"), "line 5", "not free")
+    refused(lambda: expand_name("moving-ai:small#3-4"), "blocked cell")
+
+
 def test_problems_may_be_in_a_file_without_map_in_its_name(small):
     (small / "small.map.scen").rename(small / "small.scen")
     assert make_scenario("moving-ai:small#1").start == (0.0, 1.0)

@@ -284,3 +284,19 @@ def test_a_published_map_is_read(name, shape, free):
     made = read_ros_map(path)
     assert made.blocked.shape == shape
     assert (~made.blocked).sum() == free
+
+
+@pytest.mark.parametrize("given", ["small", "small.yaml"])
+def test_a_map_has_one_name_however_it_is_written(folder, given):
+    name = f" ros: {given} ? start = -0.5, 2.25 & goal = 0.25, 2.25"
+    assert expand_name(name) == ("ros:small?start=-0.5,2.25&goal=0.25,2.25",)
+    assert make_scenario(name).name == "ros:small?start=-0.5,2.25&goal=0.25,2.25"
+
+
+def test_a_map_may_lie_in_a_folder_of_the_data_folder(folder):
+    (folder / "house").mkdir()
+    for file in ("small.pgm", "small.yaml"):
+        (folder / file).rename(folder / "house" / file)
+    made = make_scenario("ros:house/small.yaml?start=-0.5,2.25&goal=0.25,2.25")
+    assert made.name == "ros:house/small?start=-0.5,2.25&goal=0.25,2.25"
+    assert made.map == read_ros_map(folder / "house" / "small.yaml")
