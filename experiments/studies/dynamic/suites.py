@@ -34,11 +34,19 @@ BLIND = Family(
     "blind",
     (
         *training_seeds("open-loop:random-fields-sourced", 5, 1),
+        *training_seeds("open-loop:dynamic-fields", 5, 1),
         *training_seeds("open-loop:dynamic", 5, 1),
     ),
     blind=True,
 )
-REACTING = Family("reacting", ("restart", *training_seeds("reacting-loop:dynamic-reacting", 5, 1)))
+REACTING = Family(
+    "reacting",
+    (
+        "restart",
+        *training_seeds("reacting-loop:dynamic-fields-reacting", 5, 1),
+        *training_seeds("reacting-loop:dynamic-reacting", 5, 1),
+    ),
+)
 LEARNED = Family("learned", training_seeds("learned:dynamic", 5))
 BLINDED = Family("blinded", training_seeds("blinded:dynamic", 5))
 TOLD = "told the times of events"  # name of the family that is the upper bound in the table `seeing`
