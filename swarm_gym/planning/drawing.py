@@ -1,57 +1,129 @@
-"""Pictures of a path on its map, as SVG."""
+"""Pictures of a path on its map, as SVG or PNG."""
 
+import io
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from swarm_gym.errors import MissingExtraError
 from swarm_gym.planning.planner import Plan
 from swarm_gym.scenarios import Circle, GridScenario
 
+Floats = NDArray[np.float64]
+
 WIDTH = 900.0  # of a picture, in pixels
+LINE, DOT = 2.5, 6.0  # width of the path, radius of start and goal, in pixels
 PAPER, OBSTACLE, PATH, START, GOAL = "#ffffff", "#9aa3ad", "#c2410c", "#15803d", "#1d4ed8"
+FINER = 3  # a PNG is drawn so many times larger and then reduced, so that edges are smooth
 
 
-def drawing(plan: Plan) -> str:
+class _Shapes(NamedTuple):
+    """The shapes of a picture, in pixels, y downwards.
+
+    Attributes:
+        height: height of the picture.
+        circles: obstacles, (x, y, radius).
+        polygons: obstacles, each with corners (k, 2).
+        path: points (n, 2).
+    """
+
+    height: float
+    circles: list[tuple[float, float, float]]
+    polygons: list[Floats]
+    path: Floats
+
+
+def as_svg(plan: Plan) -> str:
     """Return a picture of the map, its obstacles and the path, as SVG."""
+    shapes = _shapes_of(plan)
+
+    def points(line: Floats) -> str:
+        return " ".join(f"{x:.2f},{y:.2f}" for x, y in line.tolist())
+
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {shapes.height:g}" '
+            f'width="{WIDTH:g}">',
+            f"<title>a path of length {plan.length:g} on {plan.map.name}</title>",
+            f'<rect width="{WIDTH:g}" height="{shapes.height:g}" fill="{PAPER}"/>',
+            f'<g fill="{OBSTACLE}">',
+            *(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.2f}"/>' for x, y, radius in shapes.circles),
+            *(f'<polygon points="{points(corners)}"/>' for corners in shapes.polygons),
+            "</g>",
+            f'<polyline points="{points(shapes.path)}" fill="none" stroke="{PATH}" stroke-width="{LINE:g}"/>',
+            *(
+                f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{DOT:g}" fill="{colour}"/>'
+                for (x, y), colour in _ends(shapes)
+            ),
+            "</svg>",
+            "",
+        ]
+    )
+
+
+def as_png(plan: Plan) -> bytes:
+    """Return the same picture as PNG.
+
+    Raises:
+        MissingExtraError: if Pillow is missing.
+    """
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError as error:
+        raise MissingExtraError("a picture as PNG", "Pillow", "maps") from error
+    shapes = _shapes_of(plan)
+    size = round(WIDTH), max(round(shapes.height), 1)
+    image = Image.new("RGB", (FINER * size[0], FINER * size[1]), PAPER)
+    canvas = ImageDraw.Draw(image)
+
+    def scaled(line: Floats) -> list[tuple[float, float]]:
+        return [(FINER * x, FINER * y) for x, y in line.tolist()]
+
+    for x, y, radius in shapes.circles:
+        canvas.circle((FINER * x, FINER * y), FINER * radius, fill=OBSTACLE)
+    for corners in shapes.polygons:
+        canvas.polygon(scaled(corners), fill=OBSTACLE)
+    canvas.line(scaled(shapes.path), fill=PATH, width=round(FINER * LINE), joint="curve")
+    for (x, y), colour in _ends(shapes):
+        canvas.circle((FINER * x, FINER * y), FINER * DOT, fill=colour)
+    content = io.BytesIO()
+    image.resize(size, Image.Resampling.BOX).save(content, "PNG", optimize=True)
+    return content.getvalue()
+
+
+def _shapes_of(plan: Plan) -> _Shapes:
     scenario = plan.map
     x_min, y_min, x_max, y_max = scenario.view
     scale = WIDTH / (x_max - x_min)
-    height = scale * (y_max - y_min)
 
-    def at(x: float, y: float) -> tuple[float, float]:
-        return scale * (x - x_min), scale * ((y_max - y) if scenario.y_up else (y - y_min))
+    def in_pixels(points: Floats) -> Floats:
+        x, y = np.asarray(points, dtype=np.float64).T
+        return scale * np.stack([x - x_min, (y_max - y) if scenario.y_up else (y - y_min)], axis=-1)
 
-    def points(line: np.ndarray) -> str:
-        return " ".join("{:.2f},{:.2f}".format(*at(x, y)) for x, y in line.tolist())
-
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {height:g}" width="{WIDTH:g}">',
-        f"<title>a path of length {plan.length:g} on {scenario.name}</title>",
-        f'<rect width="{WIDTH:g}" height="{height:g}" fill="{PAPER}"/>',
-        f'<g fill="{OBSTACLE}">',
-    ]
+    circles, polygons = [], []
     if isinstance(scenario, GridScenario):
-        grid = scenario.map
-        for row, first, end in _runs(grid.blocked):
-            corners = grid.to_map([(first - 0.5, row - 0.5), (end - 0.5, row + 0.5)])
-            (x, y), (far_x, far_y) = (at(*corner) for corner in corners.tolist())
-            lines.append(f'<rect x="{x:.2f}" y="{y:.2f}" width="{far_x - x:.2f}" height="{far_y - y:.2f}"/>')
+        for row, first, end in _runs(scenario.map.blocked):
+            cells = [(first, row), (end, row), (end, row + 1), (first, row + 1)]
+            polygons.append(in_pixels(scenario.map.to_map(np.array(cells) - 0.5)))
     else:
         for obstacle in scenario.obstacles:
             if isinstance(obstacle, Circle):
-                x, y = at(obstacle.x, obstacle.y)
-                lines.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{scale * obstacle.radius:.2f}"/>')
+                ((x, y),) = in_pixels(np.array([(obstacle.x, obstacle.y)])).tolist()
+                circles.append((x, y, scale * obstacle.radius))
             else:
-                lines.append(f'<polygon points="{points(np.array(obstacle.vertices))}"/>')
-    lines.append("</g>")
-    lines.append(f'<polyline points="{points(plan.path)}" fill="none" stroke="{PATH}" stroke-width="2.5"/>')
-    for point, colour in ((plan.path[0], START), (plan.path[-1], GOAL)):
-        x, y = at(*point.tolist())
-        lines.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="6" fill="{colour}"/>')
-    return "\n".join([*lines, "</svg>", ""])
+                polygons.append(in_pixels(np.array(obstacle.vertices)))
+    return _Shapes(scale * (y_max - y_min), circles, polygons, in_pixels(plan.path))
 
 
-def _runs(blocked: np.ndarray) -> Iterator[tuple[int, int, int]]:
+def _ends(shapes: _Shapes) -> list[tuple[tuple[float, float], str]]:
+    """Return start and goal with their colours."""
+    (x, y), (goal_x, goal_y) = shapes.path[[0, -1]].tolist()
+    return [((x, y), START), ((goal_x, goal_y), GOAL)]
+
+
+def _runs(blocked: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
     """Yield row, first column and the column behind the last of every run of blocked cells."""
     edges = np.diff(np.pad(blocked.astype(np.int8), ((0, 0), (1, 1))), axis=1)
     for row in range(len(blocked)):

@@ -9,7 +9,7 @@ import numpy as np
 
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
-from swarm_gym.planning.drawing import drawing
+from swarm_gym.planning.drawing import as_png, as_svg
 from swarm_gym.planning.planner import Plan
 
 
@@ -48,15 +48,16 @@ def as_ros_path(plan: Plan) -> str:
     return "\n".join(lines) + "\n"
 
 
-FORMATS: dict[str, Callable[[Plan], str]] = {
+FORMATS: dict[str, Callable[[Plan], str | bytes]] = {
     ".csv": as_csv,
     ".geojson": as_geojson,
     ".yaml": as_ros_path,
-    ".svg": drawing,
+    ".svg": as_svg,
+    ".png": as_png,
 }
 
 
-def format_of(path: Path) -> Callable[[Plan], str]:
+def format_of(path: Path) -> Callable[[Plan], str | bytes]:
     """Return the function that makes the content of a file of that name.
 
     Raises:
@@ -72,6 +73,7 @@ def write_plan(plan: Plan, path: Path) -> None:
 
     Raises:
         SettingError: for an ending that is not in `FORMATS`.
+        MissingExtraError: for a PNG, if Pillow is missing.
         OSError: if the file cannot be written.
     """
     write_atomically(path, format_of(path)(plan))

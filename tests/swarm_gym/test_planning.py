@@ -15,6 +15,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan, planner
+from swarm_gym.planning.drawing import GOAL, OBSTACLE, PAPER, PATH, START
 from swarm_gym.planning.growing import grown
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridScenario, Polygon, Scenario, make_scenario
@@ -150,6 +151,33 @@ def test_files_have_the_path_in_every_format(tmp_path, capsys):
     picture = ElementTree.parse(tmp_path / "path.svg").getroot()
     assert picture.tag.endswith("svg")
     assert len(picture.findall(".//{*}polyline")) == 1
+
+
+def test_a_png_shows_the_map_and_the_path(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    file = tmp_path / "wall.map"
+    file.write_text("type octile\nheight 3\nwidth 5\nmap\n.....\n..@..\n..@..\n")
+    assert (
+        main(["--map", str(file), "--start", "0,2", "--goal", "4,2", "--output", str(tmp_path / "a.png")])
+        == 0
+    )
+    with image.open(tmp_path / "a.png") as picture:
+        cell = picture.width // 5
+        assert picture.size == (5 * cell, 3 * cell)
+
+        def colour(column, row):
+            x, y = round((column + 0.5) * cell), round((row + 0.5) * cell)
+            return "#{:02x}{:02x}{:02x}".format(*picture.getpixel((x, y)))
+
+        assert colour(0, 2) == START
+        assert colour(4, 2) == GOAL
+        assert [colour(2, row) for row in (1, 2)] == [OBSTACLE, OBSTACLE]
+        assert colour(0, 0) == PAPER
+        assert PATH in _colours(picture)
+
+
+def _colours(picture):
+    return {"#{:02x}{:02x}{:02x}".format(*pixel) for _, pixel in picture.getcolors(10**6)}
 
 
 def test_walls_leave_no_path(tmp_path, capsys):

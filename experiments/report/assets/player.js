@@ -106,6 +106,7 @@ class Chart {
     const { width, height } = CHART;
     this.svg = element("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
     element("path", { class: "frame", d: `M0.5 0V${height - 0.5}H${width}` }, this.svg);
+    this.events = element("path", { class: "event" }, this.svg);
     this.line = element("path", { class: "course" }, this.svg);
     this.cursor = element("line", { class: "cursor", y1: 0, y2: height }, this.svg);
     this.at = element("circle", { class: "at", r: 3 }, this.svg);
@@ -113,7 +114,8 @@ class Chart {
     parent.append(figure);
   }
 
-  show(values, iterations) {
+  // `events` are the iterations from which the map is another one.
+  show(values, iterations, events) {
     const { width, height, margin } = CHART;
     const top = this.scale(Math.max(...values)) || 1;
     this.values = values;
@@ -121,6 +123,7 @@ class Chart {
     this.y = (value) => height - (this.scale(value) / top) * (height - margin);
     const points = values.map((value, iteration) => `${this.x(iteration).toFixed(1)} ${this.y(value).toFixed(1)}`);
     this.line.setAttribute("d", lineOf(points));
+    this.events.setAttribute("d", events.map((event) => `M${this.x(event).toFixed(1)} 0V${height}`).join(""));
   }
 
   seek(iteration) {
@@ -149,7 +152,8 @@ class Pane {
     this.group = group;
     const replay = (packed.unpacked ??= await Replay.unpack(packed));
     this.replay = replay;
-    for (const [key, chart] of this.charts) chart.show(replay.courses[key], iterations);
+    const events = group.maps.slice(1).map(({ from }) => from);
+    for (const [key, chart] of this.charts) chart.show(replay.courses[key], iterations, events);
   }
 
   seek(iteration) {

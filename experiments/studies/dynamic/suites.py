@@ -71,11 +71,15 @@ def _suite(
         first_seed=NEVER_USED,
         seed_step=seed_step,
         families=FAMILIES,
+        replayed=REPLAYED,
         tables=tables,
         figures=figures,
         claims=claims_of(CLAIMS, name),
     )
 
+
+# Replayed by a report, side by side: what was learned, and what sees nothing.
+REPLAYED = ("learned:dynamic/0", "open-loop:dynamic/0@1", "reacting-loop:dynamic-reacting/0@1", "spsfa-tip")
 
 OVER_TIME = ("over-time", "seeing", "recovery", "claims")
 DYNAMIC = _suite("dynamic", CASE_EVENTS, 10, OVER_TIME, ("recovery",))

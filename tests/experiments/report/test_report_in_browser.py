@@ -188,6 +188,20 @@ def test_the_player_plays_to_the_end_and_pauses(page):
     assert iteration(page) == paused < 12
 
 
+def test_courses_have_a_line_where_the_map_changes(tmp_path, open_page, monkeypatch, page):
+    assert page.locator(".courses .event").first.get_attribute("d") == ""
+    changing = dataclasses.replace(SUITE, name="changing", scenarios=("dynamic:case1-gate@5",))
+    monkeypatch.setitem(SUITES, "changing", changing)
+    report = write_report(ReportConfig(make_database(tmp_path / "changing.sqlite", changing), figures=False))
+    page = open_page(report)
+    assert page.complaints == []
+    lines = [line.get_attribute("d") for line in page.locator(".courses .event").all()]
+    assert len(set(lines)) == 1
+    # The gate follows the fifth of twelve iterations; charts are 200 wide with a margin of 6.
+    [x] = re.findall(r"M([0-9.]+) 0V90", lines[0])
+    assert float(x) == pytest.approx(194 * 5 / 12, abs=0.1)
+
+
 def test_the_player_shows_the_populations_of_the_runs(page, database):
     results = Results.stored(database)
     for place, controller in enumerate(SUITE.replayed):
