@@ -10,9 +10,10 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Floats, Run
 from experiments.runs.suite import Suite
 from experiments.statistics import draw, interval, mean_of_present, means
-from experiments.tables.cell import MISSING, Entry, share, share_in
+from experiments.tables.cell import MISSING, Entry, number, share, share_in
 from experiments.tables.table import Table
 from swarm_gym.final_repair import final_repair
+from swarm_gym.planning.clearance import clearance_of
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
@@ -21,13 +22,14 @@ from swarm_gym.settings import make_problem
 SEEDS = 50  # of each controller and scenario, at most
 COLUMNS = (
     "scenarios", "controller", "strictly free", "free after repair", "change of length", "above the shortest",
-    "planned anew",
+    "clearance", "planned anew",
 )  # fmt: skip
 CAPTION = (
     f"Best paths of the first {SEEDS} seeds of each scenario: share that is free of any collision, checked "
     "exactly; share that is after final repair; length after it against that of the best path, and above the "
-    "exact shortest path of the map, which need not go through waypoints; share of the repaired paths of "
-    "which a planner had to find a piece. [95 % interval over training seeds, scenarios of a set and seeds]"
+    "exact shortest path of the map, which need not go through waypoints; its least distance from any "
+    "obstacle, mean, in map units; share of the repaired paths of which a planner had to find a piece. "
+    "[95 % interval over training seeds, scenarios of a set and seeds]"
 )
 
 
@@ -38,6 +40,7 @@ class _Freed(NamedTuple):
     repaired: Floats
     change: Floats
     excess: Floats
+    clearance: Floats
     planned: Floats
 
 
@@ -72,6 +75,7 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                         else MISSING
                         for v in (freed.change, freed.excess)
                     ),
+                    number(mean_of_present(freed.clearance), ".2g") if freed.repaired.any() else MISSING,
                     share(mean_of_present(freed.planned)) if freed.repaired.any() else MISSING,
                 )
             )
@@ -80,7 +84,7 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 def _freed(runs: list[Run], suite: Suite, scenario: str) -> _Freed:
     problem, shortest = _problem(scenario, tuple(suite.options.items()))
-    freed = _Freed(np.zeros(len(runs)), np.zeros(len(runs)), *np.full((3, len(runs)), np.nan))
+    freed = _Freed(np.zeros(len(runs)), np.zeros(len(runs)), *np.full((4, len(runs)), np.nan))
     for k, run in enumerate(runs):
         freed.free[k] = problem.is_clear(run.best_path)
         found = final_repair(problem, run.best_path)
@@ -88,6 +92,7 @@ def _freed(runs: list[Run], suite: Suite, scenario: str) -> _Freed:
             freed.repaired[k] = 1.0
             freed.change[k] = found.length / length_of(run.best_path) - 1.0
             freed.excess[k] = found.length / shortest - 1.0
+            freed.clearance[k] = clearance_of(problem.scenario, found.path)
             freed.planned[k] = found.planned > 0
     return freed
 

@@ -11,7 +11,6 @@ from agents.training.config import TrainConfig
 from agents.training.learners import LEARNERS
 from agents.training.presets import PresetError, load_preset, preset_names
 
-
 # Presets whose first populations are larger than those of the controller that they correct.
 OTHER_FIRST_SIZE = ("dynamic", "dynamic-told")
 
