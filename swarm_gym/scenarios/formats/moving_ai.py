@@ -113,7 +113,7 @@ def expand(name: str) -> tuple[str, ...]:
     given, problems, cells = _parse(name)
     short = given if Path(given).is_absolute() else given.removesuffix(".map")
     if cells:
-        return (f"{NAME}:{short}{name[len(NAME) + 1 + len(given) :]}",)
+        return (name.replace(f":{given}", f":{short}", 1),)
     blocked = _problems_in_blocked_cells(given) if len(problems) > 1 else frozenset()
     kept = [number for number in problems if number not in blocked]
     if not kept:

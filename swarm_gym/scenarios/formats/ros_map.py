@@ -99,7 +99,7 @@ def expand(name: str) -> tuple[str, ...]:
     name = spaceless(name)
     given, *_ = _parse(name)
     short = given if Path(given).is_absolute() else given.removesuffix(".yaml")
-    return (f"{NAME}:{short}{name[len(NAME) + 1 + len(given) :]}",)
+    return (name.replace(f":{given}", f":{short}", 1),)
 
 
 def make(name: str) -> GridScenario:
