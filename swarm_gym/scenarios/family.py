@@ -26,12 +26,14 @@ class Family(NamedTuple):
         expand: function that returns the names of the single scenarios that a name stands for, and raises
             `ScenarioError` for a name of another form.
         make: function that returns the single scenario of a name.
+        tidy: function that returns the one form of a name that may be written in several ways.
     """
 
     usage: str
     samples: tuple[str, ...]
     expand: Callable[[str], tuple[str, ...]]
     make: Callable[[str], AnyScenario]
+    tidy: Callable[[str], str] = str
 
 
 class SizedSplit(Protocol):

@@ -45,7 +45,7 @@ def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
     if isinstance(scenario, AnyScenario):
         return scenario
     names = expand_name(scenario)
-    if len(names) != 1:
+    if names != (_tidied(scenario),):
         raise ScenarioError(f"scenario {shown(scenario)}: expected one scenario, got a range of {len(names)}")
     return _make(names[0])
 
@@ -85,7 +85,7 @@ def expand_name(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no scenario of that name.
         ScenarioError: if the name does not have the form of its family.
     """
-    name = name.strip(" ") if isinstance(name, str) else name
+    name = _tidied(name)
     family = _family_of(name)
     if family is not None:
         return family.expand(name)
@@ -102,6 +102,13 @@ def sample_names() -> tuple[str, ...]:
 def _make(name: str) -> AnyScenario:
     family = _family_of(name)
     return SCENARIOS[name]() if family is None else family.make(name)
+
+
+def _tidied(name: str) -> str:
+    """Return the one form of a name; what is no text is returned as it is."""
+    name = name.strip(" ") if isinstance(name, str) else name
+    family = _family_of(name)
+    return name if family is None else family.tidy(name)
 
 
 def _family_of(name: object) -> Family | None:

@@ -109,11 +109,9 @@ def expand(name: str) -> tuple[str, ...]:
     Raises:
         ScenarioError: if the name has another form, or all problems of a range begin or end in blocked cells.
     """
-    name = spaceless(name)
     given, problems, cells = _parse(name)
-    short = given if Path(given).is_absolute() else given.removesuffix(".map")
     if cells:
-        return (name.replace(f":{given}", f":{short}", 1),)
+        return (name,)
     blocked = _problems_in_blocked_cells(given) if len(problems) > 1 else frozenset()
     kept = [number for number in problems if number not in blocked]
     if not kept:
@@ -124,7 +122,19 @@ def expand(name: str) -> tuple[str, ...]:
             f"scenario {shown(name)}: {left_out} begin or end in a blocked cell; they are left out",
             stacklevel=2,
         )
-    return tuple(f"{NAME}:{short}#{number}" for number in kept)
+    return tuple(f"{NAME}:{given}#{number}" for number in kept)
+
+
+def tidy(name: str) -> str:
+    """Return the name without spaces between its parts, and without `.map` in the data folder.
+
+    Raises:
+        ScenarioError: if the name has another form.
+    """
+    name = spaceless(name)
+    given, *_ = _parse(name)
+    short = given if Path(given).is_absolute() else given.removesuffix(".map")
+    return name.replace(f":{given}", f":{short}", 1)
 
 
 def make(name: str) -> GridScenario:
@@ -163,7 +173,7 @@ def cached_map(path: Path) -> GridMap:
     return _cached_map(path, stamp_of(path))
 
 
-FAMILY = Family(USAGE, (), expand, make)
+FAMILY = Family(USAGE, (), expand, make, tidy)
 
 
 def _map_of(given: str) -> GridMap:

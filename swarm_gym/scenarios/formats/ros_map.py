@@ -89,9 +89,17 @@ def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
 
 
 def expand(name: str) -> tuple[str, ...]:
-    """Return the name without spaces between its parts, and without `.yaml` in the data folder.
+    """Return the name itself; no file is read.
 
-    No file is read.
+    Raises:
+        ScenarioError: if the name has another form.
+    """
+    _parse(name)
+    return (name,)
+
+
+def tidy(name: str) -> str:
+    """Return the name without spaces between its parts, and without `.yaml` in the data folder.
 
     Raises:
         ScenarioError: if the name has another form.
@@ -99,7 +107,7 @@ def expand(name: str) -> tuple[str, ...]:
     name = spaceless(name)
     given, *_ = _parse(name)
     short = given if Path(given).is_absolute() else given.removesuffix(".yaml")
-    return (name.replace(f":{given}", f":{short}", 1),)
+    return name.replace(f":{given}", f":{short}", 1)
 
 
 def make(name: str) -> GridScenario:
@@ -117,7 +125,7 @@ def make(name: str) -> GridScenario:
     return GridScenario(name, read_ros_map(path, radius), start, goal)
 
 
-FAMILY = Family(USAGE, (), expand, make)
+FAMILY = Family(USAGE, (), expand, make, tidy)
 
 
 @lru_cache(maxsize=8)
