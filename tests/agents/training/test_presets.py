@@ -11,8 +11,8 @@ from agents.training.config import TrainConfig
 from agents.training.learners import LEARNERS
 from agents.training.presets import PresetError, load_preset, preset_names
 
-# Presets whose first populations are larger than those of the controller that they correct.
-OTHER_FIRST_SIZE = ("dynamic", "dynamic-told")
+# Controllers whose first populations some presets take instead of those of the controller that they correct.
+FIRST_SIZE_OF = dict.fromkeys(("dynamic", "dynamic-told"), "reacting-loop:dynamic-fields-reacting/0@1")
 
 
 @pytest.mark.parametrize("name", preset_names())
@@ -20,8 +20,8 @@ def test_every_packaged_preset_loads(name):
     config = load_preset(name)
     assert config.preset == name
     assert config.algorithm in LEARNERS
-    if config.base != "none" and name not in OTHER_FIRST_SIZE:  # as many members as what it corrects has
-        base = make_controller(config.base, config.limits)
+    if config.base != "none":  # as many members as the controller that it corrects
+        base = make_controller(FIRST_SIZE_OF.get(name, config.base), config.limits)
         assert config.initial_population_size == base.initial_population_size
 
 
