@@ -32,8 +32,8 @@ class Settings:
         num_waypoints: n, number of waypoints of a path, at least 1.
         num_control_points: number of control points of a Bezier curve, without start and target, at least 1.
         length_weight: mu in (0, 1], weight of the length in the fitness on analytic maps.
-        penalty: lambda, at least 0: the fitness that each infeasible sample of a path costs on grid maps, or
-            each cell's length of the blocked part of a walk.
+        penalty: lambda, at least 0: the fitness that each of about 1000 equal parts of a path costs on grid
+            maps if it is blocked, or each cell's length of the blocked part of a walk.
         cell_size: side of the cells that analytic maps are converted to for walks.
         iterations: g_max, number of steps of an episode, at least 1.
         initial_population_size: PS(0), size of the first population, within the two limits below.

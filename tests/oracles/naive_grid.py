@@ -14,6 +14,7 @@ from oracles import naive
 # another, a multiple of eight.
 NUM_SAMPLES = 1000
 LEAST_WEIGHT = 1 / 3
+NEARLY = 1e-9
 
 
 def cell_of(grid, x, y):
@@ -169,8 +170,34 @@ class Problem:
         samples = self.path.samples(vector)
         pieces = list(itertools.pairwise(samples))
         length = math.fsum(math.dist(a, b) for a, b in pieces)
-        count = sum(self.are_infeasible(samples))
-        return length + self.penalty * count, count * length / len(pieces)
+        blocked = math.fsum(self.blocked_length(a, b) for a, b in pieces)
+        return length + self.penalty * len(pieces) * blocked / length, blocked
+
+    def sampled_fitness(self, vector):
+        """Fitness as the MOA paper has it: a penalty for each infeasible sample."""
+        samples = self.path.samples(vector)
+        length = math.fsum(math.dist(a, b) for a, b in itertools.pairwise(samples))
+        return length + self.penalty * sum(self.are_infeasible(samples))
+
+    def blocked_length(self, a, b):
+        """Length of a segment in blocked cells; grid lines cut it, and the middle of a part stands for it."""
+        (left, top), side = self.map.origin, self.map.resolution
+        shares = {0.0, 1.0}
+        for axis, first in enumerate((left, top)):
+            begin, end = sorted((a[axis], b[axis]))
+            if begin == end:
+                continue
+            for line in range(
+                math.ceil((begin - first) / side - 0.5), math.floor((end - first) / side - 0.5) + 1
+            ):
+                share = (first + (line + 0.5) * side - a[axis]) / (b[axis] - a[axis])
+                shares.add(naive.clip(share, 0.0, 1.0))
+        blocked = 0.0
+        for begin, end in itertools.pairwise(sorted(shares)):
+            middle = [p + (begin + end) / 2 * (q - p) for p, q in zip(a, b, strict=True)]
+            if is_blocked(self.map, *cell_of(self.map, *middle)):
+                blocked += end - begin
+        return blocked * math.dist(a, b)
 
     def runs(self, vector):
         """Lists of consecutive infeasible samples."""
@@ -192,7 +219,10 @@ class Problem:
                 ways.append((free[0] - samples[k][0], free[1] - samples[k][1]))
             columns = zip(*(self.path.weights(k) for k in run), strict=True)
             weights = [math.fsum(column) / len(run) for column in columns]
-            heaviest = weights.index(max(weights))
+            heaviest = 0
+            for k, weight in enumerate(weights):
+                if weight > (1.0 + NEARLY) * weights[heaviest]:
+                    heaviest = k
             for axis in (0, 1):
                 mean = math.fsum(way[axis] for way in ways) / len(run)
                 moves[heaviest][axis] += mean / max(weights[heaviest], LEAST_WEIGHT)

@@ -32,8 +32,8 @@ class Cost(NamedTuple):
 def numpy_fitness(problem: GridProblem) -> Callable[[Floats], Floats]:
     """Return a function for the fitness, (...,), of Bezier curves on a grid map, written in NumPy.
 
-    It takes decision vectors, (..., dimension), inside the bounds. Its results equal those of the kernel up
-    to rounding, which a test checks.
+    It takes decision vectors, (..., dimension), inside the bounds. It counts infeasible samples, as in the
+    MOA paper, where the kernel measures the exact length in blocked cells.
     """
     curve, grid, penalty = problem.curve, problem.scenario.map, problem.penalty
     basis = np.ascontiguousarray(curve.weights.T)

@@ -15,9 +15,8 @@ from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.geometry.traversal import blocked_length, path_is_free
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
+from swarm_gym.scenarios import GridScenario, make_scenario
 
 
 def moa_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -37,7 +36,7 @@ def moa_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             "numbers are of other tasks of about these lengths, h says whether its t-test found a difference",
             (
                 "task", "shortest path", "method", "feasible", "mean length", "above shortest", "p",
-                "exactly free", "longest in blocked cells", "paper feasible", "paper length", "paper h",
+                "paper feasible", "paper length", "paper h",
             ),
             lengths,
         ),
@@ -68,7 +67,6 @@ def _length_rows(
         own = lengths[name]
         published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
         mean = own.mean() if own.size else np.nan
-        free = [run for run in found if _is_free(problem.map, run)]
         rows.append(
             (
                 task,
@@ -78,8 +76,6 @@ def _length_rows(
                 number(mean),
                 share(mean / optimum - 1.0),
                 MISSING if shortest in (name, None) else _p_value(own, lengths[str(shortest)]),
-                number(len(free) / len(found), ".2f"),
-                _longest_blocked(problem.map, found),
                 number(published.feasible if published else None, ".2f"),
                 number(published.length if published else None),
                 number(published.differs if published else None, "d"),
@@ -133,19 +129,6 @@ def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:
     if min(own.size, shortest.size) < 2:
         return MISSING
     return number(ttest_ind(own, shortest, equal_var=False).pvalue, ".2g")
-
-
-def _is_free(grid: GridMap, run: Run) -> bool:
-    return path_is_free(grid.blocked, grid.to_cells(run.best_path))
-
-
-def _longest_blocked(grid: GridMap, runs: Sequence[Run]) -> Entry:
-    """Return the greatest length in blocked cells, between samples, of runs whose samples are all free."""
-    feasible = [run for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE]
-    if not feasible:
-        return MISSING
-    lengths = [blocked_length(grid.blocked, grid.to_cells(run.best_path)) for run in feasible]
-    return number(max(lengths) * grid.resolution, ".2f")
 
 
 TABLES = {"moa": moa_tables}

@@ -34,7 +34,7 @@ class GridProblem(GridMapProblem):
         scenario: the map and the task.
         encoding: a name in `ENCODINGS`.
         num_points: free control points of a Bezier curve, or waypoints.
-        penalty: lambda, the fitness that an infeasible sample costs.
+        penalty: lambda, the fitness that each of `table.num_pieces` equal parts of a path costs if blocked.
     """
 
     scenario: GridScenario

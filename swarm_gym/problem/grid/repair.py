@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
-from swarm_gym.compiler.simd import NUM_LANES, store, total
-from swarm_gym.problem.grid.cost import samples_of
+from swarm_gym.compiler.simd import NUM_LANES, look_up, store, total
+from swarm_gym.problem.grid.cost import cells_of, samples_of
 from swarm_gym.problem.grid.table import GridTable
 
 Floats = NDArray[np.float64]
 
 # A control point with a smaller weight in a run moves no further than with this one.
 LEAST_WEIGHT = 1.0 / 3.0
+# Weights that differ by a smaller share are the same.
+NEARLY = 1e-9
 
 
 @kernel(inline="late")
@@ -30,7 +32,8 @@ def repair(table: GridTable, path: Floats, repair_degree: float) -> None:
     x, y, infeasible = np.empty(NUM_LANES), np.empty(NUM_LANES), np.empty(NUM_LANES)
     count, away_x, away_y = 0, 0.0, 0.0
     for block in range(num_blocks):
-        columns, rows, _, _, flags = samples_of(table, path, block)
+        columns, rows, _, _ = samples_of(table, path, block)
+        flags = look_up(table.blocked, cells_of(table, columns, rows))
         if count == 0 and total(flags) == 0.0:
             continue
         store(x, 0, columns)
@@ -61,7 +64,8 @@ def _pull(moves: Floats, weights: Floats, count: int, away_x: float, away_y: flo
     """Add the move for one run, of the control point with the largest weight in it, to the moves (P, 2)."""
     heaviest = 1
     for point in range(2, weights.shape[0] - 1):
-        if weights[point] > weights[heaviest]:
+        # Points between whole segments of a run weigh the same but for rounding: the first of them is taken.
+        if weights[point] > (1.0 + NEARLY) * weights[heaviest]:
             heaviest = point
     weight = max(weights[heaviest] / count, LEAST_WEIGHT)
     moves[heaviest, 0] += away_x / count / weight

@@ -20,6 +20,9 @@ from swarm_gym.scenarios import GridMap
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+# What `GridTable.steps_to_other` has more in blocked cells.
+BLOCKED = 128
+
 
 class GridTable(NamedTuple):
     """The problem table of a path on a grid map, with P control points and S blocks of eight samples.
@@ -30,7 +33,7 @@ class GridTable(NamedTuple):
 
     dimension: Any  # length of decision vectors; this and the next five: arrays in a stacked table
     resolution: Any  # map units per cell
-    penalty: Any  # lambda, fitness per infeasible sample
+    penalty: Any  # lambda, fitness per blocked piece
     num_pieces: Any  # number of pieces between samples
     num_columns: Any  # columns of the map with its border
     num_rows: Any  # rows of the map with its border
@@ -49,6 +52,9 @@ class GridTable(NamedTuple):
     weights: Floats  # (S width, 8) weights of that and the next control points, for each sample
     steps: Floats  # (S width, 8) change of these weights to the next sample
     blocked: NDArray[np.uint8]  # (cells,) 1 where blocked, row by row with the border
+    steps_to_other: NDArray[np.uint8]  # (cells,) see `_steps_to_other`
+    row_runs: NDArray[np.int16]  # (cells + rows,) see `_runs`
+    column_runs: NDArray[np.int16]  # (cells + columns,) the same for columns, column by column
     nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
 
 
@@ -77,13 +83,16 @@ def select(tables: GridTable, index: int) -> GridTable:
         tables.weights[index],
         tables.steps[index],
         tables.blocked[index],
+        tables.steps_to_other[index],
+        tables.row_runs[index],
+        tables.column_runs[index],
         tables.nearest[index],
     )
 
 
 def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
-    """Return the problem table of a map and an encoding, with lambda fitness per infeasible sample."""
-    blocked, nearest = _cells(grid)
+    """Return the problem table of a map and an encoding, with lambda fitness per blocked piece."""
+    cells = _cells(grid)
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
     return GridTable(
@@ -91,8 +100,8 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
         float(grid.resolution),
         float(penalty),
         len(encoding.first) - 1,
-        blocked.shape[1],
-        blocked.shape[0],
+        cells.blocked.shape[1],
+        cells.blocked.shape[0],
         pad(encoding.lower),
         pad(encoding.upper),
         pad(encoding.lower),
@@ -107,20 +116,50 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
         first,
         weights,
         steps,
-        blocked.astype(np.uint8).ravel(),
-        nearest,
+        cells.blocked.ravel(),
+        cells.steps_to_other.ravel(),
+        _runs(cells.blocked).ravel(),
+        _runs(cells.blocked.T).ravel(),
+        cells.nearest,
     )
 
 
+class _Cells(NamedTuple):
+    """Arrays of cells for the kernels; all (rows, columns) with the border, `nearest` (cells, 2)."""
+
+    blocked: NDArray[np.uint8]
+    steps_to_other: NDArray[np.uint8]
+    nearest: NDArray[np.int32]
+
+
 @lru_cache(maxsize=8)
-def _cells(grid: GridMap) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """Return the blocked cells, (rows, columns) with the border, and the nearest free cell of every cell."""
+def _cells(grid: GridMap) -> _Cells:
     from scipy.ndimage import distance_transform_edt
 
     blocked = np.pad(grid.blocked, 1, constant_values=True)
     _, nearest = distance_transform_edt(blocked, return_indices=True)
     row, column = nearest.astype(np.int32) - 1
-    return blocked, np.ascontiguousarray(np.stack([column, row], axis=-1).reshape(-1, 2))
+    return _Cells(
+        blocked.astype(np.uint8),
+        _steps_to_other(blocked),
+        np.ascontiguousarray(np.stack([column, row], axis=-1).reshape(-1, 2)),
+    )
+
+
+def _steps_to_other(blocked: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Return the number of steps, at most 127, from each cell to the nearest one of the other kind.
+
+    A step leads to one of eight neighbours. Blocked cells have `BLOCKED` more.
+    """
+    from scipy.ndimage import distance_transform_cdt
+
+    steps = distance_transform_cdt(blocked, "chessboard") + distance_transform_cdt(~blocked, "chessboard")
+    return (np.minimum(steps, BLOCKED - 1) + BLOCKED * blocked).astype(np.uint8)
+
+
+def _runs(rows: NDArray[np.uint8]) -> NDArray[np.int16]:
+    """Return the number of blocked cells before each cell of a row, and in the whole row."""
+    return np.pad(np.cumsum(rows, axis=1, dtype=np.int16), ((0, 0), (1, 0)))
 
 
 def _in_blocks(encoding: Encoding) -> tuple[Integers, Floats, Floats]:

@@ -28,6 +28,7 @@ from experiments.speed.page import write_page
 from experiments.speed.peers import bezier, fish
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios
+from oracles import naive_grid
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.problem import AnalyticProblem, GridProblem
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
@@ -61,12 +62,10 @@ def test_the_numpy_version_converges_like_the_kernels():
     assert ks_2samp(ours, theirs).pvalue > 0.01
 
 
-def assert_same_fitness(cost, problem, vectors):
-    """Assert that a cost function gives the fitness of the kernel, and return that of each vector."""
-    fitness = [problem.evaluate(vector)[0] for vector in vectors]
+def assert_is_fitness(cost, fitness, vectors):
+    """Assert that a cost function gives that fitness, one after the other and all at once."""
     assert cost.of_many(vectors) == pytest.approx(fitness, rel=1e-12)
     assert [cost.of_one(vector) for vector in vectors] == pytest.approx(fitness, rel=1e-12)
-    return fitness
 
 
 def numbered(quantities):
@@ -79,9 +78,7 @@ def curves():
     return bezier.grid_problem()
 
 
-@pytest.mark.parametrize("make_cost", [numpy_cost, compiled_cost])
-def test_other_libraries_get_the_fitness_of_the_kernel(curves, make_cost):
-    cost = make_cost(curves)
+def test_other_libraries_get_the_fitness_of_the_kernel_or_that_of_samples(curves):
     rng = np.random.default_rng(1)
     anywhere = rng.uniform(*curves.bounds, (200, curves.dimension))
     # Control points on the straight line and a little beside it, so that few samples are infeasible.
@@ -89,7 +86,10 @@ def test_other_libraries_get_the_fitness_of_the_kernel(curves, make_cost):
     near = line.T.ravel() + rng.normal(0.0, 10.0, (200, curves.dimension))
     corners = np.stack(curves.bounds)
     vectors = np.concatenate([anywhere, np.clip(near, *curves.bounds), corners])
-    fitness = assert_same_fitness(cost, curves, vectors)
+    assert_is_fitness(compiled_cost(curves), [curves.evaluate(vector)[0] for vector in vectors], vectors)
+    oracle = naive_grid.Problem(curves)
+    fitness = [oracle.sampled_fitness(vector) for vector in vectors]
+    assert_is_fitness(numpy_cost(curves), fitness, vectors)
     assert min(fitness) < 50 * curves.penalty < max(fitness)
 
 
@@ -101,7 +101,8 @@ def test_the_numpy_fitness_knows_the_size_of_cells_and_where_they_lie():
     start, target = grid.to_map([(1, 2), (17, 8)])
     problem = GridProblem(GridScenario("small", grid, tuple(start), tuple(target)), num_points=3, penalty=2.5)
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
-    assert_same_fitness(numpy_cost(problem), problem, vectors)
+    oracle = naive_grid.Problem(problem)
+    assert_is_fitness(numpy_cost(problem), [oracle.sampled_fitness(vector) for vector in vectors], vectors)
 
 
 def test_a_peer_is_measured_with_every_cost_and_compared_with_ours():
@@ -146,7 +147,7 @@ def test_other_fish_swarms_get_the_fitness_of_the_kernel(scenario):
     problem = fish.environment(scenario).simulation.problems[0]
     vectors = np.random.default_rng(1).uniform(*problem.bounds, (50, problem.dimension))
     for cost in (fish.numpy_cost(scenario), compiled_cost(problem)):
-        assert_same_fitness(cost, problem, vectors)
+        assert_is_fitness(cost, [problem.evaluate(vector)[0] for vector in vectors], vectors)
 
 
 @pytest.mark.slow  # kernels are compiled for it
