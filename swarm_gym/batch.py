@@ -12,20 +12,23 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
+from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import StepOrderError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
 # Entries of info that a swarm does not always have.
 SOMETIMES = (
-    "optimality_gap", "feasible_path", "feasible_fitness", "repaired_path", "repaired_length",
-    "repair_evaluations",
+    "optimality_gap", "feasible_path", "feasible_fitness", "feasible_length", "feasible_clearance",
+    "repaired_path", "repaired_length", "repair_evaluations",
 )  # fmt: skip
 
 Flags = NDArray[np.bool_]
@@ -140,6 +143,7 @@ class SwarmBatch:
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
             "best_path": simulation.paths.best(),
+            "feasible": swarms.best_collision <= FEASIBILITY_TOLERANCE,
             "feasible_fitness": simulation.paths.feasible_fitness(),
             "feasible_path": simulation.paths.feasible(),
             "evaluations": swarms.evaluations.copy(),
@@ -148,9 +152,30 @@ class SwarmBatch:
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
             **where,
+            **self._measured(),
             **repaired,
-            "optimality_gap": np.where(simulation.running, np.nan, simulation.optimality_gap()),
+            "optimality_gap": self._final_gaps(),
         }
+
+    def _measured(self) -> dict[str, NDArray]:
+        """Return length and clearance of the best feasible paths of episodes that have ended, else NaN."""
+        simulation = self.simulation
+        lengths, clearances = np.full((2, simulation.num_swarms), np.nan)
+        ended = ~simulation.running & np.isfinite(simulation.paths.feasible_fitness())
+        paths = simulation.paths.feasible() if ended.any() else None
+        for row in np.flatnonzero(ended).tolist():
+            problem = simulation.problem_of(row)
+            if paths is not None and isinstance(problem, MapProblem):
+                lengths[row] = length_of(paths[row])
+                clearances[row] = clearance_of(problem.scenario, paths[row])
+        return {"feasible_length": lengths, "feasible_clearance": clearances}
+
+    def _final_gaps(self) -> NDArray[np.float64]:
+        """Return (B,) the optimality gaps of the swarms whose episodes have ended, else NaN."""
+        running = self.simulation.running
+        if running.all():
+            return np.full(len(running), np.nan)
+        return np.where(running, np.nan, self.simulation.optimality_gap())
 
     def _repaired(self) -> dict[str, NDArray]:
         """Return the final repairs of the best paths; NaN where the episode goes on or none was found."""

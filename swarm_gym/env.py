@@ -65,9 +65,11 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     |---|---|
     | `best_fitness` | best fitness so far; smaller is better |
     | `best_collision` | degree of collision of the best path so far, map units |
+    | `feasible` | whether that path is free, exactly |
     | `best_path` | best path so far, (k, 2), map units |
     | `feasible_path` | if there is one: best feasible path since the map last changed, (k, 2), map units |
     | `feasible_fitness` | fitness of that path, there with it |
+    | `feasible_length`, `feasible_clearance` | at the end: its length and its clearance, map units |
     | `evaluations` | evaluations in this episode |
     | `population_size` | size of the population |
     | `feasible_share` | fraction of the members that do not collide |
@@ -76,7 +78,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `robot`, `driven` | if the robot drives: its position (2,) and the length of its drives, map units |
     | `repaired_path` | with `final_repair`, at the end: a free path near the best one, (k, 2), map units |
     | `repaired_length`, `repair_evaluations` | length of that path, map units; what the repair cost |
-    | `optimality_gap` | at the end of an episode with a known optimum: (best fitness - optimum) / optimum |
+    | `optimality_gap` | at the end, where the optimum is quickly found: (best fitness - optimum) / optimum |
 
     **Test functions**: nothing collides, so E(P) is always 0, all members are feasible, and the repair degree
     changes nothing. The optimum and the lower bound are 0, and `optimality_gap` is the best fitness.
@@ -196,6 +198,9 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     def _info(self) -> dict[str, Any]:
         info = {name: values[0] for name, values in self._batch.info().items()}
+        info["feasible"] = bool(
+            info["feasible"]
+        )  # of NumPy's bool, Gymnasium's vectors make an array of objects
         absent = [name for name in SOMETIMES if name in info and not is_there(info[name][None])[0]]
         return {name: value for name, value in info.items() if name not in absent}
 

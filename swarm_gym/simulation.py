@@ -263,8 +263,10 @@ class Simulation:
     def optimality_gap(self) -> Floats:
         """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
 
-        If the optimum is 0, as for test functions, it is the best fitness itself.
+        If the optimum is 0, as for test functions, it is the best fitness itself. An optimum that is not
+        known is computed when it is first asked for, if that takes less than about a second.
         """
+        self.worlds.compute_optima()
         return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
 
     def positions(self, row: int) -> Floats:

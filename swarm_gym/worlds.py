@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from swarm_gym.errors import SettingError
 from swarm_gym.problem import MapProblem, Problem
 from swarm_gym.problem.tables import put, stack
-from swarm_gym.reference import known_optimum
+from swarm_gym.reference import known_optimum, quick_optima
 from swarm_gym.scenarios import drive_of
 from swarm_gym.settings import Settings
 
@@ -29,7 +29,7 @@ class Worlds:
         first_event: (problems,) iteration of the first event of the scenario; 0 if there is none.
         lower_bounds: (problems,) `Problem.lower_bound`.
         gap_units: (problems,) `Problem.gap_unit`.
-        optima: (problems,) known optima, else NaN.
+        optima: (problems,) known optima, else NaN; `compute_optima` may fill these.
         tables: problem tables of all problems, stacked.
     """
 
@@ -47,6 +47,7 @@ class Worlds:
         self.gap_units = np.array([problem.gap_unit for problem in self.problems])
         optima = [known_optimum(problem) for problem in problems]
         self.optima = np.array(optima + [np.nan] * num_spare)
+        self._asked = False
         self.tables = stack([problem.table for problem in self.problems])
 
     def _first_events(self, begins: NDArray[np.int64], num_spare: int) -> NDArray[np.int64]:
@@ -77,8 +78,14 @@ class Worlds:
         """Names of the scenarios that episodes draw from."""
         return [self.problems[number].scenario.name for number in self.first]
 
+    def compute_optima(self) -> None:
+        """Compute the optima that are not known if that is quick; do nothing when called again."""
+        if not self._asked:
+            self._asked = True
+            self.optima[: self.num_worlds] = quick_optima(self.problems[: self.num_worlds])
+
     def require_optima(self, purpose: str) -> None:
-        """Raise an error if the optimum of a scenario is not known.
+        """Raise an error if the optimum of a scenario is not known and computing it takes long.
 
         Raises:
             SettingError: naming the first of these scenarios.
@@ -88,6 +95,7 @@ class Worlds:
                 f"{purpose} needs optima, which are unknown for robots that drive; "
                 "choose a scenario without a drive"
             )
+        self.compute_optima()
         for problem, optimum in zip(self.problems, self.optima, strict=True):
             if np.isnan(optimum):
                 raise SettingError(

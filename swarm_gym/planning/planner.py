@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.clearance import clearance_of
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.planning.clearance import clearance_of
 from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
 from swarm_gym.planning.scaling import scaled_to_cases
 from swarm_gym.planning.tasks import Task, read_task
@@ -37,6 +37,21 @@ LARGEST_EXACT = 2**21  # cells of a grid map up to which the exact shortest path
 
 
 @dataclass(frozen=True)
+class Improvement:
+    """A free path that was the shortest one when it was found.
+
+    Attributes:
+        seconds: time since planning began.
+        path: (k, 2) points from start to goal, in map units.
+        found_by: origin of the path, see `Plan`.
+    """
+
+    seconds: float
+    path: Floats
+    found_by: str
+
+
+@dataclass(frozen=True)
 class Plan:
     """A free path.
 
@@ -53,6 +68,8 @@ class Plan:
             shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; or "exact
             planner".
         stopped: whether Ctrl-C ended planning.
+        improvements: the paths that were the shortest one in turn, the last of which is `path`; not
+            that of the exact planner.
     """
 
     map: MapScenario
@@ -64,6 +81,7 @@ class Plan:
     gap: float | None
     found_by: str
     stopped: bool = False
+    improvements: tuple[Improvement, ...] = ()
 
 
 def plan(
@@ -115,7 +133,7 @@ def plan(
         require_integer("max_evaluations", max_evaluations, 1)
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance)
-    search = _Search(task, optimizer, controller, seed)
+    search = _Search(task, optimizer, controller, seed, began)
     limit = math.inf if max_seconds is None else began + max_seconds
     most = math.inf if max_evaluations is None else max_evaluations
     stopped = False
@@ -129,8 +147,10 @@ def plan(
     except KeyboardInterrupt:
         stopped = True
         search.keep_best()
-    found, found_by = search.best, search.found_by
-    if found is None:
+    improvements = tuple(search.improvements)
+    if improvements:
+        found, found_by = improvements[-1].path, improvements[-1].found_by
+    else:
         if not fallback:
             raise NoPathError(
                 f"no free path found on {task.given.name!r} with {search.evaluations:,} evaluations in "
@@ -141,7 +161,9 @@ def plan(
     length = length_of(found)
     gap = _gap(task, length)
     least = clearance_of(task.given, found)
-    return Plan(task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped)
+    return Plan(
+        task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped, improvements
+    )
 
 
 def _gap(task: Task, length: float) -> float | None:
@@ -154,12 +176,11 @@ class _Search:
     """Episodes on a task, and the shortest free path that they have found.
 
     Attributes:
-        best: (k, 2) that path, in map units; None if there is none yet.
-        found_by: origin of that path, see `Plan`.
+        improvements: the paths that were the shortest one in turn.
         evaluations: evaluations so far.
     """
 
-    def __init__(self, task: Task, optimizer: str | None, controller: str | None, seed: int):
+    def __init__(self, task: Task, optimizer: str | None, controller: str | None, seed: int, began: float):
         # Noise and steps of optimizers have units: maps of obstacles are as wide as those of the papers.
         scaled = None if isinstance(task.grown, GridScenario) else scaled_to_cases(task.grown)
         usual, usual_controller = ON_GRIDS if scaled is None else ON_OBSTACLES
@@ -174,15 +195,22 @@ class _Search:
         self._env = SwarmEnv(name, scenario=scenario, **options, **self._controller.env_options())
         self._task, self._seed = task, seed
         self._guide: Floats | None = None
-        self.best: Floats | None = None
-        self.found_by = "swarm"
+        self._began = began
+        self.improvements: list[Improvement] = []
         self.evaluations = 0
+
+    @property
+    def best(self) -> Floats | None:
+        """The shortest free path so far, (k, 2), in map units; None if there is none yet."""
+        return self.improvements[-1].path if self.improvements else None
 
     def run(self, limit: float) -> None:
         """Run an episode, at most until that time of the monotonic clock, and keep its path if it is best."""
         self._guide = self._next_guide()
         self._controller.reset(1, self._seed)
         observation, info = self._env.reset(seed=self._seed, options=self._first())
+        if self._guide is not None:
+            self._keep(self._guide, "guide")
         self._seed += 1
         before, ended = self.evaluations, False
         while not ended and time.monotonic() < limit:
@@ -192,27 +220,25 @@ class _Search:
 
     def keep_best(self) -> None:
         """Make the best paths of the present population free, and keep the shortest if it is shorter."""
-        simulation = self._env.simulation
-        problem = simulation.problem_of(0)
-        assert isinstance(problem, MapProblem)
-        paths = [simulation.paths.best_of(0)]
-        feasible = simulation.paths.feasible()[0]
+        paths = self._env.simulation.paths
+        self._keep(paths.best_of(0), "swarm")
+        feasible = paths.feasible()[0]
         if np.isfinite(feasible).all():
-            paths.append(feasible)
-        names = ["swarm"] * len(paths)
-        if self._guide is not None:
-            paths.append(self._guide)
-            names.append("guide")
-        for path, name in zip(paths, names, strict=True):
-            found = final_repair(problem, path)
-            if found is None:
-                continue
-            self.evaluations += found.evaluations
-            mapped = self._to_map(found.path)
-            mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
-            if self.best is None or length_of(mapped) < length_of(self.best):
-                self.best = mapped
-                self.found_by = "swarm and planner" if found.planned else name
+            self._keep(feasible, "swarm")
+
+    def _keep(self, path: Floats, found_by: str) -> None:
+        """Make a path free, and keep it if it is the shortest one."""
+        problem = self._env.simulation.problem_of(0)
+        assert isinstance(problem, MapProblem)
+        found = final_repair(problem, path)
+        if found is None:
+            return
+        self.evaluations += found.evaluations
+        mapped = self._to_map(found.path)
+        mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
+        if self.best is None or length_of(mapped) < length_of(self.best):
+            found_by = "swarm and planner" if found.planned else found_by
+            self.improvements.append(Improvement(time.monotonic() - self._began, mapped, found_by))
 
     def _next_guide(self) -> Floats | None:
         """Return the way that the next episode begins around, on grid maps: first that of A*, then others."""

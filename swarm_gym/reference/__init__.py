@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from swarm_gym.reference.optima import gap_to_optimum, known_optimum
+from swarm_gym.reference.quick import quick_optima
 
 if TYPE_CHECKING:
     from swarm_gym.reference.a_star import GridPath, shortest_grid_path, smooth
@@ -18,6 +19,7 @@ __all__ = [
     "gap_to_optimum",
     "known_optimum",
     "optimum",
+    "quick_optima",
     "shortest_grid_path",
     "shortest_path",
     "smooth",

@@ -140,13 +140,15 @@ def ensure_optima(
     return optima
 
 
+def compute_optimum(problem: Problem) -> float:
+    """Return the least fitness of a problem on a map, in map units; see `ensure_optima`."""
+    return optimum(problem)[0] if isinstance(problem, AnalyticProblem) else shortest_path(problem.scenario)[0]
+
+
 def _ensure_optimum(problem: Problem) -> float:
     fitness = known_optimum(problem)
     if math.isnan(fitness):
-        if isinstance(problem, AnalyticProblem):
-            fitness = optimum(problem)[0]
-        else:
-            fitness = shortest_path(problem.scenario)[0]
+        fitness = compute_optimum(problem)
         store_optimum(problem, fitness)
     return fitness
 

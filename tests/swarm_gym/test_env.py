@@ -6,6 +6,7 @@ from itertools import product
 import gymnasium
 import numpy as np
 import pytest
+import shapely
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
@@ -17,8 +18,9 @@ from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownN
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.reference import shortest_path
 from swarm_gym.registration import environment_id
-from swarm_gym.scenarios import Scenario, make_scenario, sample_names, worlds_of
+from swarm_gym.scenarios import Circle, Scenario, make_scenario, sample_names, worlds_of
 from swarm_gym.settings import Settings
 
 IDS = [environment_id(optimizer) for optimizer in OPTIMIZERS]
@@ -141,7 +143,7 @@ def test_the_optimality_reward_is_the_final_gap_in_percent_minus_the_cost():
 
 
 def test_the_optimality_reward_needs_a_known_optimum():
-    scenario = Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50))
+    scenario = Scenario("mine", (0, 0), (9000, 0), (), (0, -9000, 9000, 9000))
     with pytest.raises(SettingError, match=r"optimality.*mine"):
         small(scenario=["case1", scenario], reward="optimality")
 
@@ -172,13 +174,38 @@ def test_info_describes_the_best_path():
     assert info["scenario"] == "case2"
 
 
+def test_the_end_tells_length_and_clearance_of_the_best_feasible_path():
+    wall = Circle(50.0, 20.0, 5.0)
+    env = small(scenario=Scenario("mine", (0, 0), (100, 0), (wall,), (0, -50, 100, 50)))
+    _, info = env.reset(seed=6)
+    assert "feasible_length" not in info
+    info, _ = finish(env)
+    line = shapely.LineString(info["feasible_path"])
+    assert info["feasible_length"] == pytest.approx(line.length)
+    assert info["feasible_clearance"] == pytest.approx(line.distance(shapely.Point(50.0, 20.0)) - 5.0)
+    assert info["feasible"] == (info["best_collision"] == 0.0)
+
+
+def test_optimality_gap_of_a_scenario_of_ones_own_is_given_where_its_optimum_is_quickly_computed():
+    own = small(scenario=Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50)))
+    own.reset(seed=6)
+    info, _ = finish(own)
+    assert info["optimality_gap"] == pytest.approx(info["best_fitness"] / (0.3 * 100.0) - 1, rel=1e-6)
+    for options in ({"encoding": "bezier"}, {}):
+        grid = small(optimizer="particle-swarm", scenario="rooms:0", **options)
+        grid.reset(seed=6)
+        info, _ = finish(grid)
+        shortest, _ = shortest_path(make_scenario("rooms:0"))
+        assert info["optimality_gap"] == info["best_fitness"] / shortest - 1
+
+
 def test_optimality_gap_is_given_at_the_end_where_the_optimum_is_known():
     env = small()
     _, info = env.reset(seed=6)
     assert "optimality_gap" not in info
     info, _ = finish(env)
     assert info["optimality_gap"] == pytest.approx(info["best_fitness"] / 299.1 - 1, abs=2e-3)
-    unknown = small(scenario=Scenario("mine", (0, 0), (100, 0), (), (0, -50, 100, 50)))
+    unknown = small(scenario=Scenario("mine", (0, 0), (9000, 0), (), (0, -9000, 9000, 9000)))
     unknown.reset(seed=6)
     assert "optimality_gap" not in finish(unknown)[0]
 
