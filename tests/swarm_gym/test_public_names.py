@@ -144,6 +144,7 @@ PACKAGED_CONTROLLERS = (
     "open-loop:three-cases-extended-13-knots@0.02", "open-loop:three-cases-extended@0.1",
     "open-loop:three-cases-extended@2", "open-loop:three-cases-long/0@1",
     "open-loop:three-cases-sourced/0@1",
+    "tuned:dynamic-periodic/0@1", "tuned:dynamic-reaction/0@1",
     "tuned:random-fields", "tuned:three-cases", "tuned:three-cases-restart/0",
     "tuned:three-cases-schedule/0", "distilled:three-cases",
 )  # fmt: skip

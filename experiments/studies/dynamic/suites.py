@@ -36,6 +36,7 @@ BLIND = Family(
         *training_seeds("open-loop:random-fields-sourced", 5, 1),
         *training_seeds("open-loop:dynamic-fields", 5, 1),
         *training_seeds("open-loop:dynamic", 5, 1),
+        *training_seeds("tuned:dynamic-periodic", 5, 1),
     ),
     blind=True,
 )
@@ -43,6 +44,7 @@ REACTING = Family(
     "reacting",
     (
         "restart",
+        *training_seeds("tuned:dynamic-reaction", 5, 1),
         *training_seeds("reacting-loop:dynamic-fields-reacting", 5, 1),
         *training_seeds("reacting-loop:dynamic-reacting", 5, 1),
     ),
