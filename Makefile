@@ -6,7 +6,7 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 SECONDS = 3600
 comma := ,
-EVERYTHING = --editable '.[maps,render,video,study,ray,slurm,dev]'
+EVERYTHING = --editable '.[maps,render,video,study,planners,ray,slurm,dev]'
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -38,7 +38,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-scaling docs-gallery clean
+    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-planners docs-scaling docs-gallery clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+%?:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -129,6 +129,10 @@ docs-study: study-full ## fill docs/study.md and docs/study-tables.md from all s
 	$(call online,experiments.sensitivity --output results/study/sensitivity)
 	$(call online,experiments.branching --output results/study/branching)
 	$(BIN)/python -m experiments.publish study study-tables
+
+docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, and fill docs/planners.md (half an hour)
+	$(BIN)/python -m experiments.planners
+	$(BIN)/python -m experiments.publish planners
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling

@@ -71,6 +71,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
+    "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
 }
 

@@ -176,7 +176,7 @@ def test_groups_whose_episodes_end_at_different_times_are_refused():
         ),
         ({"algorithm": "recurrent-ppo"}, "group_size 2 .*recurrent-ppo"),
         ({**EVOLUTION}, "group_size 2 .*evolution"),
-        ({"reward": "optimality", "optimizer": "ant-colony"}, "optimality"),
+        ({"reward": "optimality", "scenarios": ("rooms:0-99",)}, "optimality"),
     ],
 )
 def test_groups_that_cannot_be_trained_leave_nothing_behind(tmp_path, options, message):

@@ -131,6 +131,7 @@ def test_documents_are_published_by_name():
         "study-tables",
         "moa",
         "newcomers",
+        "planners",
         "scaling",
     ]
     for documents in DOCUMENTS.values():

@@ -1,0 +1,123 @@
+"""Planners that people use: those of OMPL, smoothed A*, and the exact planner at any angle.
+
+OMPL's planners are compiled; they ask Python whether a motion is free, and Python asks the compiled traversal
+of this project. Of an anytime planner the path is shortened at each checkpoint, which counts as its time.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from experiments.planners.found import Found
+from swarm_gym.errors import MissingExtraError
+from swarm_gym.final_repair import final_repair
+from swarm_gym.planning.guide import way_of_a_star
+from swarm_gym.problem import GridProblem
+from swarm_gym.problem.geometry.traversal import segment_is_free
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import GridScenario
+
+# A planner: task, times at which its path is asked for, in seconds, and seed -> the paths that it has found.
+Planner = Callable[[GridScenario, Sequence[float], int], list[Found]]
+
+# The share of the time up to a checkpoint after which a path is taken, so that it can be shortened.
+SOLVING = 0.9
+OMPL = ("RRTConnect", "RRTstar", "InformedRRTstar", "BITstar")
+
+
+def smoothed_a_star(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the path of A* on the cells, pulled tight."""
+    began = time.perf_counter()
+    path = way_of_a_star(scenario)
+    return [Found(time.perf_counter() - began, path)]
+
+
+def tightened_a_star(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the path of A* after the final repair of this project: what swarms begin around."""
+    began = time.perf_counter()
+    found = final_repair(GridProblem(scenario), way_of_a_star(scenario))
+    return [] if found is None else [Found(time.perf_counter() - began, found.path)]
+
+
+def exact(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the shortest path at any angle."""
+    began = time.perf_counter()
+    _, path = shortest_path(scenario)
+    return [Found(time.perf_counter() - began, path)]
+
+
+def of_ompl(name: str) -> Planner:
+    """Return a planner of OMPL by the name of its class.
+
+    Raises:
+        MissingExtraError: if OMPL is not installed.
+    """
+    base, geometric = _ompl()
+
+    def plan(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+        grid = scenario.map
+        began = time.perf_counter()
+        space = base.RealVectorStateSpace(2)
+        bounds = base.RealVectorBounds(2)
+        for axis, cells in enumerate((grid.width, grid.height)):
+            bounds.setLow(axis, -0.5)
+            bounds.setHigh(axis, cells - 0.5)
+        space.setBounds(bounds)
+        information = base.SpaceInformation(space)
+        motions = _motion_validator(base, information, grid.blocked)
+        information.setMotionValidator(motions)
+        information.setStateValidityChecker(lambda state: motions.is_free(state, state))
+        information.setup()
+        setup = geometric.SimpleSetup(information)
+        ends = []
+        for point in (scenario.start, scenario.target):
+            state = space.allocState()
+            state[0], state[1] = grid.to_cells(point).tolist()
+            ends.append(state)
+        setup.setStartAndGoalStates(*ends)
+        setup.setOptimizationObjective(base.PathLengthOptimizationObjective(information))
+        setup.setPlanner(getattr(geometric, name)(information))
+        found: list[Found] = []
+        for checkpoint in checkpoints:
+            left = SOLVING * checkpoint - (time.perf_counter() - began)
+            if left <= 0.0:
+                continue
+            setup.solve(left)
+            if setup.haveExactSolutionPath():
+                path = geometric.PathGeometric(setup.getSolutionPath())
+                geometric.PathSimplifier(information).simplifyMax(path)
+                points = np.array([(state[0], state[1]) for state in path.getStates()])
+                found.append(Found(time.perf_counter() - began, grid.to_map(points)))
+                if name == "RRTConnect":  # it ends with its first path
+                    break
+        return found
+
+    return plan
+
+
+@cache
+def _ompl() -> tuple[Any, Any]:
+    """Return OMPL's modules; it has one stream of random numbers for the whole process, seeded once."""
+    try:
+        from ompl import base, geometric, util
+    except ImportError as error:
+        raise MissingExtraError("a comparison with planners", "OMPL", "planners") from error
+    util.setLogLevel(util.LogLevel.LOG_NONE)
+    util.RNG.setSeed(1)
+    return base, geometric
+
+
+def _motion_validator(base: Any, information: Any, blocked: np.ndarray) -> Any:
+    class Motions(base.MotionValidator):
+        """An exact test of the straight motion between two states."""
+
+        def is_free(self, state: Any, other: Any) -> bool:
+            return bool(segment_is_free(blocked, state[0], state[1], other[0], other[1]))
+
+        def checkMotion(self, state: Any, other: Any, last: Any = None) -> bool:  # noqa: ARG002, N802
+            return self.is_free(state, other)
+
+    return Motions(information)

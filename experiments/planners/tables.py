@@ -1,0 +1,138 @@
+"""Tables of planners: what they have found by when, by map and over all, and differences at equal time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.planners.measuring import NAMES, PlannerRun
+from experiments.planners.swarms import SWARMS
+from experiments.statistics import mean_interval
+from experiments.tables import Table
+from experiments.tables.cell import MISSING, Cell, Entry, number, share
+
+Floats = NDArray[np.float64]
+
+# A path is near the optimum if it is longer by at most this share.
+NEAR = 0.02
+MOST = 1.0  # a run without a path counts as one that is longer by this share
+
+
+def length_above(run: PlannerRun, seconds: float) -> float:
+    """Return by which share the shortest path found by that time is above the optimum; else infinite."""
+    lengths = [found.length for found in run.found if found.seconds <= seconds]
+    return min(lengths) / run.optimum - 1.0 if lengths else np.inf
+
+
+def seconds_to_near(run: PlannerRun) -> float:
+    """Return the time after which a path was near the optimum; infinite if none was."""
+    near = [found.seconds for found in run.found if found.length <= (1.0 + NEAR) * run.optimum]
+    return min(near, default=np.inf)
+
+
+def tables(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> list[Table]:
+    """Return the tables over all maps, by map, and of differences."""
+    return [_overall(runs, checkpoints), _by_map(runs, checkpoints[-1]), _differences(runs, checkpoints)]
+
+
+def _of(runs: Sequence[PlannerRun], planner: str, kind: str | None = None) -> list[PlannerRun]:
+    return [run for run in runs if run.planner == planner and kind in (None, run.kind)]
+
+
+def _overall(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
+    rows: list[tuple[Entry, ...]] = []
+    for name in NAMES:
+        own = _of(runs, name)
+        row: list[Entry] = [name, number(len(own), ",d"), share(_found_share(own, checkpoints[-1]))]
+        row += [_mean_above(own, seconds) for seconds in checkpoints]
+        row += [_near_share(own, seconds) for seconds in checkpoints]
+        row += [_median_seconds(own), _median_clearance(own), _share_of_swarm(own)]
+        rows.append(tuple(row))
+    return Table(
+        "planners",
+        "Planners on all maps: share of runs that found a free path (by shapely); mean length above the "
+        f"exact shortest path at any angle, of these, and share of runs within {NEAR:.0%} of it, by time; "
+        "median seconds until then; median least distance from a blocked cell, in cells; share of runs "
+        "whose last path is a swarm's, and not the path of A* that it began around",
+        (
+            "planner", "runs", "found", *(f"above exact, {s:g} s" for s in checkpoints),
+            *(f"near, {s:g} s" for s in checkpoints), "seconds to near", "clearance", "by a swarm",
+        ),
+        rows,
+    )  # fmt: skip
+
+
+def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
+    rows: list[tuple[Entry, ...]] = []
+    for kind in dict.fromkeys(run.kind for run in runs):
+        for name in NAMES:
+            own = _of(runs, name, kind)
+            row = [kind, name, share(_found_share(own, seconds)), _mean_above(own, seconds)]
+            rows.append((*row, _near_share(own, seconds), _median_seconds(own), _median_clearance(own)))
+    return Table(
+        "planners-by-map",
+        f"The same by map, after {seconds:g} s",
+        ("map", "planner", "found", "above exact", "near", "seconds to near", "clearance"),
+        rows,
+    )
+
+
+def _differences(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
+    rows: list[tuple[Entry, ...]] = []
+    for ours in SWARMS:
+        for rival in (name for name in NAMES if name not in SWARMS):
+            row: list[Entry] = [ours, rival]
+            for seconds in checkpoints:
+                differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
+                row.append(_signed_share(float(differences.mean()), mean_interval(differences)))
+            rows.append(tuple(row))
+    return Table(
+        "planners-differences",
+        "Length above the exact shortest path: a swarm's minus that of another planner after the same time, "
+        f"mean over tasks [95 % interval]; a run without a path counts as {MOST:.0%} above; below 0 the "
+        "swarm's paths are shorter",
+        ("swarm", "other planner", *(f"after {seconds:g} s" for seconds in checkpoints)),
+        rows,
+    )
+
+
+def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats:
+    """Return the mean length above the optimum of each task, (tasks,)."""
+    tasks: dict[tuple[str, int], list[float]] = {}
+    for run in _of(runs, planner):
+        tasks.setdefault((run.kind, run.task), []).append(min(length_above(run, seconds), MOST))
+    return np.array([np.mean(values) for values in tasks.values()])
+
+
+def _signed_share(value: float, ends: tuple[float, float]) -> Cell:
+    template = "{value:%+.1f} % [{low:%+.1f}, {high:%+.1f}]"
+    return Cell.of(template, value=value, low=ends[0], high=ends[1])
+
+
+def _found_share(runs: Sequence[PlannerRun], seconds: float) -> float:
+    return float(np.mean([np.isfinite(length_above(run, seconds)) for run in runs]))
+
+
+def _mean_above(runs: Sequence[PlannerRun], seconds: float) -> Entry:
+    above = np.array([length_above(run, seconds) for run in runs])
+    above = above[np.isfinite(above)]
+    return share(float(above.mean()), ".2f") if above.size else MISSING
+
+
+def _near_share(runs: Sequence[PlannerRun], seconds: float) -> Entry:
+    return share(float(np.mean([seconds_to_near(run) <= seconds for run in runs])))
+
+
+def _median_seconds(runs: Sequence[PlannerRun]) -> Entry:
+    median = float(np.median([seconds_to_near(run) for run in runs]))
+    return number(median, ".3f") if np.isfinite(median) else MISSING
+
+
+def _median_clearance(runs: Sequence[PlannerRun]) -> Entry:
+    clearances = [run.found[-1].clearance for run in runs if run.found]
+    return number(float(np.median(clearances)), ".2f") if clearances else MISSING
+
+
+def _share_of_swarm(runs: Sequence[PlannerRun]) -> Entry:
+    known = [run.found[-1].of_swarm for run in runs if run.found and run.found[-1].of_swarm is not None]
+    return share(float(np.mean(known))) if known else MISSING
