@@ -139,33 +139,32 @@ class SwarmBatch:
         robots = simulation.robots
         where = {} if robots is None else {"robot": robots.places.copy(), "driven": robots.driven.copy()}
         repaired = self._repaired() if self.settings.final_repair else {}
+        feasible_paths = simulation.paths.feasible()
         return {
             "best_fitness": swarms.best_fitness.copy(),
             "best_collision": swarms.best_collision.copy(),
             "best_path": simulation.paths.best(),
             "feasible": swarms.best_collision <= FEASIBILITY_TOLERANCE,
             "feasible_fitness": simulation.paths.feasible_fitness(),
-            "feasible_path": simulation.paths.feasible(),
+            "feasible_path": feasible_paths,
             "evaluations": swarms.evaluations.copy(),
             "population_size": swarms.size.copy(),
             "feasible_share": swarms.summary[:, FEASIBLE_SHARE].copy(),
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
             **where,
-            **self._measured(),
+            **self._measured(feasible_paths),
             **repaired,
             "optimality_gap": self._final_gaps(),
         }
 
-    def _measured(self) -> dict[str, NDArray]:
+    def _measured(self, paths: NDArray) -> dict[str, NDArray]:
         """Return length and clearance of the best feasible paths of episodes that have ended, else NaN."""
         simulation = self.simulation
         lengths, clearances = np.full((2, simulation.num_swarms), np.nan)
-        ended = ~simulation.running & np.isfinite(simulation.paths.feasible_fitness())
-        paths = simulation.paths.feasible() if ended.any() else None
-        for row in np.flatnonzero(ended).tolist():
+        for row in np.flatnonzero(~simulation.running & is_there(paths)).tolist():
             problem = simulation.problem_of(row)
-            if paths is not None and isinstance(problem, MapProblem):
+            if isinstance(problem, MapProblem):
                 lengths[row] = length_of(paths[row])
                 clearances[row] = clearance_of(problem.scenario, paths[row])
         return {"feasible_length": lengths, "feasible_clearance": clearances}

@@ -198,9 +198,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     def _info(self) -> dict[str, Any]:
         info = {name: values[0] for name, values in self._batch.info().items()}
-        info["feasible"] = bool(
-            info["feasible"]
-        )  # of NumPy's bool, Gymnasium's vectors make an array of objects
+        # Of NumPy's bool, Gymnasium's vectors would make an array of objects.
+        info["feasible"] = bool(info["feasible"])
         absent = [name for name in SOMETIMES if name in info and not is_there(info[name][None])[0]]
         return {name: value for name, value in info.items() if name not in absent}
 

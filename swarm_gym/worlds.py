@@ -82,7 +82,9 @@ class Worlds:
         """Compute the optima that are not known if that is quick; do nothing when called again."""
         if not self._asked:
             self._asked = True
-            self.optima[: self.num_worlds] = quick_optima(self.problems[: self.num_worlds])
+            unknown = np.flatnonzero(np.isnan(self.optima[: self.num_worlds]))
+            if unknown.size:
+                self.optima[unknown] = quick_optima([self.problems[number] for number in unknown])
 
     def require_optima(self, purpose: str) -> None:
         """Raise an error if the optimum of a scenario is not known and computing it takes long.

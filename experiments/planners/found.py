@@ -54,7 +54,7 @@ def validate(scenario: GridScenario, found: Found) -> Valid | None:
     if not np.allclose(path[[0, -1]], ends, atol=1e-6 * scenario.map.resolution):
         return None
     line = shapely.LineString(scenario.map.to_cells(path))
-    if not room(scenario.map).buffer(TOUCHING).covers(line):
+    if not room(scenario.map).covers(line):
         return None
     length = line.length * scenario.map.resolution
     return Valid(found.seconds, length, line.distance(walls(scenario.map)), found.of_swarm)
@@ -62,8 +62,8 @@ def validate(scenario: GridScenario, found: Found) -> Valid | None:
 
 @lru_cache(maxsize=2)
 def room(grid: GridMap) -> shapely.Geometry:
-    """Return the area of the free cells, in cells."""
-    return _area(~grid.blocked)
+    """Return the area of the free cells and what may be touched around it, in cells."""
+    return _area(~grid.blocked).buffer(TOUCHING)
 
 
 @lru_cache(maxsize=2)

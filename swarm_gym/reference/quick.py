@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 from swarm_gym.problem import AnalyticProblem, Problem
-from swarm_gym.reference.optima import known_optimum
 from swarm_gym.scenarios import GridScenario
 
 # What takes about a second: so many cells of grid maps, and so many pairs of candidates of waypoints.
@@ -12,21 +11,16 @@ CELLS, PAIRS = 2.0**20, 4.5e7
 
 
 def quick_optima(problems: Sequence[Problem]) -> list[float]:
-    """Return the least fitness of each problem: known, or computed if that is quick for all, else NaN.
+    """Return the least fitness of each problem, computed; NaN for all if that is not quick for all together.
 
     On a grid map that is the length of the shortest path at any angle, which a curve may not reach. Whether
     it is quick depends on sizes of maps alone, so that it is the same on every machine.
     """
-    optima = [known_optimum(problem) for problem in problems]
-    unknown = [problem for problem, optimum in zip(problems, optima, strict=True) if math.isnan(optimum)]
-    if not unknown or sum(map(_work, unknown)) > 1.0:
-        return optima
+    if sum(map(_work, problems)) > 1.0:
+        return [math.nan] * len(problems)
     from swarm_gym.reference.waypoint_optimum import compute_optimum
 
-    return [
-        compute_optimum(problem) if math.isnan(optimum) else optimum
-        for problem, optimum in zip(problems, optima, strict=True)
-    ]
+    return [compute_optimum(problem) for problem in problems]
 
 
 def _work(problem: Problem) -> float:
