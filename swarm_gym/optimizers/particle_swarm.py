@@ -32,6 +32,9 @@ class ParticleSwarmParameters(NamedTuple):
         float,
         Parameter(0.5, 0.0, 2.0, "w", "weight of the velocity in the last iteration; linear in between"),
     ]
+    inertia_factor: Annotated[
+        float, Parameter(1.0, 0.0, 4.0, "–", "factor of the weight of the velocity", (0.1, 2.0))
+    ]
     cognitive: Annotated[
         float, Parameter(1.49445, 0.0, 4.0, "c1", "pull of a particle's own best position", (0.01, 4.0))
     ]
@@ -125,6 +128,7 @@ def iterate(
     """Advance swarm `b` by one iteration; the best position of the swarm is that of the iteration before."""
     progress = swarms.iteration[b] / max(swarms.iterations[b] - 1, 1)
     inertia = parameters.first_inertia + (parameters.last_inertia - parameters.first_inertia) * progress
+    inertia *= parameters.inertia_factor
     width, path = swarms.positions.shape[2], work.path
     at = particle_columns(width)
     swarm_best, own_share = swarms.best_position[b].copy(), np.empty(width)

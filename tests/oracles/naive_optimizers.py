@@ -81,9 +81,11 @@ class ParticleSwarm(Swarm):
             if member.fitness < own_fitness:
                 member.own_best = list(member.position)
 
-    def iterate(self, repair_degree, first_inertia, last_inertia, cognitive, social, velocity_limit):
+    def iterate(
+        self, repair_degree, first_inertia, last_inertia, inertia_factor, cognitive, social, velocity_limit
+    ):
         progress = self.iteration / max(self.iterations - 1, 1)
-        inertia = first_inertia * (1 - progress) + last_inertia * progress
+        inertia = (first_inertia * (1 - progress) + last_inertia * progress) * inertia_factor
         swarm_best = self.best[2]
         for i, old in enumerate(self.members):
             if self.is_spent():

@@ -37,7 +37,9 @@ POLICIES = ROOT / "swarm_gym/controllers/data/policies"
 ENVIRONMENTS = {
     "swarm_gym/Firefly-v0": ("absorption", "attractiveness", "noise"),
     "swarm_gym/GenerationalFirefly-v0": ("absorption", "attractiveness", "least_attractiveness", "noise"),
-    "swarm_gym/ParticleSwarm-v0": ("cognitive", "first_inertia", "last_inertia", "social", "velocity_limit"),
+    "swarm_gym/ParticleSwarm-v0": (
+        "cognitive", "first_inertia", "inertia_factor", "last_inertia", "social", "velocity_limit",
+    ),
     "swarm_gym/EliteGenetic-v0": ("crossover", "mutation"),
     "swarm_gym/Multivariate-v0": ("radius",),
     "swarm_gym/FishSwarm-v0": ("crowding", "step", "tries", "visual"),

@@ -85,7 +85,14 @@ class AntColonyParameters(NamedTuple):
     ]
     elite_weight: Annotated[
         float,
-        Parameter(10.0, 0.0, 1e3, "e", "number of additional ants for which the best walk so far counts"),
+        Parameter(
+            10.0,
+            0.0,
+            1e3,
+            "e",
+            "number of additional ants for which the best walk so far counts",
+            (0.1, 100.0),
+        ),
     ]
 
 

@@ -31,7 +31,8 @@ Floats = NDArray[np.float64]
 Visual = Annotated[float, Parameter(0.3, 0.0, 1.0, "Visual", "how far a fish sees, in ranges", (0.001, 1.0))]
 Step = Annotated[float, Parameter(0.1, 0.0, 1.0, "Step", "the longest step, in ranges", (0.001, 1.0))]
 Crowding = Annotated[
-    float, Parameter(0.6, 0.0, 1.0, "delta", "share of the swarm from which on a place is crowded")
+    float,
+    Parameter(0.6, 0.0, 1.0, "delta", "share of the swarm from which on a place is crowded", (0.05, 1.0)),
 ]
 Tries = Annotated[
     float, Parameter(5.0, 1.0, 1000.0, "try_number", "points that a fish tries when it preys, rounded down")

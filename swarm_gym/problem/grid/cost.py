@@ -82,7 +82,7 @@ def cells_of(table: GridTable, x: Lanes, y: Lanes) -> Lanes:
 @kernel(borrows=True)
 def _measure_polyline(table: GridTable, path: Floats) -> tuple[float, float, bool]:
     """Return the length and the blocked length of a polyline, and whether the latter is in doubt."""
-    length, blocked, in_doubt = 0.0, 0.0, False
+    length, blocked = 0.0, 0.0
     x, y = control_point(table, path, 0)
     in_doubt = not _is_on_map(table, x, y)
     for point in range(1, table.base.shape[0]):
