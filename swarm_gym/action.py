@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ActionError, SettingError, shown
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import replaced
 from swarm_gym.settings import Settings
@@ -148,6 +149,7 @@ class Action:
 
     Attributes:
         name: name of the layout, as in the option `action`.
+        optimizer: optimizer whose parameters an extended layout decides.
         labels: decision that each number stands for.
         scales: scale of each number.
         space: space of one swarm's action, shape (number of decisions,).
@@ -161,8 +163,9 @@ class Action:
         parameters: dict[str, float],
         sources: tuple[float, ...],
         dtype: type[np.floating],
+        optimizer: type[Optimizer],
     ):
-        self.name = name
+        self.name, self.optimizer = name, optimizer
         self.labels = tuple(scales)
         self.scales = tuple(scales.values())
         self._parameters, self._defaults = list(parameters), [*parameters.values(), *sources]
@@ -301,9 +304,11 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     Raises:
         UnknownNameError: if there is no layout of that name.
         SettingError: if the layout needs an evaluation budget that is not set, parameters that the
-            optimizer does not have, or sources that the encoding does not have.
+            optimizer does not have, or sources that the encoding does not have; or if the controller was
+            made for an optimizer with other decisions.
     """
     layout = look_up("action layout", settings.action, ACTIONS)
+    require_same_decisions(settings.made_for, settings.action, optimizer)
     if layout.size == "paced" and settings.max_evaluations is None:
         raise SettingError(f"action {settings.action!r} needs an evaluation budget: set max_evaluations")
     natural = layout.size == "natural"
@@ -336,4 +341,36 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     dtype = np.float64 if natural else np.float32
     values = optimizer.parameter_values(settings.knobs)
     parameters = {name: getattr(values, name) for name in decided}
-    return Action(settings.action, settings, scales, parameters, sources, dtype)
+    return Action(settings.action, settings, scales, parameters, sources, dtype, optimizer)
+
+
+def require_same_decisions(made_for: str | None, action: str, optimizer: type[Optimizer]) -> None:
+    """Raise an error if the optimizer that a controller was made for has other decisions than this one.
+
+    Args:
+        made_for: name of the optimizer that the controller was made for; None is any.
+        action: name of the action layout in which it decides.
+        optimizer: optimizer that it shall control.
+
+    Raises:
+        UnknownNameError: if there is no optimizer of that name.
+        SettingError: if an extended layout has other parameters, or other ranges of them; both are named.
+    """
+    if made_for is None:
+        return
+    theirs = get_optimizer(made_for)
+    if not ACTIONS[action].extended or _ranges(theirs) == _ranges(optimizer):
+        return
+    raise SettingError(
+        f"action {action!r}: the controller was made for {made_for}, whose decisions are "
+        f"{_listed(theirs)}; those of {optimizer.name} are {_listed(optimizer)}"
+    )
+
+
+def _ranges(optimizer: type[Optimizer]) -> dict[str, tuple[float, float] | None]:
+    """Return the ranges of the parameters that an extended action decides, by name and in order."""
+    return {name: parameter.decided for name, parameter in optimizer.decided_parameters().items()}
+
+
+def _listed(optimizer: type[Optimizer]) -> str:
+    return ", ".join(f"{name} in {span}" for name, span in _ranges(optimizer).items()) or "size and phi only"

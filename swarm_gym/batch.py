@@ -53,6 +53,7 @@ class SwarmBatch:
         num_threads: int | None = None,
     ):
         optimizer_class = get_optimizer(optimizer)
+        self._optimizer = optimizer
         self.settings = Settings.from_options(optimizer_class, options)
         self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
@@ -152,11 +153,19 @@ class SwarmBatch:
             "feasible_share": swarms.summary[:, FEASIBLE_SHARE].copy(),
             "repair_degree": simulation.history[rows, simulation.iteration, 2],
             "scenario": self._scenario_names[swarms.problem],
+            **self._made_for(),
             **where,
             **self._measured(feasible_paths),
             **repaired,
             "optimality_gap": self._final_gaps(),
         }
+
+    def _made_for(self) -> dict[str, NDArray]:
+        """Return the optimizer that the controller was made for, if that is another one."""
+        made_for = self.settings.made_for
+        if made_for is None or made_for == self._optimizer:
+            return {}
+        return {"made_for": np.full(self.simulation.num_swarms, made_for)}
 
     def _measured(self, paths: NDArray) -> dict[str, NDArray]:
         """Return length and clearance of the best feasible paths of episodes that have ended, else NaN."""

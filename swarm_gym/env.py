@@ -75,6 +75,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | `feasible_share` | fraction of the members that do not collide |
     | `repair_degree` | repair degree of the last iteration; 0 after `reset` |
     | `scenario` | name of the scenario |
+    | `made_for` | optimizer that the controller was made for, if that is another one |
     | `robot`, `driven` | if the robot drives: its position (2,) and the length of its drives, map units |
     | `repaired_path` | with `final_repair`, at the end: a free path near the best one, (k, 2), map units |
     | `repaired_length`, `repair_evaluations` | length of that path, map units; what the repair cost |

@@ -55,6 +55,8 @@ class Settings:
         max_evaluations: evaluation budget of an episode, which ends when it is spent; None is no budget.
         final_repair: whether the best path is made free at the end of an episode, for `info`; on maps only.
             See `swarm_gym.final_repair`. Nothing that the optimizer does or finds changes with it.
+        made_for: optimizer that the controller of these episodes was made for; None is any. Another optimizer
+            is refused if its decisions differ, and `info` names this one if they agree.
         knobs: parameters of the optimizer by name, where they differ from its defaults; this field has the
             name that stored configurations have for it.
 
@@ -86,6 +88,7 @@ class Settings:
     reference_evaluations: int = 100_000
     max_evaluations: int | None = None
     final_repair: bool = False
+    made_for: str | None = None
     knobs: Mapping[str, float | str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -102,6 +102,7 @@ class OpenLoopTuner(Tuner):
             manifest,
             decided.sources,
             decided.first_source,
+            self._config.optimizer,
         )
 
 

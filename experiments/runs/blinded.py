@@ -14,7 +14,7 @@ from swarm_gym.controllers.registry import load_learned
 NUM_EPISODES = 192
 
 
-def load_blinded(policy: str, limits: SizeLimits = SizeLimits()) -> Masked:  # noqa: B008
+def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
     """Return a learned policy, blinded by its mean courses over all scenarios that it was trained on.
 
     The episodes of the courses have seeds that neither trainings nor tests have.

@@ -200,7 +200,8 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
     # These vary within a suite; they are part of the controllers and the runs.
     for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
         del settings[name]
-    del settings["final_repair"]  # changes nothing that a run stores
+    for name in ("final_repair", "made_for"):  # these change nothing that a run stores
+        del settings[name]
     # These are part of the problems of the scenarios.
     for name in ("encoding", "num_control_points", "penalty"):
         del settings[name]

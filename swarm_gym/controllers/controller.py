@@ -44,6 +44,8 @@ class Controller(ABC):
         price: price of 100,000 evaluations; None if the controller does not observe it.
         corrects: controller whose decisions this one corrects, if any; `observation` begins with the layout
             of that controller.
+        made_for: optimizer that it was tuned or trained on; None if it decides size and phi of any.
+        limits: population sizes that the environment has to allow, no more and no fewer; None is any.
     """
 
     observation: str = "paper"
@@ -53,6 +55,8 @@ class Controller(ABC):
     max_evaluations: int | None = None
     price: float | None = None
     corrects: "Controller | None" = None
+    made_for: str | None = None
+    limits: SizeLimits | None = None
 
     @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:
@@ -79,6 +83,11 @@ class Controller(ABC):
             options["max_evaluations"] = self.max_evaluations
         if self.price is not None:
             options["price"] = self.price
+        if self.limits is not None:
+            options["min_population_size"] = self.limits.smallest
+            options["max_population_size"] = self.limits.largest
+        if self.made_for is not None:
+            options["made_for"] = self.made_for
         return options
 
 
@@ -102,6 +111,8 @@ class Wrapper(Controller):
         self.max_evaluations = controller.max_evaluations
         self.price = controller.price
         self.corrects = controller.corrects
+        self.made_for = controller.made_for
+        self.limits = controller.limits
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes; all swarms are in the same iteration."""

@@ -89,6 +89,7 @@ class OpenLoop(Controller):
             _check_sources(sources)
         self.action = "sourced" if sources else "extended" if knobs else "natural"
         self.first_source = first_source
+        self.made_for = optimizer if knobs else None
         if not isinstance(initial_population_size, int | np.integer):
             raise ValueError(
                 f"open loop: initial_population_size must be an integer, got {shown(initial_population_size)}"
@@ -178,6 +179,7 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
             content["repair_degrees"],
             content["knobs"],
             limits,
+            content.get("optimizer", "firefly"),
             sources=_decisions_on_sources(content),
             first_source=Source.of(content["first_source"]) if "first_source" in content else None,
         )
@@ -208,10 +210,12 @@ def save_open_loop(
     manifest: Mapping[str, Any],
     sources: Mapping[str, list[float]] | None = None,
     first_source: Source | None = None,
+    optimizer: str = "firefly",
 ) -> None:
     """Write knots and the manifest of their origin to a file, atomically."""
     content = {
         "format": FORMAT,
+        "optimizer": optimizer,
         "initial_population_size": initial_population_size,
         "knots": knots,
         "sizes": sizes,

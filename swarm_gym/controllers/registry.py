@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
@@ -26,7 +27,7 @@ from swarm_gym.errors import shown
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller"]
 
 
-def make_controller(name: str | ControllerName, limits: SizeLimits = SizeLimits()) -> Controller:  # noqa: B008
+def make_controller(name: str | ControllerName, limits: SizeLimits | None = None) -> Controller:
     """Return a controller by its name, e.g. `fixed:60`, `spsfa-tip` or `learned:three-cases/0`.
 
     Parameters follow the name of a schedule or size rule: `spsfa-tip:growth=500,decay=0.1`,
@@ -37,7 +38,8 @@ def make_controller(name: str | ControllerName, limits: SizeLimits = SizeLimits(
 
     Args:
         name: the family, and after a colon its argument.
-        limits: population sizes that the environment allows.
+        limits: population sizes that the environment allows; by default those that a policy was trained with,
+            and for all other controllers those that environments have by default.
 
     Raises:
         UnknownNameError: for an unknown family; the message lists the valid ones.
@@ -50,11 +52,16 @@ def make_controller(name: str | ControllerName, limits: SizeLimits = SizeLimits(
             f"controller {shown(str(name))}: the optimizer {shown(parts.optimizer)} may only be named in a "
             f"suite; the controller is {shown(str(parts.controller))}"
         )
-    return look_up("controller", parts.family, CONTROLLERS)(parts.argument, limits)
+    make = look_up("controller", parts.family, CONTROLLERS)
+    if limits is None and make is not load_learned:
+        limits = SizeLimits()
+    return make(parts.argument, limits)
 
 
-def load_learned(policy: str | Path, limits: SizeLimits = SizeLimits()) -> FeedforwardController:  # noqa: B008
+def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> FeedforwardController:
     """Return the controller of a packaged policy or of a policy file; `<policy>@<price>` sets its price.
+
+    It has the population sizes that it was trained with; other `limits` are refused.
 
     Raises:
         PolicyFileError: if the file is missing, damaged or made for something else.
@@ -87,7 +94,7 @@ def _tuned(argument: str, limits: SizeLimits) -> Controller:
 
 
 # Family name to a function of the text after the colon and the size limits.
-CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
+CONTROLLERS: dict[str, Callable[[str, Any], Controller]] = {
     "fixed": Fixed.from_argument,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),

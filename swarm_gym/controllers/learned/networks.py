@@ -38,7 +38,7 @@ class FeedforwardController(Controller):
         path: file of the policy, for messages.
         weights: tensors of the file, as `policy_file.load_policy` checked them.
         manifest: manifest of the file.
-        limits: population sizes that the environment allows.
+        limits: population sizes that the environment allows; None are those of the training.
         price: price of 100,000 evaluations, for a policy that observes it; None is the middle of the
             training's range.
         make_controller: function that makes the base, for a policy that corrects another controller.
@@ -58,17 +58,19 @@ class FeedforwardController(Controller):
         path: Path,
         weights: Weights,
         manifest: dict[str, Any],
-        limits: SizeLimits,
+        limits: SizeLimits | None,
         price: float | None,
         make_controller: MakeController,
     ):
         self.manifest = manifest
         trained = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
-        if trained != limits:
+        if limits is not None and limits != trained:
             raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
+        self.limits = limits = trained
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
+        self.made_for = self.manifest["optimizer"]
         self.initial_population_size = self.manifest["initial_population_size"]
         self.first_source = _source_of(path, self.manifest.get("first_source"))
         self.max_evaluations = self.manifest["max_evaluations"]

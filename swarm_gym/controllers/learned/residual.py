@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.action import Action, includes
+from swarm_gym.action import Action, includes, require_same_decisions
 from swarm_gym.controllers.controller import Controller, require_fitting
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.settings import Settings
@@ -70,6 +70,7 @@ class Base:
                 f"a controller with actions {controller.action!r} cannot be corrected in the layout "
                 f"{layout.name!r}"
             )
+        require_same_decisions(controller.made_for, controller.action, layout.optimizer)
         require_fitting(controller, max_evaluations)
         self.controller = controller
         self.layout = layout

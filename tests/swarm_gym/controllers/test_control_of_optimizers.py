@@ -11,7 +11,13 @@ from agents.training.config import TrainConfig
 from agents.training.run import TrainingRun
 from helpers.builders import options_for
 from helpers.trainings import make_policy
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.action import make_action
+from swarm_gym.controllers.learned.residual import Base
+from swarm_gym.controllers.open_loop import save_open_loop
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 
 MAPS = {"analytic": {"scenario": "case3"}, "grid": {"scenario": "rooms:0", "encoding": "bezier"}}
@@ -52,6 +58,55 @@ def test_a_policy_drives_it_alike_in_every_run(optimizer, kind, tmp_path):
     assert runs[0].sizes.tolist() == runs[1].sizes.tolist()
     assert runs[0].final_fitness.tolist() == runs[1].final_fitness.tolist()
     assert (runs[0].evaluations > 80).all()
+
+
+@pytest.mark.parametrize(
+    ("made_for", "optimizer"), [("firefly", "multivariate"), ("fish-swarm", "particle-swarm")]
+)
+def test_a_controller_of_other_decisions_is_refused_by_their_names(made_for, optimizer, tmp_path):
+    loop = loop_for(made_for, tmp_path)
+    names = [*get_optimizer(made_for).decided_parameters(), *get_optimizer(optimizer).decided_parameters()]
+    with pytest.raises(SettingError, match=f"made for {made_for}") as error:
+        SwarmEnv(optimizer, **make_controller(loop).env_options())
+    assert all(name in str(error.value) for name in names)
+    assert len(str(error.value)) < 400
+    layout = make_action(Settings(action="extended-normalised"), get_optimizer(optimizer))
+    with pytest.raises(SettingError, match=f"made for {made_for}"):
+        Base(make_controller(loop), layout)
+
+
+def test_a_controller_of_the_same_decisions_drives_another_optimizer_and_info_says_so(tmp_path):
+    loop = make_controller(loop_for("fish-swarm", tmp_path))
+    own = SwarmEnv("fish-swarm", **loop.env_options())
+    assert "made_for" not in own.reset(seed=0)[1]
+    other = SwarmEnv("improved-fish-swarm", **loop.env_options())
+    assert other.reset(seed=0)[1]["made_for"] == "fish-swarm"
+    assert other.step(loop.act(np.zeros((1, 4)))[0])[-1]["made_for"] == "fish-swarm"
+    envs = SwarmVectorEnv(3, "improved-fish-swarm", **loop.env_options())
+    assert envs.reset(seed=0)[1]["made_for"].tolist() == ["fish-swarm"] * 3
+
+
+def test_size_and_phi_fit_every_optimizer(tmp_path):
+    path = make_policy(tmp_path / "policy.safetensors", np.random.default_rng(0), optimizer="firefly")
+    policy = make_controller(f"learned:{path}")
+    for optimizer in OPTIMIZERS:
+        options = options_for(optimizer, **MAPS["analytic"])
+        found = SwarmEnv(optimizer, **options, **policy.env_options()).reset(seed=0)[1].get("made_for")
+        assert found == (None if optimizer == "firefly" else "firefly")
+
+
+def test_an_unknown_optimizer_is_refused():
+    with pytest.raises(UnknownNameError, match="bees"):
+        SwarmEnv(made_for="bees")
+
+
+def loop_for(optimizer, folder):
+    """Write an open loop of the optimizer's own decisions and return its name."""
+    decided = get_optimizer(optimizer).decided_parameters()
+    knobs = {name: [parameter.decided[0]] for name, parameter in decided.items()}
+    path = folder / f"{optimizer}.json"
+    save_open_loop(path, 6, [0], [6.0], [0.1], knobs, {}, optimizer=optimizer)
+    return f"open-loop:{path}"
 
 
 @pytest.mark.slow

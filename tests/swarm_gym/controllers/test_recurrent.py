@@ -48,8 +48,8 @@ def test_the_file_decides_as_the_torch_policy_over_several_episodes(tmp_path, ba
     controller = make_controller(f"learned:{tmp_path / 'ppo' / 'latest.safetensors'}", run.config.limits)
     assert isinstance(controller, RecurrentController)
     env = SwarmVectorEnv(
-        4, **{**controller.env_options(), "observation": controller.observation}, max_population_size=12,
-        iterations=7, autoreset_mode=AutoresetMode.SAME_STEP,
+        4, **{**controller.env_options(), "observation": controller.observation}, iterations=7,
+        autoreset_mode=AutoresetMode.SAME_STEP,
     )  # fmt: skip
     observations, _ = env.reset(seed=0)
     controller.reset(4)
