@@ -45,7 +45,7 @@ class Controller(ABC):
         corrects: controller whose decisions this one corrects, if any; `observation` begins with the layout
             of that controller.
         made_for: optimizer that it was tuned or trained on; None if it decides size and phi of any.
-        limits: population sizes that the environment has to allow, no more and no fewer; None is any.
+        needed_limits: population sizes that the environment has to allow, no more and no fewer; None is any.
     """
 
     observation: str = "paper"
@@ -56,7 +56,7 @@ class Controller(ABC):
     price: float | None = None
     corrects: "Controller | None" = None
     made_for: str | None = None
-    limits: SizeLimits | None = None
+    needed_limits: SizeLimits | None = None
 
     @abstractmethod
     def reset(self, num_swarms: int, seed: int = 0) -> None:
@@ -83,9 +83,9 @@ class Controller(ABC):
             options["max_evaluations"] = self.max_evaluations
         if self.price is not None:
             options["price"] = self.price
-        if self.limits is not None:
-            options["min_population_size"] = self.limits.smallest
-            options["max_population_size"] = self.limits.largest
+        if self.needed_limits is not None:
+            options["min_population_size"] = self.needed_limits.smallest
+            options["max_population_size"] = self.needed_limits.largest
         if self.made_for is not None:
             options["made_for"] = self.made_for
         return options
@@ -112,7 +112,7 @@ class Wrapper(Controller):
         self.price = controller.price
         self.corrects = controller.corrects
         self.made_for = controller.made_for
-        self.limits = controller.limits
+        self.needed_limits = controller.needed_limits
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes; all swarms are in the same iteration."""

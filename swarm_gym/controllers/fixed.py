@@ -81,7 +81,7 @@ class Random(Controller):
     """Uniformly random population sizes and phi: the lower end of every comparison."""
 
     def __init__(self, limits: SizeLimits = SizeLimits()):  # noqa: B008
-        self._limits = limits
+        self.limits = limits
         self.initial_population_size = limits.clip(80)
         self._generators: list[np.random.Generator] = []
 
@@ -92,6 +92,6 @@ class Random(Controller):
     def act(self, observations: NDArray) -> Floats:  # noqa: ARG002
         """Draw (B, 2) decisions, one row per swarm."""
         draws = np.array([generator.random(2) for generator in self._generators])
-        low = [self._limits.smallest, 0.0]
-        high = [self._limits.largest, 1.0]
+        low = [self.limits.smallest, 0.0]
+        high = [self.limits.largest, 1.0]
         return low + draws * np.subtract(high, low)

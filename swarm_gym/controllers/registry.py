@@ -61,7 +61,7 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
 def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> FeedforwardController:
     """Return the controller of a packaged policy or of a policy file; `<policy>@<price>` sets its price.
 
-    It has the population sizes that it was trained with; other `limits` are refused.
+    It needs the population sizes that it was trained with; other `limits` are refused.
 
     Raises:
         PolicyFileError: if the file is missing, damaged or made for something else.

@@ -66,7 +66,7 @@ class FeedforwardController(Controller):
         trained = SizeLimits(manifest["min_population_size"], manifest["max_population_size"])
         if limits is not None and limits != trained:
             raise PolicyFileError(f"{path}: trained for population sizes {trained}, asked for {limits}")
-        self.limits = limits = trained
+        self.needed_limits = limits = trained
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]

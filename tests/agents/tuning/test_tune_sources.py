@@ -203,7 +203,7 @@ def test_held_decisions_keep_their_value_and_are_not_searched():
         ({"start": ""}, "unknown"),
         (
             {"start": "open-loop:three-cases-extended", "optimizer": "particle-swarm"},
-            "three-cases-extended' decides noise, attractiveness, .*particle-swarm are inertia_factor in",
+            "decides noise, attractiveness, .*'particle-swarm' are inertia_factor, cognitive",
         ),
         ({"initial_smooth_share": 1.5}, r"smooth_share must lie in \[0, 1\], got 1.5"),
         ({"initial_amplitude": 0.0}, r"amplitude must lie in \[0.01, 1\], got 0.0"),
