@@ -102,12 +102,16 @@ class SideBySide:
             autoreset_mode=AutoresetMode.DISABLED,
             num_threads=config.threads,
         )
-        inner: Any = self._env.unwrapped
-        self._simulation = inner.simulation
-        self.steps = self._env.num_envs * inner.settings.iterations
+        swarms: Any = self._env.unwrapped
+        self._swarms = swarms
+        self._simulation = self._swarms.simulation
+        self.steps = self._env.num_envs * self._swarms.settings.iterations
 
     def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:
-        """Evaluate controllers; episode e of each has the seed `seed` + e and the same scenario."""
+        """Evaluate controllers; episode e of each has the seed `seed` + e and the same scenario.
+
+        Episodes may end early, for instance when a robot that follows glowworms has arrived.
+        """
         count, episodes = self._shape
         observations = self._begin(controllers, seed)
         for controller in controllers:
@@ -117,11 +121,13 @@ class SideBySide:
         while not ended.all():
             parts = observations.reshape(count, episodes, -1)
             actions = [controller.act(part) for controller, part in zip(controllers, parts, strict=True)]
-            observations, _, ended, _, info = self._env.step(np.concatenate(actions))
-            losses += self._loss(self._simulation)
-        simulation = self._simulation
-        losses += simulation.price * info["evaluations"] / simulation.settings.reference_evaluations
-        columns: tuple[Any, ...] = losses, info["best_fitness"], info["evaluations"], info["scenario"]
+            before = ended
+            observations, _, ended = self._swarms.step_running(np.concatenate(actions))
+            losses += np.where(before, 0.0, self._loss(self._simulation))
+        simulation, swarms = self._simulation, self._simulation.swarms
+        losses += simulation.price * swarms.evaluations / simulation.settings.reference_evaluations
+        names = np.array(simulation.worlds.scenario_names, dtype=np.object_)[swarms.problem]
+        columns: tuple[Any, ...] = losses, swarms.best_fitness.copy(), swarms.evaluations.copy(), names
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
     def _begin(self, controllers: Sequence[Controller], seed: int) -> NDArray:

@@ -111,6 +111,27 @@ def test_the_search_begins_at_the_start_and_its_points_cover_the_ranges(action):
         assert name not in low.knobs or (low.knobs[name][0], high.knobs[name][0]) == bounds
 
 
+def test_episodes_that_end_early_count_once():
+    """Robots that follow glowworms arrive at different times."""
+    given = {**TINY, "scenarios": ("block:20", "open:20")}
+    config = TuneConfig(**given, optimizer="glowworm", reward="optimality", price=0.5)
+    quick = {"step": [0.02], "decision_range": [2.0]}
+    controllers = [OpenLoop(size, [0], [float(size)], [0.0], quick, optimizer="glowworm") for size in (5, 12)]
+    outcomes = SideBySide(config, 2, "paper", "extended").run(controllers, seed=TRAINING_START)
+    lengths = set()
+    for row, controller in enumerate(controllers):
+        for episode, scenario in enumerate(outcomes.scenarios[row]):
+            env = SwarmEnv("glowworm", scenario=scenario, max_population_size=12, **controller.env_options())
+            observation, info = env.reset(seed=TRAINING_START + episode)
+            ended = False
+            while not ended:
+                observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+            loss = 100.0 * info["optimality_gap"] + 0.5 * info["evaluations"] / 100_000
+            assert outcomes.losses[row, episode] == pytest.approx(loss, rel=1e-9)
+            lengths.add(int(env.simulation.iteration[0]))
+    assert len(lengths) > 1
+
+
 def test_a_point_decides_at_its_knots_what_the_controller_does():
     space = KnotSpace(TuneConfig(action="extended", initial_population_size=33))
     point = np.random.default_rng(0).random(24)
