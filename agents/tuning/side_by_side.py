@@ -126,7 +126,7 @@ class SideBySide:
             losses += np.where(before, 0.0, self._loss(self._simulation))
         simulation, swarms = self._simulation, self._simulation.swarms
         losses += simulation.price * swarms.evaluations / simulation.settings.reference_evaluations
-        names = np.array(simulation.worlds.scenario_names, dtype=np.object_)[swarms.problem]
+        names = np.array([simulation.problem_of(row).scenario.name for row in range(len(losses))], np.object_)
         columns: tuple[Any, ...] = losses, swarms.best_fitness.copy(), swarms.evaluations.copy(), names
         return Outcomes(*(column.reshape(self._shape) for column in columns))
 
