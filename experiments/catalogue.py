@@ -26,6 +26,7 @@ from experiments.runs.suite import Suite
 from experiments.tables import Table
 from experiments.tables.document import Document
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.own_code import find, is_own
 
 if TYPE_CHECKING:
     from experiments.plots.stored import FigureMaker
@@ -70,11 +71,12 @@ def figures() -> "dict[str, FigureMaker]":
 
 
 def get_suite(name: str) -> Suite:
-    """Return the suite of that name.
+    """Return the suite of that name, which may be one of own code.
 
     Raises:
         UnknownNameError: if there is none.
+        OwnCodeError: if own code cannot be imported, or is no suite.
     """
-    if name not in SUITES:
+    if name not in SUITES and not is_own("suite", name):
         raise UnknownNameError("suite", name, (*SUITES, *COLLECTIONS))
-    return SUITES[name]
+    return find("suite", name, SUITES, lambda found: isinstance(found, Suite), "a Suite")

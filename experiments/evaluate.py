@@ -15,9 +15,10 @@ import tyro
 from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, get_suite
 from experiments.documents.page import make_tables, write_collection_page, write_page
+from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.entrants import entrant
-from experiments.runs.runner import configuration, environment_configuration, refuse_missing, run_missing
+from experiments.runs.runner import refuse_missing, run_missing
 from experiments.runs.suite import Suite
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError

@@ -33,11 +33,11 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.checks import look_up
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import replaced
+from swarm_gym.own_code import find
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
@@ -292,9 +292,19 @@ ACTIONS: dict[str, Layout] = {
 }
 
 
+def layout_of(name: str) -> Layout:
+    """Return the parts of the layout of a name.
+
+    Raises:
+        UnknownNameError: if there is no layout of that name.
+        OwnCodeError: if own code cannot be imported, or is no layout.
+    """
+    return find("action layout", name, ACTIONS, lambda found: isinstance(found, Layout), "a Layout")
+
+
 def includes(name: str, natural: str) -> bool:
     """Return whether a layout has all decisions of a layout in natural units, such as `extended`."""
-    layout, part = ACTIONS[name], ACTIONS[natural]
+    layout, part = layout_of(name), layout_of(natural)
     return part.size == "natural" and layout.extended >= part.extended and layout.sourced >= part.sourced
 
 
@@ -307,7 +317,7 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
             optimizer does not have, or sources that the encoding does not have; or if the controller was
             made for an optimizer with other decisions.
     """
-    layout = look_up("action layout", settings.action, ACTIONS)
+    layout = layout_of(settings.action)
     require_same_decisions(settings.made_for, settings.action, optimizer)
     if layout.size == "paced" and settings.max_evaluations is None:
         raise SettingError(f"action {settings.action!r} needs an evaluation budget: set max_evaluations")
@@ -359,7 +369,7 @@ def require_same_decisions(made_for: str | None, action: str, optimizer: type[Op
     if made_for is None:
         return
     theirs = get_optimizer(made_for)
-    if not ACTIONS[action].extended or _ranges(theirs) == _ranges(optimizer):
+    if not layout_of(action).extended or _ranges(theirs) == _ranges(optimizer):
         return
     raise SettingError(
         f"action {action!r}: the controller was made for {made_for}, whose decisions are "

@@ -33,10 +33,10 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from swarm_gym.checks import look_up
 from swarm_gym.corridors import require_paths
 from swarm_gym.errors import SettingError
 from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, PAPER, PRICED, RICH, SCALED, TOLD, Feature
+from swarm_gym.own_code import find
 from swarm_gym.simulation import Simulation
 
 ITERATION = 3  # column of every layout with the iteration, or its fraction of all; 0 only at the beginning
@@ -130,9 +130,17 @@ def make_observation(name: str) -> Observation:
 
     Raises:
         UnknownNameError: if there is no layout of that name.
+        OwnCodeError: if own code cannot be imported, or is no layout.
     """
-    parts = [look_up("observation layout", part, OBSERVATIONS) for part in str(name).split("+")]
+    parts = [
+        find("observation layout", part, OBSERVATIONS, _is_observation, "an Observation")
+        for part in str(name).split("+")
+    ]
     if len(parts) == 1:
         return parts[0]
     features = tuple(feature for part in parts for feature in part.features)
     return Observation(name, features, np.result_type(*(part.dtype for part in parts)).type)
+
+
+def _is_observation(found: object) -> bool:
+    return isinstance(found, Observation)

@@ -2,25 +2,37 @@
 
 import gymnasium
 
-from swarm_gym.checks import look_up
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 
 
 def environment_id(optimizer: str) -> str:
     """Return the id of an optimizer's environment, e.g. `swarm_gym/Firefly-v0` for `firefly`.
 
+    The environment of own code, `module:Class`, is `module/Class-v0`; it is registered here.
+
     Raises:
         UnknownNameError: if there is no optimizer of that name.
+        OwnCodeError: if own code cannot be imported, or is no optimizer.
     """
-    return f"swarm_gym/{look_up('optimizer', optimizer, OPTIMIZERS)[1]}-v0"
+    if optimizer in OPTIMIZERS:
+        return f"swarm_gym/{OPTIMIZERS[optimizer][1]}-v0"
+    own = get_optimizer(optimizer)
+    name = f"{own.__module__.replace('.', '-')}/{own.__qualname__.replace('.', '-')}-v0"
+    if name not in gymnasium.registry:
+        _register(name, optimizer)
+    return name
 
 
 def register_environments() -> None:
     """Register an environment for every optimizer, single and vector."""
     for optimizer in OPTIMIZERS:
-        gymnasium.register(
-            environment_id(optimizer),
-            entry_point="swarm_gym.env:SwarmEnv",
-            vector_entry_point="swarm_gym.vector_env:SwarmVectorEnv",
-            kwargs={"optimizer": optimizer},
-        )
+        _register(environment_id(optimizer), optimizer)
+
+
+def _register(name: str, optimizer: str) -> None:
+    gymnasium.register(
+        name,
+        entry_point="swarm_gym.env:SwarmEnv",
+        vector_entry_point="swarm_gym.vector_env:SwarmVectorEnv",
+        kwargs={"optimizer": optimizer},
+    )

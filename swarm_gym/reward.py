@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.checks import look_up
+from swarm_gym.own_code import find
 
 Floats = NDArray[np.float64]
 
@@ -108,9 +108,10 @@ NEED_AN_OPTIMUM = ("optimality", "offline-error")
 
 
 def make_reward(name: str) -> Reward:
-    """Return the reward function of a name.
+    """Return the reward function of a name, which may be one of own code.
 
     Raises:
         UnknownNameError: if there is no reward of that name.
+        OwnCodeError: if own code cannot be imported, or is no function.
     """
-    return look_up("reward", name, REWARDS)
+    return find("reward", name, REWARDS, callable, "a function of a Transition")

@@ -4,6 +4,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
+from swarm_gym.own_code import allow
+
 MOST_LOSSES = 3  # number of times that a unit of work may be lost before it is given up
 
 # More processes use more cores, not more threads of each process; see also agents.training.learners.ppo.
@@ -84,13 +86,16 @@ class Task(NamedTuple):
     Attributes:
         function: function of a module that workers can import, called as `function(unit, *common)`.
         common: further arguments, the same for all units.
+        own_code: names of own code that files of the task may name in workers, too.
     """
 
     function: Callable[..., Any]
     common: tuple[Any, ...] = ()
+    own_code: tuple[str, ...] = ()
 
     def __call__(self, unit: Any) -> Any:
         """Return the result of a unit."""
+        allow(*self.own_code)
         return self.function(unit, *self.common)
 
     def outcomes(self, units: Sequence[Any]) -> list[Outcome]:

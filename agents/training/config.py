@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from agents.training.own_names import refuse_own_code
 from agents.training.paired_reward import ENV_REWARD, PAIRED
 from swarm_gym.controllers import SizeLimits
 
@@ -151,8 +152,10 @@ def stored_config(manifest: Mapping[str, Any]) -> TrainConfig:
 
     Raises:
         ValueError: for an option that does not exist.
+        OwnCodeError: for an option that names code, which a file never imports.
     """
     options = manifest["config"] if manifest else {}
+    refuse_own_code(options, "the policy's configuration")
     unknown = sorted(set(options) - {field.name for field in fields(TrainConfig)})
     if unknown:
         raise ValueError(f"the policy's configuration has unknown options {unknown}")

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
 from agents.training.config import TrainConfig
+from agents.training.own_names import refuse_own_code
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, packaged_names, read_bytes
 from swarm_gym.errors import shown
+from swarm_gym.own_code import is_own, own
 
 PRESETS = Path(__file__).parent / "presets"
 
@@ -28,12 +30,15 @@ def preset_names() -> list[str]:
 
 
 def load_preset(name: str) -> TrainConfig:
-    """Return the configuration of a preset by its name, or of a TOML file by its path.
+    """Return the configuration of a preset by its name, of a TOML file by its path, or of own code.
 
     Raises:
         PresetError: if the file is missing or no TOML, has an unknown key or a value of a wrong type, or if
             the preset in its entry `like` is invalid.
+        OwnCodeError: if own code cannot be imported, or is no configuration; or if a file names own code.
     """
+    if find_file(name, PRESETS, ".toml") is None and is_own("preset", name):
+        return own("preset", name, lambda found: isinstance(found, TrainConfig), "a TrainConfig")
     return _load(name, ())
 
 
@@ -65,6 +70,7 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
                 f"{path}: unknown key {shown(key)}, expected one of like, {', '.join(sorted(kinds))}"
             )
         values[key] = _as(kinds[key], value, f"{path}: {key}")
+    refuse_own_code(values, str(path))
     return dataclasses.replace(start, **values)
 
 

@@ -14,9 +14,9 @@ import tyro
 from experiments.catalogue import get_suite
 from experiments.report.contents import Request, make_report
 from experiments.report.document import to_html
+from experiments.runs.configuration import environment_configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.run import RunKey
-from experiments.runs.runner import environment_configuration
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 

@@ -7,9 +7,8 @@ entrant, since parameters may follow a schedule over the episode.
 
 from typing import NamedTuple
 
-from swarm_gym.checks import look_up
 from swarm_gym.controllers.names import ControllerName
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import get_optimizer
 
 
 class Entrant(NamedTuple):
@@ -36,8 +35,9 @@ def entrant(name: str, optimizer: str) -> Entrant:
 
     Raises:
         UnknownNameError: if the name has an optimizer that does not exist.
+        OwnCodeError: if the name has an optimizer of own code that cannot be imported.
     """
     parts = ControllerName.parse(name)
     if parts.optimizer is not None:
-        look_up(f"optimizer in {name!r}:", parts.optimizer, OPTIMIZERS)
+        get_optimizer(parts.optimizer)
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)

@@ -1,6 +1,5 @@
 """The runner of suites: a backend carries out missing runs, and a results database stores them."""
 
-import dataclasses
 import time
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -8,24 +7,15 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from agents import Controller
 from agents.backends import Backend, Task, WorkLostError
 from agents.runs.provenance import provenance
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.entrants import entrant
-from experiments.runs.episode import Episode, controller_of, warm_up
+from experiments.runs.episode import Episode, warm_up
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.suite import Suite
-from swarm_gym.controllers.distilled import DistilledRule
-from swarm_gym.controllers.learned.networks import FeedforwardController
-from swarm_gym.controllers.names import BLINDED, ControllerName
-from swarm_gym.controllers.open_loop import OpenLoop
-from swarm_gym.controllers.reacting_loop import ReactingLoop
-from swarm_gym.controllers.tuned import load_tuned
-from swarm_gym.optimizers import get_optimizer
-from swarm_gym.reference.optima import digest
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.own_code import given
 
 MOST_NAMED = 10  # groups of missing runs that a message names
 
@@ -78,7 +68,7 @@ def run_missing(suite: Suite, results: Results, backend: Backend) -> None:
         for optimizer in {entrant(name, suite.optimizer).optimizer for name in suite.controllers}:
             warm_up(optimizer, suite)
     units = make_units(missing, backend.workers())
-    task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")))
+    task = Task(run_unit, (suite, provenance("gymnasium", "numba", "numpy")), given())
     with tqdm(total=len(missing), unit="run", desc=suite.name) as bar:
         try:
             for _, runs in backend.run(task, units):
@@ -153,63 +143,6 @@ def run_one(key: RunKey, suite: Suite, made_with: dict[str, str]) -> Run:
         simulation.columns,
         simulation.trajectory(0),
     )
-
-
-def configuration(suite: Suite) -> dict[str, Any]:
-    """Return the values that the runs of a suite depend on, by key; the database compares them."""
-    found = environment_configuration(suite)
-    for name in suite.controllers:
-        controller_name = entrant(name, suite.optimizer).controller
-        found[f"controller {name}"] = _identity(controller_name, controller_of(controller_name))
-    return found
-
-
-def _identity(name: str, controller: Controller) -> Any:
-    """Return the content of a controller's file, which may be replaced under the same name; else the name."""
-    parts = ControllerName.parse(name)
-    if parts.family == BLINDED:
-        policy = f"learned:{parts.argument}"
-        return BLINDED, _identity(policy, controller_of(policy))
-    if parts.family == "tuned":
-        return load_tuned(parts.argument)
-    if isinstance(controller, FeedforwardController):
-        manifest = controller.manifest
-        base = manifest["base"]
-        if base == "none":
-            return manifest["weights_sha256"]
-        return (
-            manifest["weights_sha256"],
-            manifest["corrected_from"],
-            _identity(base, controller_of(base)),
-        )
-    loop = controller.loop if isinstance(controller, ReactingLoop) else controller
-    if isinstance(loop, OpenLoop):
-        first = loop.first_source
-        source = () if first is None else (dataclasses.astuple(first),)
-        return loop.initial_population_size, loop.decisions.tolist(), *source
-    return controller.lines() if isinstance(controller, DistilledRule) else name
-
-
-def environment_configuration(suite: Suite) -> dict[str, Any]:
-    """Return the part of `configuration` without controllers, whose policies may be missing here."""
-    settings = dataclasses.asdict(
-        Settings.from_options(
-            get_optimizer(suite.optimizer), {"scenario": suite.scenarios[0], **suite.options}
-        )
-    )
-    # These vary within a suite; they are part of the controllers and the runs.
-    for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
-        del settings[name]
-    for name in ("final_repair", "made_for"):  # these change nothing that a run stores
-        del settings[name]
-    # These are part of the problems of the scenarios.
-    for name in ("encoding", "num_control_points", "penalty"):
-        del settings[name]
-    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
-    for name in suite.scenarios:
-        problem = make_problem(name, **suite.options)
-        found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
-    return found
 
 
 def _snapshot(simulation: Any) -> Snapshot:

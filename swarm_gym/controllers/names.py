@@ -12,6 +12,8 @@ recipe or a file, `<recipe>[/<seed>][@<price>]`; that of any other family is its
 * `reacting-loop:dynamic-reacting/0@1`: the open loop of that name, begun again when the best fitness rises.
 * `tuned:runs/mine.json`: a file.
 * `blinded:three-cases/0@0.3`: in a suite, that policy with all inputs but the clock replaced by their means.
+* `mine:Rule`: own code, see `swarm_gym.own_code`.
+* `mine:Swarm+fixed:65`: in a suite, `fixed:65` for an optimizer of own code.
 * `multivariate(50)+fixed:65`: in a suite, `fixed:65` for this optimizer, in episodes of 50 iterations.
 
 The character @ always introduces the price of 100,000 evaluations that the controller is for. An open loop
@@ -29,7 +31,8 @@ FITTED = (BLINDED, "distilled", "learned", "open-loop", "reacting-loop", "tuned"
 ALL_SEEDS = "*"
 
 _NAME = re.compile(
-    r"(?:(?P<optimizer>[a-z-]+)(?:\((?P<iterations>[1-9][0-9]{0,8})\))?\+)?"
+    rf"(?:(?P<optimizer>[a-z-]+|(?!(?:{'|'.join(FITTED)}):)[A-Za-z_][\w.]*:[A-Za-z_]\w*)"
+    r"(?:\((?P<iterations>[1-9][0-9]{0,8})\))?\+)?"
     r"(?P<family>[^:]*)(?::(?P<argument>.*))?",
     re.DOTALL,
 )

@@ -22,7 +22,8 @@ from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
-from swarm_gym.optimizers import get_optimizer
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.own_code import refuse_unless_given
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 FORMAT = "swarm_gym open loop 2"
@@ -172,6 +173,8 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
     path = find_json("open loop", name, OPEN_LOOPS, OpenLoopFileError)
     try:
         content = read_json(path, FORMAT)
+        if (optimizer := content.get("optimizer", "firefly")) not in OPTIMIZERS:
+            refuse_unless_given("optimizer", optimizer, "optimizer")
         return OpenLoop(
             content["initial_population_size"],
             content["knots"],
@@ -179,7 +182,7 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
             content["repair_degrees"],
             content["knobs"],
             limits,
-            content.get("optimizer", "firefly"),
+            optimizer,
             sources=_decisions_on_sources(content),
             first_source=Source.of(content["first_source"]) if "first_source" in content else None,
         )

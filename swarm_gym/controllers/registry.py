@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.distilled import load_rule
 from swarm_gym.controllers.fixed import Fixed, Random
@@ -21,8 +20,10 @@ from swarm_gym.controllers.open_loop import load_open_loop
 from swarm_gym.controllers.reacting_loop import load_reacting_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
+from swarm_gym.controllers.trial import require_trial
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.errors import shown
+from swarm_gym.own_code import OwnCodeError, find, is_own, own, refuse_unless_given
 
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "load_learned", "make_controller"]
 
@@ -35,6 +36,7 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     `distilled:` is the name of a packaged file or the path of a file. Policies of one recipe are called
     `learned:<preset>/<training seed>`; `learned:<policy>@0.3` sets the price of 100,000 evaluations that a
     policy observes. `swarm_gym.controllers.names` describes all parts of a name.
+    A controller of your own is `module:attribute`, see `swarm_gym.own_code`.
 
     Args:
         name: the family, and after a colon its argument.
@@ -43,6 +45,7 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
 
     Raises:
         UnknownNameError: for an unknown family; the message lists the valid ones.
+        OwnCodeError: for own code that cannot be imported, or does not give a controller that decides.
         ValueError: for an argument that the family cannot take.
         PolicyFileError: for a policy that is missing, damaged or made for something else.
     """
@@ -52,7 +55,9 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
             f"controller {shown(str(name))}: the optimizer {shown(parts.optimizer)} may only be named in a "
             f"suite; the controller is {shown(str(parts.controller))}"
         )
-    make = look_up("controller", parts.family, CONTROLLERS)
+    if parts.family not in CONTROLLERS and is_own("controller", str(name)):
+        return _own_controller(str(name))
+    make = find("controller", parts.family, CONTROLLERS, callable, "a controller")
     if limits is None and make is not load_learned:
         limits = SizeLimits()
     return make(parts.argument, limits)
@@ -77,7 +82,22 @@ def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> Feedfo
                 f"policy {shown(str(policy))}: {shown(name.price)} is not a price; expected a number after @"
             ) from error
     weights, manifest = load_policy(path)
-    return NETWORKS[manifest["network"]](path, weights, manifest, limits, price, make_controller)
+    make_base = partial(_in_file, f"{path}: base")
+    return NETWORKS[manifest["network"]](path, weights, manifest, limits, price, make_base)
+
+
+def _own_controller(name: str) -> Controller:
+    """Return the controller of own code, after a trial."""
+    make = own("controller", name, callable, "a class or function that gives a Controller")
+    try:
+        controller = make()
+    except Exception as error:  # own code may raise anything
+        raise OwnCodeError(f"controller {shown(name)}: {error!r} when called without arguments") from error
+    try:
+        require_trial(controller)
+    except ValueError as error:
+        raise OwnCodeError(f"controller {shown(name)}: {error}") from error
+    return controller
 
 
 def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, SizeLimits], Controller]:
@@ -90,7 +110,14 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
 
 
 def _tuned(argument: str, limits: SizeLimits) -> Controller:
-    return make_controller(load_tuned(argument), limits)
+    return _in_file(f"tuned {argument}", load_tuned(argument), limits)
+
+
+def _in_file(where: str, name: str, limits: SizeLimits) -> Controller:
+    """Return the controller that a file names, which never imports code."""
+    if ControllerName.parse(name).family not in CONTROLLERS:
+        refuse_unless_given("controller", name, where)
+    return make_controller(name, limits)
 
 
 # Family name to a function of the text after the colon and the size limits.

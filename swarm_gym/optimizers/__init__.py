@@ -7,7 +7,7 @@ CONTRIBUTING.md lists the steps to add one.
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from swarm_gym.checks import look_up
+from swarm_gym.own_code import find
 
 if TYPE_CHECKING:
     from swarm_gym.optimizers.optimizer import Optimizer
@@ -30,10 +30,19 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
 
 
 def get_optimizer(name: str) -> "type[Optimizer]":
-    """Return the optimizer class with this name.
+    """Return the optimizer class with this name, or the one that a name of own code stands for.
 
     Raises:
         UnknownNameError: if there is none.
+        OwnCodeError: if own code cannot be imported, or is no optimizer.
     """
-    module, cls = look_up("optimizer", name, OPTIMIZERS)
+    found = find("optimizer", name, OPTIMIZERS, _is_optimizer, "a subclass of Optimizer")
+    if not isinstance(found, tuple):
+        return found
+    module, cls = found
     return getattr(import_module(module), cls)
+
+
+def _is_optimizer(found: object) -> bool:
+    base = import_module("swarm_gym.optimizers.optimizer").Optimizer
+    return isinstance(found, type) and issubclass(found, base)

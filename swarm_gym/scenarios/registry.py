@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
+from swarm_gym.own_code import OwnCodeError, is_own, own
 from swarm_gym.scenarios import function_family, random_fields, rooms_and_caves
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic import fields as dynamic_fields
@@ -40,6 +41,7 @@ def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
 
     Raises:
         UnknownNameError: if there is no scenario of that name.
+        OwnCodeError: if own code, `module:attribute`, cannot be imported, or gives no scenario.
         ScenarioError: if the name stands for several scenarios, or does not have the form of its family.
     """
     if isinstance(scenario, AnyScenario):
@@ -89,9 +91,14 @@ def expand_name(name: str) -> tuple[str, ...]:
     family = _family_of(name)
     if family is not None:
         return family.expand(name)
-    if not isinstance(name, str) or name not in SCENARIOS:
-        raise UnknownNameError("scenario", name, [*SCENARIOS, *(f.usage for f in FAMILIES.values())])
-    return (name,)
+    if isinstance(name, str) and (name in SCENARIOS or is_own("scenario", name)):
+        return (name,)
+    raise UnknownNameError("scenario", name, [*SCENARIOS, *(f.usage for f in FAMILIES.values())])
+
+
+def is_known(name: object) -> bool:
+    """Return whether a name is that of a scenario here, or begins with a family; its form is not checked."""
+    return name in SCENARIOS or _family_of(name) is not None
 
 
 def sample_names() -> tuple[str, ...]:
@@ -101,7 +108,24 @@ def sample_names() -> tuple[str, ...]:
 
 def _make(name: str) -> AnyScenario:
     family = _family_of(name)
-    return SCENARIOS[name]() if family is None else family.make(name)
+    if family is not None:
+        return family.make(name)
+    return SCENARIOS[name]() if name in SCENARIOS else _own_scenario(name)
+
+
+def _own_scenario(name: str) -> AnyScenario:
+    """Return the scenario of own code."""
+    expected = "a scenario, or a function that is called without arguments and returns one"
+    found = own("scenario", name, lambda found: isinstance(found, AnyScenario) or callable(found), expected)
+    if isinstance(found, AnyScenario):
+        return found
+    try:
+        made = found()
+    except Exception as error:  # own code may raise anything
+        raise OwnCodeError(f"scenario {shown(name)}: {error!r} when called without arguments") from error
+    if not isinstance(made, AnyScenario):
+        raise OwnCodeError(f"scenario {shown(name)}: expected {expected}, but it returned {shown(made)}")
+    return made
 
 
 def _tidied(name: str) -> str:

@@ -76,8 +76,9 @@ def filled_database(folder, runs):
 def make_database(path, suite, backend=None):
     """Make the database of a suite with all of its runs, by a backend or in this process; return its path."""
     from agents.backends.local import LocalBackend
+    from experiments.runs.configuration import configuration
     from experiments.runs.database import Results
-    from experiments.runs.runner import configuration, run_missing
+    from experiments.runs.runner import run_missing
 
     with closing(Results(path, configuration(suite))) as results:
         run_missing(suite, results, backend or LocalBackend(1))

@@ -7,8 +7,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 
 from agents.training.config import TrainConfig
 from agents.training.paired_reward import PAIRED, Reference
-from swarm_gym.action import ACTIONS, make_action
-from swarm_gym.checks import look_up, require_integer
+from swarm_gym.action import layout_of, make_action
+from swarm_gym.checks import require_integer
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.observation import make_observation
@@ -29,7 +29,7 @@ def make_swarms(
     Raises:
         ValueError: for options that exclude each other.
     """
-    if look_up("action layout", config.action, ACTIONS).size == "natural":
+    if layout_of(config.action).size == "natural":
         raise ValueError(f"action {config.action!r}: a policy decides in a layout scaled to [-1, 1]")
     require_integer("corrected_from", config.corrected_from, 0, Settings.iterations - 1)
     if config.corrected_from and config.base == "none":

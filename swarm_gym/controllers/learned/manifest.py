@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 from swarm_gym.action import ACTIONS
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import UnknownNameError, shown
-from swarm_gym.observation import make_observation
+from swarm_gym.observation import OBSERVATIONS, make_observation
 from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.own_code import was_given
 
 # Far beyond the networks trained here (two layers of 64), and so small that products of them stay cheap.
 MAX_WIDTH = 4096
@@ -105,9 +106,12 @@ def _integer(low: int, high: int = MAX_NUMBER) -> _Entry:
     )
 
 
-def _one_of(*names: str) -> _Entry:
+def _one_of(*names: str, code: bool = False) -> _Entry:
+    """Return an entry with one of these names, or of own code that was named outside of files."""
+    more = ", or own code that you allow with swarm_gym.own_code" if code else ""
     return _Entry(
-        f"one of {', '.join(sorted(names))}", lambda value: isinstance(value, str) and value in names
+        f"one of {', '.join(sorted(names))}{more}",
+        lambda value: isinstance(value, str) and (value in names or (code and was_given(value))),
     )
 
 
@@ -121,7 +125,11 @@ def _is_text(value: object) -> bool:
 
 def _is_observation(value: object) -> bool:
     try:
-        return isinstance(value, str) and len(value) <= MAX_TEXT and bool(make_observation(value).features)
+        if not isinstance(value, str) or len(value) > MAX_TEXT:
+            return False
+        # A name in a file never imports code.
+        known = all(part in OBSERVATIONS or was_given(part) for part in value.split("+"))
+        return known and bool(make_observation(value).features)
     except UnknownNameError:
         return False
 
@@ -160,7 +168,7 @@ _DIGEST = _Entry(
 )
 _REQUIRED = {
     # Outputs of a network lie in [-1, 1].
-    "action": _one_of(*(name for name, layout in ACTIONS.items() if layout.size != "natural")),
+    "action": _one_of(*(name for name, layout in ACTIONS.items() if layout.size != "natural"), code=True),
     "base": _Entry("'none' or the name of a controller that is no policy itself", _is_base),
     "config": _Entry("a table of options", lambda value: isinstance(value, dict)),
     "corrected_from": _integer(0),
@@ -175,7 +183,7 @@ _REQUIRED = {
     "network": _one_of(FEEDFORWARD, LSTM),
     "num_decisions": _integer(1, MAX_WIDTH),
     "observation": _Entry("an observation layout, or several joined by +", _is_observation),
-    "optimizer": _one_of(*OPTIMIZERS),
+    "optimizer": _one_of(*OPTIMIZERS, code=True),
     "price": _optional(_Entry("a list of one or two numbers in order", _is_prices)),
     "weights_sha256": _DIGEST,
 }

@@ -17,8 +17,9 @@ from agents.backends.many_runs import carry_out, configs_of_seeds, train
 from agents.backends.packing import files_of
 from agents.backends.ray_backend import RayBackend
 from agents.training.run import TrainingRun
+from experiments.runs.configuration import configuration
 from experiments.runs.database import Results
-from experiments.runs.runner import configuration, missing_runs, run_missing
+from experiments.runs.runner import missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
 from helpers.small_commands import CONTROLLERS, IMITATION, rows

@@ -6,9 +6,9 @@ import pytest
 from agents.evaluation.masking import clock_columns
 from experiments.runs import blinded
 from experiments.runs.blinded import load_blinded
+from experiments.runs.configuration import identity
 from experiments.runs.episode import Episode, controller_of
 from experiments.runs.labels import label
-from experiments.runs.runner import _identity
 from experiments.studies.learned.suites import HEADLINE
 from helpers.stored_runs import part_of
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
@@ -52,8 +52,8 @@ def test_a_suite_runs_a_blinded_policy_as_another_controller():
 
 
 def test_a_blinded_policy_is_known_by_the_weights_of_the_policy():
-    seeing = _identity(f"learned:{POLICY}", load_learned(POLICY))
-    assert _identity(NAME, load_blinded(POLICY)) == ("blinded", seeing)
+    seeing = identity(f"learned:{POLICY}", load_learned(POLICY))
+    assert identity(NAME, load_blinded(POLICY)) == ("blinded", seeing)
 
 
 def test_only_learned_policies_are_blinded():

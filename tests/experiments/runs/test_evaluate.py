@@ -15,8 +15,9 @@ from experiments.documents.blocks import fill
 from experiments.documents.page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs import episode, runner
+from experiments.runs.configuration import configuration
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.runner import configuration, run_missing, run_one
+from experiments.runs.runner import run_missing, run_one
 from experiments.runs.suite import Suite
 from experiments.tables.document import Document
 from helpers.stored_runs import filled_database, make_database, stored_run

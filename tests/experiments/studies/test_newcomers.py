@@ -13,9 +13,9 @@ from experiments.documents.figures import plan
 from experiments.plots.decisions import draw_decisions
 from experiments.plots.style import styles
 from experiments.publish import publish
+from experiments.runs.configuration import configuration, identity
 from experiments.runs.episode import Episode
 from experiments.runs.groups import group_controllers
-from experiments.runs.runner import _identity, configuration
 from experiments.studies.newcomers import blocks
 from experiments.studies.newcomers.bends import bends_table
 from experiments.studies.newcomers.corridors import MOST_NAMED, corridor_tables, ends_of
@@ -108,7 +108,7 @@ def test_runs_have_the_kind_of_bends_of_their_suite_and_the_source_of_their_cont
 
 def test_open_loops_with_other_first_populations_are_not_taken_for_each_other():
     same = (60, [0], [60.0], [0.0])
-    found = [_identity("open-loop:a", OpenLoop(*same, first_source=s)) for s in (None, Source(), Source(1.0))]
+    found = [identity("open-loop:a", OpenLoop(*same, first_source=s)) for s in (None, Source(), Source(1.0))]
     assert len(set(map(repr, found))) == 3
 
 
