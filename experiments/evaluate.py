@@ -13,7 +13,8 @@ from pathlib import Path
 import tyro
 
 from agents.backends import Backend, BackendError, BackendOptions
-from experiments.catalogue import COLLECTIONS, get_suite
+from experiments.catalogue import COLLECTIONS
+from experiments.choice import Choice
 from experiments.documents.page import make_tables, write_collection_page, write_page
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
@@ -33,7 +34,9 @@ class EvaluateConfig:
     seeds: int | None = None
     """Number of seeds per controller and scenario, e.g. 20. By default the number that the suite states."""
     controllers: tuple[str, ...] = ()
-    """Controllers to run instead of those of the suite, e.g. spsfa-tip fixed:60. By default the suite's."""
+    """Controllers to run instead of those of the suite, e.g. spsfa-tip fixed:60 mine:Rule. By default the
+    suite's."""
+    choice: tyro.conf.OmitArgPrefixes[Choice] = field(default_factory=Choice)
     output: Path = Path("results")
     """Folder for results, by default results. Tables and figures of a suite go to <output>/<suite>, its
     database to <output>/<suite>.sqlite. A collection has them in <output>/<collection>."""
@@ -51,11 +54,12 @@ def evaluate(config: EvaluateConfig) -> Path:
 
     Raises:
         ResultsError: if there are too few seeds, or the database cannot be used or lacks runs.
-        UnknownNameError: if there is no such suite.
+        UnknownNameError: if there is no such suite, scenario or optimizer.
+        OwnCodeError: if own code cannot be imported, or is of another kind than its name stands for.
     """
     if config.suite in COLLECTIONS:
         return _evaluate_collection(config)
-    suite = get_suite(config.suite)
+    suite = config.choice.suite(config.suite)
     if config.controllers:
         suite = dataclasses.replace(suite, controllers=tuple(dict.fromkeys(config.controllers)))
     if config.seeds is not None:

@@ -19,7 +19,6 @@ name was given before, for instance to `allow`.
 """
 
 import hashlib
-import inspect
 import re
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -130,18 +129,29 @@ def given() -> tuple[str, ...]:
 def origin_of(kind: str, name: str) -> str:
     """Return a digest of the source of own code, and the version of its distribution if it is installed.
 
-    It changes with any change of the module that the attribute is defined in. Modules that this one imports
-    are not part of it.
+    It changes with any change of the module that the name is in. Modules that this one imports are not part
+    of it.
     """
     found = own(kind, name, lambda _: True, "anything")
-    point = _installed(GROUPS[kind]).get(name)
-    module = name.partition(":")[0] if point is None else point.module
-    file = inspect.getsourcefile(found) if callable(found) else import_module(module).__file__
-    source = Path(file).read_bytes() if file else repr(found).encode()
+    file, point = _source_file(kind, name), _installed(GROUPS[kind]).get(name)
+    source = repr(found).encode() if file is None else file.read_bytes()
     digest = f"source {hashlib.sha256(source).hexdigest()[:16]}"
     if point is None or point.dist is None:
         return digest
     return f"{digest} of {point.dist.name} {point.dist.version}"
+
+
+def source_files() -> dict[str, Path]:
+    """Return the files of the own code that was used so far, by name, without those of installed packages."""
+    files = {name: _source_file(kind, name) for kind, name in _found if name not in _installed(GROUPS[kind])}
+    return {name: file for name, file in files.items() if file is not None}
+
+
+def _source_file(kind: str, name: str) -> Path | None:
+    """Return the file of the module of own code; None if it has none."""
+    point = _installed(GROUPS[kind]).get(name)
+    file = import_module(name.partition(":")[0] if point is None else point.module).__file__
+    return None if file is None else Path(file).resolve()
 
 
 @cache

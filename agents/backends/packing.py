@@ -8,6 +8,7 @@ from agents.backends.backend import BackendError
 from agents.runs.provenance import COMMIT, git_commit
 from swarm_gym.controllers.learned.policy_file import SUFFIX, load_policy
 from swarm_gym.controllers.names import ControllerName
+from swarm_gym.own_code import source_files
 from swarm_gym.scenarios.formats.data_files import DATA, data_folder
 
 PACKAGES = ("swarm_gym", "agents", "experiments")
@@ -61,3 +62,21 @@ def files_of(controllers: Iterable[str]) -> Iterator[Path]:
                 yield Path(path)
                 if path.endswith(SUFFIX):
                     yield from files_of([load_policy(Path(path))[1]["base"]])
+
+
+def own_files() -> Iterator[Path]:
+    """Yield the modules of own code that was named so far, and the modules beside them, relative to here.
+
+    Code of installed packages is left out: it has to be installed on all machines.
+
+    Raises:
+        BackendError: for a module that lies neither below this folder nor in an installed package.
+    """
+    here = Path.cwd().resolve()
+    for name, file in sorted(source_files().items()):
+        if not file.is_relative_to(here):
+            raise BackendError(
+                f"{name} is not copied to other machines: its module {file} is outside of this folder, {here}"
+            )
+        beside = [file] if file.parent == here else sorted(file.parent.rglob("*.py"))
+        yield from (path.relative_to(here) for path in beside)

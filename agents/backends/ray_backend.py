@@ -25,7 +25,7 @@ from agents.backends.backend import (
     Task,
     WorkLostError,
 )
-from agents.backends.packing import LEFT_BEHIND, pack
+from agents.backends.packing import LEFT_BEHIND, own_files, pack
 from swarm_gym.errors import MissingExtraError
 
 AHEAD = 2  # waiting Ray tasks per running one, so that no worker waits for this process
@@ -120,7 +120,7 @@ class RayBackend(Backend):
         with TemporaryDirectory(prefix="swarm_gym") as folder, _own_signals():
             environment: dict[str, Any] = {"env_vars": ONE_THREAD}
             if not here:
-                set_there = pack(Path(folder), self._files)
+                set_there = pack(Path(folder), [*self._files, *own_files()])
                 environment = {
                     "env_vars": ONE_THREAD | set_there,
                     "working_dir": folder,

@@ -90,6 +90,12 @@ def _short(commit: str) -> str:
 
 def command_of(suite: Suite) -> str:
     """Return the command that makes the runs and tables of a suite."""
-    command = f"python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}"
-    usual = SUITES.get(suite.name, suite).controllers
-    return command if suite.controllers == usual else f"{command} --controllers {' '.join(suite.controllers)}"
+    usual = SUITES.get(suite.name, suite)
+    parts = [f"python -m experiments.evaluate --suite {suite.name} --seeds {suite.num_seeds}"]
+    if suite.controllers != usual.controllers:
+        parts.append(f"--controllers {' '.join(suite.controllers)}")
+    if suite.scenarios != usual.scenarios:
+        parts.append(f"--scenarios {' '.join(suite.scenarios)}")
+    if suite.optimizer != usual.optimizer:
+        parts.append(f"--optimizer {suite.optimizer}")
+    return " ".join(parts)

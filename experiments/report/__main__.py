@@ -5,13 +5,14 @@ comes from the database, which is only read. Runs to replay are run again; a rep
 ends otherwise than the stored one.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from experiments.catalogue import get_suite
+from experiments.choice import Choice
+from experiments.report.completeness import refuse_own_code
 from experiments.report.contents import Request, make_report
 from experiments.report.document import to_html
 from experiments.runs.configuration import environment_configuration
@@ -33,6 +34,7 @@ class ReportConfig:
     """Suite of the runs, e.g. paper; by default the name of the file without its ending."""
     output: Path | None = None
     """File to write; by default report.html among the suite's tables, e.g. results/paper/report.html."""
+    choice: tyro.conf.OmitArgPrefixes[Choice] = field(default_factory=Choice)
     replays: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar=REPLAY_FORM)] = None
     """Runs to replay, e.g. spsfa-tip,case1,0; by default those that the suite names."""
     figures: bool = True
@@ -44,11 +46,13 @@ def write_report(config: ReportConfig) -> Path:
 
     Raises:
         ResultsError: if the database cannot be used, or lacks a run to replay.
+        OwnCodeError: if it has runs of own code that the command line does not name.
     """
-    suite = get_suite(config.suite or config.database.stem)
+    suite = config.choice.suite(config.suite or config.database.stem)
     replays = None if config.replays is None else [_run_key(text) for text in config.replays]
     results = Results.stored(config.database, environment_configuration(suite))
     try:
+        refuse_own_code(results, suite)
         report = make_report(Request(config.database, suite, replays, config.figures), results)
     finally:
         results.close()

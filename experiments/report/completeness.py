@@ -8,6 +8,10 @@ from typing import NamedTuple
 from experiments.runs.database import Results
 from experiments.runs.labels import label
 from experiments.runs.suite import Suite
+from swarm_gym.controllers import CONTROLLERS
+from swarm_gym.controllers.names import BLINDED, ControllerName
+from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.own_code import refuse_unless_given
 
 # A controller with less than this share of the most seeds of any pair is left out; others would lose seeds.
 LEAST_SHARE = 0.5
@@ -26,6 +30,20 @@ class Complete(NamedTuple):
 
     suite: Suite | None
     notices: list[str]
+
+
+def refuse_own_code(results: Results, suite: Suite) -> None:
+    """Raise an error if a database has runs of controllers of own code that the user did not name.
+
+    Raises:
+        OwnCodeError: with the name.
+    """
+    for name in {controller for controller, _, _ in results.finished()}.difference(suite.controllers):
+        parts = ControllerName.parse(name)
+        if parts.optimizer not in (None, *OPTIMIZERS):
+            refuse_unless_given("optimizer", parts.optimizer, f"{results.path}: {name}")
+        if parts.family not in (*CONTROLLERS, BLINDED):
+            refuse_unless_given("controller", str(parts.controller), str(results.path))
 
 
 def complete_part(suite: Suite, results: Results) -> Complete:

@@ -22,6 +22,7 @@ from experiments.runs.database import Results
 from experiments.runs.runner import missing_runs, run_missing
 from experiments.runs.suite import Suite
 from experiments.scaling.overheads import logical_cluster
+from helpers.own_files import write_own_files
 from helpers.small_commands import CONTROLLERS, IMITATION, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
@@ -126,6 +127,18 @@ def test_workers_find_maps_and_policies_of_the_command(tmp_path, cluster, monkey
     controllers = ("spsfa-tip", "learned:mine.safetensors")
     suite = Suite("paper", controllers, ("moving-ai:room?start=0,0&goal=7,7",), 3, "spsfa-tip")
     with closing(RayBackend(cluster.address, 0, list(files_of(controllers)))) as backend:
+        for name, by in (("here", LocalBackend(1)), ("there", backend)):
+            make_database(tmp_path / name / "paper.sqlite", suite, by)
+    assert rows(tmp_path / "here") == rows(tmp_path / "there")
+    assert len(rows(tmp_path / "there")) == 6
+
+
+def test_workers_get_the_own_code_that_a_command_names(tmp_path, cluster, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    write_own_files(tmp_path)
+    suite = Suite("paper", ("mine.rule:ByThirds", "spsfa-tip"), ("mine.hall:HALL",), 3, "spsfa-tip")
+    with closing(RayBackend(cluster.address, 0)) as backend:
         for name, by in (("here", LocalBackend(1)), ("there", backend)):
             make_database(tmp_path / name / "paper.sqlite", suite, by)
     assert rows(tmp_path / "here") == rows(tmp_path / "there")

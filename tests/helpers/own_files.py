@@ -1,0 +1,22 @@
+"""The four files of docs/own-code.md, which is also their test."""
+
+import re
+from pathlib import Path
+
+PAGE = Path(__file__).parents[2] / "docs" / "own-code.md"
+FILES = re.compile(r"^`(mine/\w+\.py)`:.*?```python\n(.*?)```", re.DOTALL | re.MULTILINE)
+COMMANDS = re.compile(r"```\n(python -m .*?)```", re.DOTALL)
+
+
+def write_own_files(folder):
+    """Write the files into a folder and return their names."""
+    found = FILES.findall(PAGE.read_text())
+    for name, code in found:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(code)
+    return [name for name, _ in found]
+
+
+def commands_of_the_page():
+    """Return the commands, each as one line."""
+    return [re.sub(r"\s*\\\n\s*", " ", block).strip() for block in COMMANDS.findall(PAGE.read_text())]

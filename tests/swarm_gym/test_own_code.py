@@ -1,0 +1,251 @@
+"""Names of own code: what they give, what is refused before anything runs, and that files import nothing."""
+
+import importlib.metadata
+import json
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+
+from agents.training.config import stored_config
+from agents.training.presets import load_preset
+from experiments.runs.entrants import entrant
+from helpers.own_files import write_own_files
+from helpers.trainings import make_policy
+from swarm_gym import own_code
+from swarm_gym.controllers import CONTROLLERS, make_controller
+from swarm_gym.controllers.learned.policy_file import PolicyFileError
+from swarm_gym.controllers.names import ControllerName
+from swarm_gym.controllers.open_loop import OpenLoopFileError, save_open_loop
+from swarm_gym.controllers.tuned import FORMAT
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.own_code import OwnCodeError
+from swarm_gym.registration import environment_id
+from swarm_gym.scenarios import make_scenario
+from swarm_gym.testing import ContractError, check_controller, check_optimizer, check_scenario
+
+BROKEN = """
+import numpy as np
+from swarm_gym.controllers import Controller
+from swarm_gym.observation import Observation, OBSERVATIONS
+from swarm_gym.action import Layout
+from swarm_gym.scenarios import Scenario
+
+number = 3
+layout = Layout("natural", False)
+seen = Observation("seen", OBSERVATIONS["paper"].features, np.float64)
+
+class Base(Controller):
+    initial_population_size = 9
+    def reset(self, num_swarms, seed=0):
+        self.calls = 0
+    def act(self, observations):
+        return np.tile([9.0, 0.5], (len(observations), 1))
+
+class WrongShape(Base):
+    def act(self, observations):
+        return np.array([9.0, 0.5])
+
+class Raises(Base):
+    def act(self, observations):
+        raise KeyError("lost")
+
+class NotANumber(Base):
+    def act(self, observations):
+        return np.full((len(observations), 2), np.nan)
+
+class NoSize(Base):
+    initial_population_size = None
+
+class UnknownLayout(Base):
+    action = "sideways"
+
+class LooksAtOthers(Base):
+    def act(self, observations):
+        return np.tile([4.0 + len(observations), 0.5], (len(observations), 1))
+
+class Forgets(Base):
+    count = [0]
+    def act(self, observations):
+        self.count[0] += 1
+        return np.tile([3.0 + self.count[0] % 7, 0.5], (len(observations), 1))
+
+def another():
+    another.made = getattr(another, "made", 0) + 1
+    return Scenario("shifting", (0.0, 0.0), (100.0 + another.made, 0.0), (), (0.0, -50.0, 200.0, 50.0))
+
+def text():
+    return "a text"
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A folder with the files of the page and a module with broken things; nothing is known of it before."""
+    write_own_files(tmp_path)
+    (tmp_path / "broken.py").write_text(BROKEN)
+    (tmp_path / "unimportable.py").write_text("raise OSError('no such device')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(own_code, "_given", set())
+    monkeypatch.setattr(own_code, "_found", {})
+    # The optimizer stays: a class of parameters can be registered only once.
+    for name in {"mine", "mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys():
+        monkeypatch.delitem(sys.modules, name)
+    return tmp_path
+
+
+def test_names_of_own_code_go_wherever_names_go():
+    options = {"scenario": "mine.hall:HALL", "reward": "mine.pay:logarithm_of_the_gap", "iterations": 4}
+    options |= {"observation": "broken:seen", "action": "broken:layout"}
+    env = gymnasium.make(environment_id("firefly"), **options)
+    _, info = env.reset(seed=0)
+    assert info["scenario"] == "hall"
+    earned = [env.step(np.array([9.0, 0.5]))[1] for _ in range(4)]
+    assert earned[-1] < -1.0 < earned[0] < 0.0  # at the end the logarithm of the gap, before it a price
+    assert make_controller("mine.rule:ByThirds").act(np.array([[0, 0, 0, 40.0]])).tolist() == [[30, 0.3]]
+    assert make_scenario("mine.hall:HALL").name == "hall"
+    assert entrant("mine.swarm:HillClimber(7)+fixed:5", "firefly") == ("mine.swarm:HillClimber", "fixed:5", 7)
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "expected"),
+    [
+        (make_controller, "nowhere:Rule", "'nowhere' cannot be imported .*ModuleNotFoundError"),
+        (make_controller, "unimportable:Rule", "cannot be imported .*no such device"),
+        (make_controller, "broken:Missing", "module 'broken' has no attribute 'Missing'"),
+        (make_controller, "broken:number", "expected a class or function that gives a Controller, got 3"),
+        (make_controller, "broken:text", "expected a Controller .*got 'a text'"),
+        (make_controller, "broken:WrongShape", r"act must return numbers of shape \(3, 2\).*shape \(2,\)"),
+        (make_controller, "broken:Raises", r"act raised KeyError\('lost'\)"),
+        (make_controller, "broken:NotANumber", "act must return finite numbers, got .*nan"),
+        (make_controller, "broken:NoSize", "initial_population_size must be a positive integer, got None"),
+        (make_controller, "broken:UnknownLayout", "unknown action layout 'sideways'"),
+        (make_scenario, "broken:number", "expected a scenario, or a function .*got 3"),
+        (make_scenario, "broken:text", "it returned 'a text'"),
+        (get_optimizer, "broken:Base", "expected a subclass of Optimizer, got"),
+        (get_optimizer, "mine.hall:HALL", "expected a subclass of Optimizer, got"),
+        (load_preset, "broken:number", "expected a TrainConfig, got 3"),
+    ],
+)
+def test_what_is_of_another_kind_is_refused_by_name(make, name, expected):
+    with pytest.raises(OwnCodeError, match=expected) as error:
+        make(name)
+    assert name in str(error.value)
+    assert len(str(error.value)) < 900
+
+
+@pytest.mark.parametrize("make", [make_controller, make_scenario, get_optimizer])
+def test_what_has_no_form_of_own_code_is_an_unknown_name(make):
+    for name in ("mine.hall", "mine hall:HALL", "mine.hall:", ":HALL", "mine.hall:HALL()", "../mine:HALL"):
+        with pytest.raises(UnknownNameError, match="valid: "):
+            make(name)
+
+
+def test_a_file_never_imports_code(folder):
+    policy = make_policy(folder / "policy.safetensors", np.random.default_rng(0), base="mine.rule:ByThirds")
+    tuned = folder / "tuned.json"
+    tuned.write_text(json.dumps({"format": FORMAT, "controller": "mine.rule:ByThirds", "manifest": {}}))
+    loop = folder / "loop.json"
+    save_open_loop(loop, 6, [0], [6.0], [0.1], {"step": [0.1]}, {}, optimizer="mine.swarm:HillClimber")
+    preset = folder / "preset.toml"
+    preset.write_text('like = "three-cases"\nscenarios = ["case1", "mine.hall:HALL"]\n')
+    readings = [
+        (lambda: make_controller(f"learned:{policy}"), PolicyFileError),
+        (lambda: make_controller(f"tuned:{tuned}"), OwnCodeError),
+        (lambda: make_controller(f"open-loop:{loop}"), OpenLoopFileError),
+        (lambda: load_preset(str(preset)), OwnCodeError),
+        (lambda: stored_config({"config": {"reward": "mine.pay:logarithm_of_the_gap"}}), OwnCodeError),
+        (lambda: stored_config({"config": {"observation": "extended+broken:seen"}}), OwnCodeError),
+    ]
+    for read, error in readings:
+        with pytest.raises(error, match="stands for code, which a name in a file never imports"):
+            read()
+    assert not {"mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys()
+    own_code.allow("mine.rule:ByThirds", "mine.swarm:HillClimber", "mine.hall:HALL")
+    assert make_controller(f"tuned:{tuned}").initial_population_size == 60
+    with pytest.raises(PolicyFileError, match=r"'mine.rule:ByThirds' has .*proposed population size"):
+        make_controller(f"learned:{policy}")  # the policy lacks the inputs that a base adds
+    assert make_controller(f"open-loop:{loop}").made_for == "mine.swarm:HillClimber"
+    assert load_preset(str(preset)).scenarios == ("case1", "mine.hall:HALL")
+
+
+def test_a_digest_of_the_source_belongs_to_the_name(folder):
+    before = own_code.origin_of("controller", "mine.rule:ByThirds")
+    file = folder / "mine" / "rule.py"
+    file.write_text(file.read_text().replace("[60, 0.0]", "[61, 0.0]"))
+    assert own_code.origin_of("controller", "mine.rule:ByThirds") != before
+    assert own_code.source_files() == {"mine.rule:ByThirds": file.resolve()}
+
+
+class TestEntryPoints:
+    """Installed packages may give their code a short name, but none of ours."""
+
+    @pytest.fixture(autouse=True)
+    def installed(self, monkeypatch):
+        points = {
+            "swarm_gym.controllers": {"by-thirds": "mine.rule:ByThirds", "fixed": "mine.rule:ByThirds"},
+            "swarm_gym.optimizers": {"hill-climber": "mine.swarm:HillClimber"},
+            "swarm_gym.scenarios": {"hall": "mine.hall:HALL"},
+        }
+
+        def found(group):
+            return {
+                name: importlib.metadata.EntryPoint(name, value, group)
+                for name, value in points.get(group, {}).items()
+            }
+
+        monkeypatch.setattr(own_code, "_installed", found)
+
+    def test_they_are_names(self):
+        assert make_controller("by-thirds").initial_population_size == 60
+        assert get_optimizer("hill-climber").name == "hill-climber"
+        assert SwarmEnv(scenario="hall", iterations=2).reset(seed=0)[1]["scenario"] == "hall"
+
+    def test_one_that_shadows_a_name_of_ours_is_refused(self):
+        with pytest.raises(OwnCodeError, match=r"'fixed': .* has an entry point of this name"):
+            make_controller("fixed:60")
+
+    def test_a_file_does_not_import_them_either(self, folder):
+        policy = make_policy(folder / "policy.safetensors", np.random.default_rng(0), base="by-thirds")
+        with pytest.raises(PolicyFileError, match="stands for code"):
+            make_controller(f"learned:{policy}")
+
+
+def test_checks_pass_for_the_examples_of_the_page():
+    check_controller("mine.rule:ByThirds", "mine.hall:HALL")
+    check_scenario("mine.hall:HALL")
+
+
+@pytest.mark.slow
+def test_the_check_of_optimizers_passes_for_the_example_and_for_ours():
+    check_optimizer("mine.swarm:HillClimber", "mine.hall:HALL")
+    for name in OPTIMIZERS:
+        check_optimizer(name, "block:20" if name in ("glowworm", "ant-colony") else "case3")
+
+
+@pytest.mark.parametrize(
+    "name", ["fixed:60", "spsfa-tip", "learned:three-cases/0@1", "open-loop:three-cases"]
+)
+def test_the_check_of_controllers_passes_for_ours(name):
+    assert ControllerName.parse(name).family in CONTROLLERS
+    check_controller(name)
+
+
+@pytest.mark.parametrize(
+    ("check", "name", "expected"),
+    [
+        (
+            check_controller,
+            "broken:LooksAtOthers",
+            r"swarm 0 alone gets \[5.0, 0.5\].*but \[9.0, 0.5\] beside 4",
+        ),
+        (check_controller, "broken:Forgets", "swarm 0 alone gets|two episodes of the same seed differ"),
+        (check_scenario, "broken:another", "two calls give different scenarios"),
+    ],
+)
+def test_checks_name_the_contract_that_is_not_kept(check, name, expected):
+    with pytest.raises(ContractError, match=expected):
+        check(name)
