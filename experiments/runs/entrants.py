@@ -7,8 +7,10 @@ entrant, since parameters may follow a schedule over the episode.
 
 from typing import NamedTuple
 
+from swarm_gym.checks import look_up
 from swarm_gym.controllers.names import ControllerName
-from swarm_gym.optimizers import get_optimizer
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.own_code import is_own
 
 
 class Entrant(NamedTuple):
@@ -39,5 +41,7 @@ def entrant(name: str, optimizer: str) -> Entrant:
     """
     parts = ControllerName.parse(name)
     if parts.optimizer is not None:
+        if not is_own("optimizer", parts.optimizer):
+            look_up(f"optimizer in {name!r}:", parts.optimizer, OPTIMIZERS)
         get_optimizer(parts.optimizer)
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)

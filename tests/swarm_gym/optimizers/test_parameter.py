@@ -14,15 +14,15 @@ from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, declared_parameters, replaced
 
-# Fish have five tries and no pull of the origin, which are not printed.
+# Not printed: five tries and the pull of the origin of fish, the inertia factor of particle swarms.
 PRINTED = {
     "firefly": {"noise": 2.0, "attractiveness": 0.1, "absorption": 5e-6},
     "generational-firefly": {
         "noise": 0.2, "attractiveness": 1.0, "absorption": 1.0, "least_attractiveness": 0.0,
     },
     "particle-swarm": {
-        "first_inertia": 1.4, "last_inertia": 0.5, "cognitive": 1.49445, "social": 1.49445,
-        "velocity_limit": 0.2,
+        "first_inertia": 1.4, "last_inertia": 0.5, "inertia_factor": 1.0, "cognitive": 1.49445,
+        "social": 1.49445, "velocity_limit": 0.2,
     },
     "elite-genetic": {"crossover": 0.2, "mutation": 0.01},
     "multivariate": {"radius": 20.0},
