@@ -77,6 +77,8 @@ def evaluate(config: EvaluateConfig) -> Path:
         if backend
         else Results.stored(database, environment_configuration(suite))
     )
+    for notice in results.changed:
+        print(notice, flush=True)
     try:
         if backend:
             with closing(backend):

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from experiments.runs.database import Results
+from experiments.runs.entries import is_aside
 from experiments.runs.labels import label
 from experiments.runs.suite import Suite
 from swarm_gym.controllers import CONTROLLERS
@@ -38,7 +39,8 @@ def refuse_own_code(results: Results, suite: Suite) -> None:
     Raises:
         OwnCodeError: with the name.
     """
-    for name in {controller for controller, _, _ in results.finished()}.difference(suite.controllers):
+    present = {controller for controller, _, _ in results.finished() if not is_aside(controller)}
+    for name in present.difference(suite.controllers):
         parts = ControllerName.parse(name)
         if parts.optimizer not in (None, *OPTIMIZERS):
             refuse_unless_given("optimizer", parts.optimizer, f"{results.path}: {name}")
@@ -55,7 +57,7 @@ def complete_part(suite: Suite, results: Results) -> Complete:
     stored = results.finished()
     if not stored:
         return Complete(None, ["The database holds no runs yet."])
-    present = {controller for controller, _, _ in stored}
+    present = {controller for controller, _, _ in stored if not is_aside(controller)}
     controllers = [name for name in suite.controllers if name in present]
     controllers += sorted(present.difference(controllers))
     counts = _leading_seeds(suite, stored)

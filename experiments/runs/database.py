@@ -1,7 +1,8 @@
 """The results database: one SQLite file per suite, one transaction per finished run.
 
 The key of a run is (controller, scenario, seed). The file stores the configuration of its runs: settings of
-the environments, geometry of the scenarios, weights of the policies. Another configuration is refused.
+the environments, geometry of the scenarios, weights of the policies. Other settings or scenarios are refused;
+the runs of a controller that has changed are kept aside.
 """
 
 import json
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.runs.entries import KEY, keep_aside
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run, RunKey, Snapshot
 
@@ -46,6 +48,7 @@ CREATE TABLE IF NOT EXISTS snapshots (
 ) WITHOUT ROWID;
 """
 
+MOST_SHOWN = 300  # characters of a value in a message
 LOCK_TIMEOUT = 60.0  # seconds, while another process writes to the database
 
 
@@ -58,7 +61,13 @@ class Results:
 
     Args:
         path: file of the database; created if missing.
-        configuration: values that runs depend on, by key; new keys are added, changed values are refused.
+        configuration: values that runs depend on, by key; new keys are added. The entry of a controller that
+            has changed is kept aside, see `experiments.runs.entries`; other values that differ are refused.
+
+    Attributes:
+        path: file of the database.
+        connection: connection with SQLite.
+        changed: notices on entries that were kept aside, two lines each.
 
     Raises:
         ResultsError: if the file is not a results database, or holds runs of another configuration.
@@ -67,9 +76,10 @@ class Results:
     def __init__(self, path: Path, configuration: Mapping[str, Any] | None = None):
         path.parent.mkdir(parents=True, exist_ok=True)
         with self._opened(path, str(path)):
-            self._connection.execute("PRAGMA journal_mode = WAL")
-            self._connection.executescript(SCHEMA)
+            self.connection.execute("PRAGMA journal_mode = WAL")
+            self.connection.executescript(SCHEMA)
             self._check_columns()
+            self.changed = self._keep_aside(configuration or {})
             self._adopt(self._compare(configuration or {}))
 
     @classmethod
@@ -84,6 +94,7 @@ class Results:
                 f"{path}: there is no such results database; `python -m experiments.evaluate` makes one"
             )
         results = cls.__new__(cls)
+        results.changed = []
         with results._opened(path, _read_only_uri(path)):
             results._check_columns()
             results._compare(configuration or {})
@@ -91,16 +102,16 @@ class Results:
 
     def close(self) -> None:
         """Close the file."""
-        self._connection.close()
+        self.connection.close()
 
     def configuration(self) -> dict[str, Any]:
         """Return the configuration of the stored runs, by key."""
-        rows = self._connection.execute("SELECT key, value FROM configuration ORDER BY key")
+        rows = self.connection.execute("SELECT key, value FROM configuration ORDER BY key")
         return {key: json.loads(value) for key, value in rows}
 
     def finished(self) -> set[RunKey]:
         """Return the keys of the stored runs."""
-        return set(self._connection.execute("SELECT controller, scenario, seed FROM runs"))
+        return set(self.connection.execute("SELECT controller, scenario, seed FROM runs"))
 
     def add(self, *runs: Run) -> None:
         """Store runs and their snapshots in one transaction; a run that is already stored stays unchanged.
@@ -108,7 +119,7 @@ class Results:
         Raises:
             ResultsError: if the file cannot be written; runs that were stored before are still there.
         """
-        with self._writing() as connection:
+        with self.writing() as connection:
             connection.executemany(
                 "INSERT OR IGNORE INTO runs VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", map(_row, runs)
             )
@@ -142,7 +153,7 @@ class Results:
             "WHERE controller = ? AND scenario = ? AND seed >= ? AND seed < ? ORDER BY seed"
         )
         key = (controller, scenario, first_seed, first_seed + num_seeds)
-        with closing(self._connection.execute(query, key)) as rows:
+        with closing(self.connection.execute(query, key)) as rows:
             return [_run(row) for row in rows]
 
     def outcomes(self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]) -> Outcomes:
@@ -163,7 +174,7 @@ class Results:
             "SELECT controller, scenario, seed, final_fitness, final_collision, evaluations, seconds "
             "FROM runs"
         )
-        with closing(self._connection.execute(query)) as found:
+        with closing(self.connection.execute(query)) as found:
             for controller, scenario, seed, *numbers in found:
                 if controller in rows and (scenario, seed) in columns:
                     values[:, rows[controller], *columns[scenario, seed]] = numbers
@@ -191,7 +202,7 @@ class Results:
             seeds: seeds by name of the scenario.
         """
         query = "SELECT controller, scenario, seed, provenance FROM runs"
-        with closing(self._connection.execute(query)) as rows:
+        with closing(self.connection.execute(query)) as rows:
             found = {
                 provenance
                 for controller, scenario, seed, provenance in rows
@@ -206,7 +217,7 @@ class Results:
             "WHERE controller = ? AND scenario = ? AND seed = ? ORDER BY iteration"
         )
         found = []
-        for iteration, paths, collisions in self._connection.execute(query, (controller, scenario, seed)):
+        for iteration, paths, collisions in self.connection.execute(query, (controller, scenario, seed)):
             members = np.frombuffer(collisions)
             found.append(Snapshot(iteration, np.frombuffer(paths).reshape(len(members), -1, 2), members))
         return found
@@ -216,23 +227,23 @@ class Results:
         """Connect to a file, `name` for SQLite, and close it again if it proves unusable."""
         self.path = path
         try:
-            self._connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=name.startswith("file:"))
+            self.connection = sqlite3.connect(name, timeout=LOCK_TIMEOUT, uri=name.startswith("file:"))
         except sqlite3.Error as error:
             raise ResultsError(f"{path}: cannot be opened ({error})") from error
         try:
             yield
         except sqlite3.Error as error:
-            self._connection.close()
+            self.connection.close()
             raise ResultsError(f"{path}: not a usable results database ({error})") from error
         except ResultsError:
-            self._connection.close()
+            self.connection.close()
             raise
 
     @contextmanager
-    def _writing(self) -> Iterator[sqlite3.Connection]:
+    def writing(self) -> Iterator[sqlite3.Connection]:
         """Carry out a transaction."""
         try:
-            with self._connection as connection:
+            with self.connection as connection:
                 yield connection
         except sqlite3.Error as error:
             raise ResultsError(
@@ -242,7 +253,7 @@ class Results:
 
     def _check_columns(self) -> None:
         """Raise ResultsError if the table of runs is missing, or has other columns than `SCHEMA` gives it."""
-        found = _columns_of_runs(self._connection)
+        found = _columns_of_runs(self.connection)
         if not found:
             raise ResultsError(f"{self.path}: not a results database, since it has no table of runs")
         with closing(sqlite3.connect(":memory:")) as empty:
@@ -257,20 +268,42 @@ class Results:
 
     def _compare(self, configuration: Mapping[str, Any]) -> dict[str, str]:
         """Return what is not stored yet of a configuration; raise ResultsError if a value differs."""
-        stored = dict(self._connection.execute("SELECT key, value FROM configuration"))
-        new = {key: json.dumps(value, sort_keys=True) for key, value in configuration.items()}
+        stored = dict(self.connection.execute("SELECT key, value FROM configuration"))
+        new = {key: _json(value) for key, value in configuration.items()}
         for key, value in new.items():
             if stored.get(key, value) != value:
+                was, now = _excerpt(stored[key], value), _excerpt(value, stored[key])
                 raise ResultsError(
-                    f"{self.path} holds runs of another configuration: {key} was {stored[key]}, is now "
-                    f"{value}; use another --database, or delete the file"
+                    f"{self.path} holds runs of another configuration: {key} was {was}, is now {now}; use "
+                    "another --database, or delete the file"
                 )
         return {key: value for key, value in new.items() if key not in stored}
 
+    def _keep_aside(self, configuration: Mapping[str, Any]) -> list[str]:
+        """Keep the entries of controllers aside that have changed, and return notices on them."""
+        controllers = {key: value for key, value in configuration.items() if key.startswith(KEY)}
+        # Nothing is renamed in a database that is refused.
+        self._compare({key: value for key, value in configuration.items() if key not in controllers})
+        new = {key.removeprefix(KEY): _json(value) for key, value in controllers.items()}
+        with self.writing() as connection:
+            return [f"{self.path}: {notice}" for notice in keep_aside(connection, new)]
+
     def _adopt(self, new: Mapping[str, str]) -> None:
         """Store new parts of the configuration."""
-        with self._writing() as connection:
+        with self.writing() as connection:
             connection.executemany("INSERT OR IGNORE INTO configuration VALUES (?, ?)", list(new.items()))
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)
+
+
+def _excerpt(value: str, other: str) -> str:
+    """Return a stored value from about where it differs from another one, shortened."""
+    start = next((k for k, (a, b) in enumerate(zip(value, other, strict=False)) if a != b), 0)
+    begin = max(0, min(start - MOST_SHOWN // 2, len(value) - MOST_SHOWN))
+    end = begin + MOST_SHOWN
+    return f"{'...' if begin else ''}{value[begin:end]}{'...' if end < len(value) else ''}"
 
 
 def _columns_of_runs(connection: sqlite3.Connection) -> list[str]:

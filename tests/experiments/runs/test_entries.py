@@ -1,0 +1,146 @@
+"""Results that grow: a controller that has changed is a new entry, and entries can be listed and moved."""
+
+import subprocess
+import sys
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from experiments.entries import Drop, List, Merge, Rename, carry_out
+from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.entries import EntryError, entries_of, is_aside
+from helpers.stored_runs import stored_run
+
+NAME = "learned:mine.safetensors"
+
+
+def filled(path, weights, names=(NAME, "fixed:60"), seeds=3, settings=7):
+    """Return an open database with runs of some controllers, one of which has these weights."""
+    configuration = {"settings": settings, **{f"controller {name}": name for name in names}}
+    results = Results(path, {**configuration, f"controller {NAME}": weights})
+    runs = [
+        stored_run((name, "case1", seed), {}, final_fitness=len(weights) + seed)
+        for name in names
+        for seed in range(seeds)
+    ]
+    results.add(*runs)
+    return results
+
+
+def names_of(path):
+    with closing(Results.stored(path)) as results:
+        return {entry.name: entry.num_runs for entry in entries_of(results.connection)}
+
+
+def test_runs_of_a_controller_that_has_changed_are_kept_aside(tmp_path):
+    path = tmp_path / "a.sqlite"
+    filled(path, "first").close()
+    with closing(filled(path, "first", seeds=4)) as same:
+        assert same.changed == []
+        before = [run.final_fitness for run in same.runs(NAME, "case1", 4)]
+    with closing(filled(path, "second", seeds=2)) as changed:
+        (notice,) = changed.changed
+        assert notice.count("\n") == 1
+        assert len(notice) < 400
+        assert "its 4 runs are kept as" in notice
+        (kept,) = [name for name in names_of(path) if is_aside(name)]
+        assert notice.endswith(f"{kept}, and new ones are made")
+        assert [run.final_fitness for run in changed.runs(kept, "case1", 4)] == before
+        assert len(changed.runs(NAME, "case1", 4)) == 2
+    # Changed back: what was kept aside is made anew under the name; runs between are kept.
+    with closing(filled(path, "first", seeds=1)) as back:
+        assert len(back.changed) == 1
+    assert sorted(names_of(path).values()) == [1, 2, 4, 4]
+    with closing(filled(path, "first", seeds=1)) as again:
+        assert again.changed == []
+
+
+def test_other_settings_are_refused_in_few_words_and_change_nothing(tmp_path):
+    path = tmp_path / "a.sqlite"
+    many = list(range(20_000))
+    filled(path, "first", settings=many).close()
+    before = names_of(path)
+    with pytest.raises(ResultsError, match="another configuration: settings was") as error:
+        filled(path, "second", settings=[*many[:-1], -5])
+    assert "-5]" in str(error.value)
+    assert "19999]" in str(error.value)
+    assert len(str(error.value)) < 1_500
+    assert names_of(path) == before
+
+
+def test_entries_are_listed_renamed_and_dropped(tmp_path):
+    path = tmp_path / "a.sqlite"
+    filled(path, "first").close()
+    filled(path, "second", seeds=1).close()
+    lines = carry_out(List(path))
+    assert len(lines) == 3
+    assert all("runs on 1 scenarios, commit" in line for line in lines)
+    (kept,) = [name for name in names_of(path) if is_aside(name)]
+    carry_out(Rename(path, kept, "mine, first training"))
+    assert names_of(path) == {NAME: 1, "fixed:60": 3, "mine, first training": 3}
+    for config, expected in (
+        (Rename(path, "fixed:60", NAME), f"an entry '{NAME}' already"),
+        (Rename(path, "fixed:61", "x"), "no entry 'fixed:61'; there are fixed:60, learned:mine.safetensors"),
+        (Drop(path, "fixed:61"), "no entry 'fixed:61'"),
+    ):
+        with pytest.raises(EntryError, match=expected):
+            carry_out(config)
+    assert carry_out(Drop(path, "fixed:60")) == ["fixed:60: 3 runs deleted"]
+    assert names_of(path) == {NAME: 1, "mine, first training": 3}
+    with pytest.raises(ResultsError, match="no such results database"):
+        carry_out(Drop(tmp_path / "b.sqlite", "fixed:60"))
+    assert not (tmp_path / "b.sqlite").exists()
+
+
+def test_databases_are_merged_without_mixing_controllers(tmp_path):
+    ours, theirs = tmp_path / "ours.sqlite", tmp_path / "theirs.sqlite"
+    filled(ours, "first", seeds=2).close()
+    filled(theirs, "second", names=(NAME, "fixed:60", "spsfa"), seeds=5).close()
+    lines = carry_out(Merge(ours, theirs))
+    found = names_of(ours)
+    (kept,) = [name for name in found if is_aside(name)]
+    assert found == {NAME: 2, "fixed:60": 5, kept: 5, "spsfa": 5}
+    assert sorted(lines) == sorted(
+        ["fixed:60: 3 runs copied", f"{kept}: 5 runs copied", "spsfa: 5 runs copied"]
+    )
+    assert carry_out(Merge(ours, theirs))[0] == "fixed:60: 0 runs copied"
+    other = tmp_path / "other.sqlite"
+    filled(other, "first", settings=8).close()
+    with pytest.raises(EntryError, match="different environments: settings differs"):
+        carry_out(Merge(ours, other))
+    assert names_of(ours) == found
+    filled(ours, "first", names=(NAME, "spsfa")).close()  # the identity of what was merged is known
+
+
+def test_the_command_lists_and_refuses(tmp_path):
+    path = tmp_path / "a.sqlite"
+    filled(path, "first").close()
+    command = [sys.executable, "-m", "experiments.entries"]
+    found = subprocess.run([*command, "list", str(path)], capture_output=True, text=True, check=True)
+    assert found.stdout.count("\n") == 2
+    refused = subprocess.run(
+        [*command, "drop", str(path), "nobody"], capture_output=True, text=True, check=False
+    )
+    assert refused.returncode != 0
+    assert refused.stderr.startswith("error: there is no entry 'nobody'")
+
+
+def test_a_policy_trained_again_under_its_name_needs_no_other_database(tmp_path, monkeypatch):
+    from agents.backends import BackendOptions
+    from experiments.catalogue import SUITES
+    from experiments.runs import episode
+    from experiments.runs.suite import Suite
+    from helpers.trainings import make_policy
+
+    policy = tmp_path / "mine.safetensors"
+    suite = Suite("tiny", ("fixed:5", f"learned:{policy}"), ("case3",), 2, "fixed:5", tables=("summary",))
+    monkeypatch.setitem(SUITES, "tiny", suite)
+    config = EvaluateConfig("tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)
+    for seed in range(2):
+        make_policy(policy, np.random.default_rng(seed))
+        episode.controller_of.cache_clear()
+        evaluate(config)
+    counts = names_of(tmp_path / "tiny.sqlite")
+    assert sorted(counts.values()) == [2, 2, 2]
