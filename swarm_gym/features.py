@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.corridors import KnownCorridors
+from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.population import (
     COLLISION_DEVIATION,
     DIVERSITY,
@@ -183,6 +184,10 @@ def _log_until_event(simulation: Simulation) -> Floats:
     return np.log1p(until) / np.log1p(length)
 
 
+def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:
+    return lambda simulation: np.full(simulation.num_swarms, float(simulation.optimizer.name == name))
+
+
 def _one(_: Simulation) -> float:
     return 1.0
 
@@ -279,4 +284,8 @@ TOLD = (
     *SCALED,
     Feature("log(1 + iterations since the last event), relative to that of the last", _log_since_event, _one),
     Feature("log(1 + iterations until the next event), relative to that of the last", _log_until_event, _one),
+)
+NAMED = (
+    *SCALED,
+    *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in OPTIMIZERS),
 )

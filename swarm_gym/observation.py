@@ -12,6 +12,7 @@ A layout is a list of features, and every layout begins with three numbers about
 | `corridors` | float32 | `scaled`, and how good recent newcomers are, and the number of corridors in use |
 | `jumps` | float32 | `scaled`, and what a change of the map does: jumps of E(P) and of the best fitness |
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
+| `named` | float32 | `scaled`, and a 1 for the optimizer, among a 0 for each other one of this package |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names
@@ -35,7 +36,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.corridors import require_paths
 from swarm_gym.errors import SettingError
-from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, PAPER, PRICED, RICH, SCALED, TOLD, Feature
+from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, NAMED, PAPER, PRICED, RICH, SCALED, TOLD, Feature
 from swarm_gym.own_code import find
 from swarm_gym.simulation import Simulation
 
@@ -121,6 +122,7 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("corridors", CORRIDORS, np.float32),
         Observation("jumps", JUMPS, np.float32),
         Observation("told", TOLD, np.float32),
+        Observation("named", NAMED, np.float32),
     )
 }
 

@@ -32,6 +32,9 @@ class TrainConfig:
     """Number of environment steps, summed over all swarms; the last chunk is always completed."""
     optimizer: str = "firefly"
     """Optimizer that the policy controls, e.g. firefly or fish-swarm."""
+    also_on: tuple[str, ...] = ()
+    """Further optimizers that the policy is trained on, each with the same number of swarms; for ppo in
+    groups, and for decisions that all of them have, such as size and phi."""
     scenarios: tuple[str, ...] = ("case1", "case2", "case3")
     """Scenarios that episodes draw from, e.g. case1 case2 or random-fields:train:0-511."""
     encoding: str = "waypoints"
@@ -123,6 +126,11 @@ class TrainConfig:
     def folder(self) -> Path:
         """Folder of the run."""
         return self.runs / (self.name or f"{self.preset}/{self.seed}")
+
+    @property
+    def optimizers(self) -> tuple[str, ...]:
+        """All optimizers that the policy is trained on."""
+        return (self.optimizer, *self.also_on)
 
     @property
     def limits(self) -> SizeLimits:

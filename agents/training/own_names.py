@@ -15,6 +15,7 @@ from swarm_gym.scenarios.registry import is_known
 # Kind of the names that an option has.
 _KINDS = {
     "action": "action layout",
+    "also_on": "optimizer",
     "base": "controller",
     "observation": "observation layout",
     "optimizer": "optimizer",

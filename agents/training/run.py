@@ -3,6 +3,7 @@
 import dataclasses
 import io
 from collections.abc import Callable, Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -138,17 +139,21 @@ class TrainingRun:
         options: dict[str, Any],
         look: Callable[[Simulation], None] = look_away,
     ) -> dict[str, Episodes]:
-        """Run episodes on the validation seeds of each scenario; `look` sees those of the first scenario."""
+        """Run episodes on the validation seeds of each scenario; `look` sees those of the first scenario.
+
+        Where the policy is trained on several optimizers, episodes are named by optimizer and scenario.
+        """
         config = self.config
         scenarios = config.validation_scenarios or config.scenarios
         seeds, threads = VALIDATION[: config.validation_seeds], config.threads
-        looks = [look, *[look_away] * (len(scenarios) - 1)]
-        return {
-            scenario: run_episodes(
-                controller, scenario, seeds, config.optimizer, look_here, num_threads=threads, **options
+        found = {}
+        for optimizer, scenario in product(config.optimizers, scenarios):
+            name = f"{optimizer}/{scenario}" if config.also_on else scenario
+            found[name] = run_episodes(
+                controller, scenario, seeds, optimizer, look, num_threads=threads, **options
             )
-            for scenario, look_here in zip(scenarios, looks, strict=True)
-        }
+            look = look_away
+        return found
 
     def _write_hyperparameters(self) -> None:
         """Write the options of the run and the validation of its best policy."""
@@ -168,6 +173,7 @@ class TrainingRun:
             "max_evaluations": config.max_evaluations or None,
             "num_decisions": self.learner.num_decisions,
             "optimizer": config.optimizer,
+            **({"also_on": list(config.also_on)} if config.also_on else {}),
             "price": list(config.price),
             "hidden_layers": list(config.hidden_layers),
             "lstm_size": config.lstm_size,

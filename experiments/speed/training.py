@@ -65,7 +65,8 @@ def _shares() -> tuple[float, tuple[float, ...]]:
     torch.set_num_threads(1)
     config = load_preset("three-cases")
     learner = PPOLearner(config)
-    env, model = learner.env, learner.model
+    env: Any = learner.env
+    model = learner.model
     learner.begin()
     steps = model.n_steps * config.num_swarms
     model.learn(steps)  # everything compiled and allocated

@@ -1,5 +1,6 @@
 """Environments of a training: the swarms of the policy, and those of the reference of a paired reward."""
 
+import dataclasses
 from typing import Any
 
 import gymnasium
@@ -59,6 +60,15 @@ def make_swarms(
         return env, Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
     except ValueError as error:
         raise ValueError(f"base {config.base!r}: {error}") from error
+
+
+def parts_of(config: TrainConfig) -> list[TrainConfig]:
+    """Return a configuration for each optimizer of a training, with its share of the swarms."""
+    share = config.num_swarms // len(config.optimizers)
+    return [
+        dataclasses.replace(config, optimizer=optimizer, also_on=(), num_swarms=share)
+        for optimizer in config.optimizers
+    ]
 
 
 def make_base(config: TrainConfig) -> Controller | None:

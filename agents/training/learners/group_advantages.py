@@ -16,6 +16,8 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 
+SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
+
 
 class GroupBuffer(RolloutBuffer):
     """A rollout buffer of whole episodes in groups.
@@ -24,11 +26,22 @@ class GroupBuffer(RolloutBuffer):
         group_size: number of swarms in a group, neighbours; advantages of a step are those beyond their mean.
         critic: whether the values of the critic are used; otherwise they count as zero.
         noise_steps: number of steps that share their noise; 0 is a whole episode.
+        num_optimizers: number of optimizers, each with the same number of neighbours. The advantages of each
+            are divided by their standard deviation, since gaps of optimizers differ by decades.
     """
 
-    def __init__(self, *args: Any, group_size: int, critic: bool, noise_steps: int, **kwargs: Any):
+    def __init__(
+        self,
+        *args: Any,
+        group_size: int,
+        critic: bool,
+        noise_steps: int,
+        num_optimizers: int = 1,
+        **kwargs: Any,
+    ):
         super().__init__(*args, **kwargs)
         self.noise_steps = noise_steps
+        self.num_optimizers = num_optimizers
         self.group_size = group_size
         self.critic = critic
 
@@ -43,3 +56,7 @@ class GroupBuffer(RolloutBuffer):
         if self.group_size > 1:
             groups = self.advantages.reshape(len(self.advantages), -1, self.group_size)
             self.advantages = (groups - groups.mean(axis=2, keepdims=True)).reshape(self.advantages.shape)
+        if self.num_optimizers > 1:
+            parts = self.advantages.reshape(len(self.advantages), self.num_optimizers, -1)
+            deviations = parts.std(axis=(0, 2), keepdims=True) + SMALLEST_DEVIATION
+            self.advantages = (parts / deviations).reshape(self.advantages.shape)

@@ -2,10 +2,13 @@
 
 from agents.training.config import TrainConfig
 from agents.training.paired_reward import PAIRED
+from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.optimizers import get_optimizer
 
 PPO_ONLY = (
-    "group_size", "branches", "branch_at_events", "noise_steps", "critic", "averaging", "decay_steps",
+    "also_on", "group_size", "branches", "branch_at_events", "noise_steps", "critic", "averaging",
+    "decay_steps",
 )  # fmt: skip
 LARGEST_AVERAGING = 0.9999
 
@@ -35,12 +38,34 @@ def require_groups(config: TrainConfig) -> None:
         raise ValueError(
             f"num_swarms must be a multiple of group_size, got {config.num_swarms} and {config.group_size}"
         )
+    _require_joinable(config)
     if config.branch_at_events and config.group_size == 1:
         raise ValueError("branch_at_events needs groups of several swarms, got group_size 1")
     if not config.critic and config.gae_lambda != 1.0:
         raise ValueError(f"without a critic, gae_lambda must be 1, got {config.gae_lambda}")
     if has_groups(config) or config.noise_steps != 1:
         _require_equal_lengths(config)
+
+
+def _require_joinable(config: TrainConfig) -> None:
+    """Raise an error if the optimizers of a training cannot be trained on together."""
+    if not config.also_on:
+        return
+    for option in ("branches", "branch_at_events"):
+        if getattr(config, option):
+            raise ValueError(f"also_on and {option} exclude each other, got {getattr(config, option)!r}")
+    if config.group_size == 1 or config.warm_start != "none" or config.critic:
+        raise ValueError(
+            "also_on needs groups without a critic and without imitation, got group_size "
+            f"{config.group_size}, critic {config.critic}, warm_start {config.warm_start!r}"
+        )
+    if config.num_swarms % (len(config.optimizers) * config.group_size):
+        raise ValueError(
+            f"num_swarms must be a multiple of group_size {config.group_size} times "
+            f"{len(config.optimizers)} optimizers, got {config.num_swarms}"
+        )
+    for name in config.also_on:
+        require_same_decisions(config.optimizer, config.action, get_optimizer(name))
 
 
 def has_groups(config: TrainConfig) -> bool:

@@ -19,7 +19,8 @@ from agents.runs.seeds import TRAINING_START
 from agents.training.config import TrainConfig
 from agents.training.grouped_vec_env import GroupedVecEnv
 from agents.training.imitation import Demonstration, demonstrate, imitate
-from agents.training.learners.environments import feature_names, make_reference, make_swarms
+from agents.training.joined_vec_env import JoinedVecEnv
+from agents.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
 from agents.training.learners.group_advantages import GroupBuffer
 from agents.training.learners.group_options import has_groups
 from agents.training.learners.learner import Learner
@@ -47,7 +48,8 @@ class PPOLearner(Learner):
         set_random_seed(config.seed)
         grouped = has_groups(config)
         mode = AutoresetMode.DISABLED if grouped else AutoresetMode.SAME_STEP
-        env, base = make_swarms(config, config.num_swarms, mode)
+        made = [make_swarms(part, part.num_swarms, mode) for part in parts_of(config)]
+        env, base = made[0]
         if self._teacher is not None:
             if not includes(config.action, self._teacher.action):
                 raise ValueError(
@@ -60,9 +62,11 @@ class PPOLearner(Learner):
                 raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
         if grouped:
             firsts = config.branches or (config.corrected_from,)
-            self.env: SB3VecEnv = GroupedVecEnv(
-                env, base, config.group_size, firsts, self._mean_actions, config.branch_at_events
-            )
+            parts = [
+                GroupedVecEnv(*one, config.group_size, firsts, self._mean_actions, config.branch_at_events)
+                for one in made
+            ]
+            self.env: SB3VecEnv | JoinedVecEnv = parts[0] if len(parts) == 1 else JoinedVecEnv(parts)
         else:
             self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.features = feature_names(config, base)
@@ -90,6 +94,7 @@ class PPOLearner(Learner):
                     parameter.zero_()
         elif self._teacher is not None or self.env.base is not None:
             seed = TRAINING_START + self.config.seed
+            assert isinstance(self.env, SB3VecEnv)  # several optimizers have neither a teacher nor a critic
             shown = demonstrate(self._teacher, self.env, self._noise(), self.config.discount, seed)
             imitate(self.model.policy, self._lessons(shown), self._predict, seed)
             self.env.num_common_steps = 0  # steps of demonstrations are not counted
@@ -196,6 +201,7 @@ class PPOLearner(Learner):
         if config.group_size == 1 and config.critic and config.noise_steps == 1:
             return {}
         buffer = {name: getattr(config, name) for name in ("group_size", "critic", "noise_steps")}
+        buffer["num_optimizers"] = len(config.optimizers)
         return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
 
     def _make_model(self) -> Any:

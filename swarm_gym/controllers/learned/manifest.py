@@ -56,6 +56,8 @@ def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
         _require(path, manifest, "lstm_size", _integer(1, MAX_WIDTH))
     if observes_price(manifest):
         _require(path, manifest, "price", _PRICES)
+    if "also_on" in manifest:
+        _require(path, manifest, "also_on", _OPTIMIZERS)
     if manifest["base"] == "none":
         own = [feature.name for feature in make_observation(manifest["observation"]).features]
         require_features(path, manifest, own)
@@ -161,6 +163,10 @@ _FEATURES = _Entry(
 _PRICES = _Entry(
     f"a list of positive numbers up to {MAX_NUMBER:g}, one or (low, high)",
     lambda value: _is_prices(value) and value[0] > 0,
+)
+_OPTIMIZERS = _Entry(
+    f"a list of names, each one of {', '.join(sorted(OPTIMIZERS))}",
+    lambda value: isinstance(value, list) and all(_one_of(*OPTIMIZERS, code=True).fits(v) for v in value),
 )
 _DIGEST = _Entry(
     "a digest of 64 hexadecimal digits",

@@ -70,7 +70,7 @@ class FeedforwardController(Controller):
         self.price = self._checked_price(path, price)
         self.observation = self.manifest["observation"]
         self.action = self.manifest["action"]
-        self.made_for = self.manifest["optimizer"]
+        self.made_for = None if self.manifest.get("also_on") else self.manifest["optimizer"]
         self.initial_population_size = self.manifest["initial_population_size"]
         self.first_source = _source_of(path, self.manifest.get("first_source"))
         self.max_evaluations = self.manifest["max_evaluations"]
