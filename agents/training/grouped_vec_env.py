@@ -20,7 +20,8 @@ from swarm_gym.controllers.learned.residual import Base, carried_out
 class GroupedVecEnv(SB3VecEnv):
     """Episodes whose first iterations are common to a group of swarms, and not part of the training.
 
-    All episodes have the same length, so that they end, and new ones begin, at once.
+    New episodes begin at once. A swarm whose episode ends early, such as one that arrives, rests until the
+    last iteration: it has no rewards then, and its actions do nothing.
 
     Args:
         env: environment without autoreset.
@@ -74,15 +75,11 @@ class GroupedVecEnv(SB3VecEnv):
         observations, rewards, dones = inner.step_running(self._actions)
         self._returns += rewards
         self._lengths += 1
-        if not dones.any():
+        if self._lengths[0] < inner.settings.iterations:
             if self._joining:
                 observations = self._join(observations)
-            return self._see(observations), rewards, dones, [{} for _ in range(self.num_envs)]
-        if not dones.all():
-            raise ValueError(
-                f"groups need episodes of one length, but {dones.sum()} of {len(dones)} ended early: budgets "
-                "and robots that arrive need group_size 1"
-            )
+            not_yet = np.zeros_like(dones)
+            return self._see(observations), rewards, not_yet, [{} for _ in range(self.num_envs)]
         swarms = inner.simulation.swarms
         by_env = [
             self._ended(row, observations[row], swarms.best_fitness[row], swarms.evaluations[row])

@@ -1,7 +1,5 @@
 """Groups: swarms that begin alike, advantages beyond their mean, and what groups refuse."""
 
-from collections import deque
-
 import numpy as np
 import pytest
 import torch
@@ -148,13 +146,22 @@ def test_advantages_are_returns_since_the_noise_was_drawn_beyond_the_mean_of_the
                 assert buffer.returns[step, swarm] == pytest.approx(rewards[step:, swarm].sum(), abs=1e-5)
 
 
-def test_groups_whose_episodes_end_at_different_times_are_refused():
+def test_a_swarm_whose_episode_ends_early_rests_until_all_begin_anew():
     env = grouped_env(max_evaluations=200)
     env.seed(1)
     env.reset()
-    actions = np.array([[1.0, 0.0]] + 5 * [[-1.0, 0.0]])
-    with pytest.raises(ValueError, match="groups need episodes of one length, but 1 of 6 ended early"):
-        deque(map(env.step, ITERATIONS * [actions]), maxlen=0)
+    actions = np.array([[1.0, 0.0]] + 5 * [[-1.0, 0.0]])  # the first swarm spends its budget
+    results = [env.step(actions) for _ in range(ITERATIONS)]
+    rewards = np.array([result[1] for result in results])
+    early = np.flatnonzero(rewards[:, 0])[-1]
+    assert early < ITERATIONS - 1
+    assert (rewards[early + 1 :, 0] == 0.0).all()
+    assert (rewards[-1, 1:] != 0.0).all()
+    assert [bool(result[2].any()) for result in results] == [False] * (ITERATIONS - 1) + [True]
+    assert results[-1][2].all()
+    infos = results[-1][3]
+    assert infos[0]["evaluations"] == 200
+    assert infos[0]["episode"]["r"] == pytest.approx(rewards[:, 0].sum())
 
 
 @pytest.mark.parametrize(
