@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
+LONGEST = 5_000  # characters of an error message
 # Exit statuses of shells for processes that a signal ended.
 INTERRUPTED = 128 + signal.SIGINT
 TERMINATED = 128 + signal.SIGTERM
@@ -27,8 +28,9 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
     | Ctrl-C | 130 |
     | SIGTERM, which batch systems send before they kill | 143 |
 
-    After Ctrl-C and SIGTERM files are closed and worker processes end, as after an error. Any other exception
-    is a mistake in the program and is raised with its traceback.
+    Messages have at most `LONGEST` characters. After Ctrl-C and SIGTERM files are closed and worker
+    processes end, as after an error. Any other exception is a mistake in the program and is raised with its
+    traceback.
 
     Args:
         errors: further exceptions whose messages are sufficient for users.
@@ -44,7 +46,16 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
             _end("terminated", kept, TERMINATED)
         except expected as error:
             more = f"; {kept}" if kept and isinstance(error, OSError) else ""
-            sys.exit(f"error: {error}{more}")
+            sys.exit(f"error: {_shortened(str(error))}{more}")
+
+
+def _shortened(message: str) -> str:
+    """Return a message of at most `LONGEST` characters; what is left out of a longer one is its middle."""
+    if len(message) <= LONGEST:
+        return message
+    gap = f" ... ({len(message) - LONGEST:,} characters more) ... "
+    half = (LONGEST - len(gap)) // 2
+    return f"{message[:half]}{gap}{message[-half:]}"
 
 
 def _end(what: str, kept: str, status: int) -> NoReturn:

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from swarm_gym.command import command
+from swarm_gym.command import LONGEST, command
 
 
 class WrongError(RuntimeError):
@@ -29,6 +29,16 @@ def test_what_is_expected_is_said_in_a_line():
 def test_after_a_fault_of_the_system_it_is_said_what_is_kept():
     fault = OSError(28, "No space left on device", "/there")
     assert said(fault, kept="all is kept") == f"error: {fault}; all is kept"
+
+
+@pytest.mark.parametrize("length", [LONGEST - 10, LONGEST, LONGEST + 1, 100 * LONGEST])
+def test_a_message_has_at_most_five_thousand_characters_and_keeps_its_ends(length):
+    message = "begin " + (length - 10) * "x" + " end"
+    found = said(ValueError(message)).removeprefix("error: ")
+    assert len(found) <= LONGEST == 5_000
+    assert found.startswith("begin x")
+    assert found.endswith("x end")
+    assert (found == message) == (length <= LONGEST)
 
 
 def test_a_mistake_is_not_hidden():
