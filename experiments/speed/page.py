@@ -23,6 +23,7 @@ from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry, number
 from swarm_gym.files import write_atomically
 
+MOVE = ("moves", "move with evaluation, mean of the cases")
 COLUMNS = ("quantity", "median", "range", "unit")
 CAPTIONS = {
     "moves": "A move, a whole run, and the parts of a move",
@@ -105,15 +106,10 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
     """Return the table of the few most important quantities of all groups."""
     moves = [("moves", f"{case}: NumPy / swarm_gym") for case in CASES]
     peers = [("peers", f"{case}: {NUMPY_COST} / swarm_gym") for case in CASES if "peers" in groups]
-    others = [
-        (group, m.name)
-        for group in ("bezier-peers", "fish-peers")
-        for m in groups.get(group, [])
-        if m.name.endswith(f"{IN_NUMPY} / swarm_gym")
-    ]
+    others = [(group, m.name) for group, m in _other_peers(groups)]
     threads = machine["threads"]
     chosen = [
-        ("moves", "move with evaluation, mean of the cases"),
+        MOVE,
         *moves,
         *peers,
         *others,
@@ -129,6 +125,36 @@ def headline(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> T
         ("training", ENVIRONMENT),
         ("rendering", STEP_AND_RENDER),
     ]
+    return _chosen(machine, groups, chosen)
+
+
+def in_short(machine: dict[str, Any], groups: dict[str, list[Measurement]]) -> Table:
+    """Return the table of five quantities, among them the ratio to the peer that comes nearest."""
+    nearest = min(_other_peers(groups), key=lambda one: one[1].median)
+    chosen = [
+        MOVE,
+        ("peers", f"{CASES[0]}: {NUMPY_COST} / swarm_gym"),
+        (nearest[0], nearest[1].name),
+        ("environments", vector_name(64, 60, machine["threads"])),
+        ("training", PACE),
+    ]
+    return _chosen(machine, groups, chosen)
+
+
+def _other_peers(groups: dict[str, list[Measurement]]) -> list[tuple[str, Measurement]]:
+    """Return groups and ratios of the peers of other optimizers than the firefly, with cost in NumPy."""
+    return [
+        (group, m)
+        for group in ("bezier-peers", "fish-peers")
+        for m in groups.get(group, [])
+        if m.name.endswith(f"{IN_NUMPY} / swarm_gym")
+    ]
+
+
+def _chosen(
+    machine: dict[str, Any], groups: dict[str, list[Measurement]], chosen: list[tuple[str, str]]
+) -> Table:
+    """Return the table of the quantities with these groups and names."""
     by_name = {(group, m.name): m for group, measurements in groups.items() for m in measurements}
     rows = [_row(by_name[key]) for key in chosen]
     return Table("headline", f"Speed on {describe(machine)}", COLUMNS, rows)

@@ -6,17 +6,14 @@ from pathlib import Path
 import pytest
 
 from experiments.documents.blocks import replace_block
-from experiments.publish import DOCUMENTS, main, publish
+from experiments.publish import DOCUMENTS, SHOWN, STRONGEST, main, publish
 from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
 from experiments.speed.page import OF_PEERS, write_page
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
-TEXT = (
-    "above\n<!-- results -->\nold\nlines\n<!-- /results -->\n<!-- claims -->\n<!-- /claims -->\n"
-    "below <!-- speed -->\n<!-- /speed -->\n"
-)
+TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
 BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
@@ -65,23 +62,28 @@ def documents(tmp_path, monkeypatch, benchmark):
     (tmp_path / "docs/performance.md").write_text(PERFORMANCE)
     for name in ("README.md", "a.svg", "a.png"):
         (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
-    claims = [("first", "case1", "yes"), ("first", "all", "no"), ("second", "all", "yes")]
-    for table in (
-        Table("headline", "Objective.", ("controller", "objective"), [("PPO", "3.7")]),
-        Table("claims", "Sentences.", ("claim", "scenarios", "holds"), claims),
-    ):
-        (tmp_path / f"results/study/headline/{table.name}.json").write_text(table.json())
+    rows = [
+        (name, *(f"{name}: {column}" for column in (*SHOWN[1:], "price"))) for name in (*STRONGEST, "weak")
+    ]
+    table = Table("headline", "Objective.", (*SHOWN, "price"), rows)
+    (tmp_path / "results/study/headline/headline.json").write_text(table.json())
     return tmp_path
 
 
 def test_publishing_copies_the_page_and_fills_both_documents(documents):
     publish("results", documents / "results")
     readme = (documents / "README.md").read_text()
-    assert "| PPO | 3.7 |" in readme
-    assert "| first | no |\n| second | yes |" in readme
-    assert "| first | yes |" not in readme
-    assert "| single environment, 30 members" not in readme
-    assert "| case1: niapy, cost in NumPy / swarm_gym | 1.5 | 1 to 2 |" in readme
+    assert "| SPSFA-TIP | SPSFA-TIP: seeds | SPSFA-TIP: objective |" in readme
+    assert "weak" not in readme
+    assert "price" not in readme
+    quantities = [line.split(" | ")[0] for line in readme.splitlines() if line.endswith(" |")]
+    assert quantities[-5:] == [
+        "| move with evaluation, mean of the cases",
+        "| case1: niapy, cost in NumPy / swarm_gym",
+        "| elite-genetic: A, cost in NumPy / swarm_gym",  # nearer than the other peer
+        next(q for q in quantities if q.startswith("| 64 swarms of 60 members")),
+        next(q for q in quantities if q.startswith("| PPO training")),
+    ]
     performance = (documents / "docs/performance.md").read_text()
     assert "| single environment, 30 members | 1.5 | 1 to 2 |" in performance
     assert "| case2: niapy, cost in NumPy / swarm_gym | 1.5 |" in performance
@@ -95,7 +97,6 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     "missing",
     [
         "study/headline/headline.json",
-        "study/headline/claims.json",
         "docs/paper/README.md",
         "benchmark/benchmark.json",
         "benchmark/peers.json",
@@ -108,6 +109,14 @@ def test_nothing_is_written_where_something_is_missing(documents, missing):
     assert (documents / "README.md").read_text() == TEXT
     assert (documents / "docs/performance.md").read_text() == PERFORMANCE
     assert not (documents / "docs/results").exists()
+
+
+def test_a_headline_table_without_a_row_of_the_readme_is_refused(documents):
+    table = Table("headline", "Objective.", SHOWN, [(name,) * len(SHOWN) for name in STRONGEST[1:]])
+    (documents / "results/study/headline/headline.json").write_text(table.json())
+    with pytest.raises(ValueError, match=r"has no rows of learned three-cases@1$"):
+        publish("results", documents / "results")
+    assert (documents / "README.md").read_text() == TEXT
 
 
 def test_a_figure_that_is_no_longer_shown_is_deleted(documents):
