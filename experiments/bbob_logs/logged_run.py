@@ -75,7 +75,7 @@ class Experiment:
 
     Attributes:
         name: name of the algorithm in the logs, such as `particle-swarm+fixed:40`.
-        entrant: its optimizer and controller.
+        entrant: optimizer and controller.
         functions: numbers of functions, 1 to 24.
         dimensions: dimensions, 2 to 100.
         instances: numbers of instances, 1 to 1000; a run for each.
