@@ -4,9 +4,16 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Problem, WalkProblem
+from swarm_gym.problem import AnalyticProblem, GridProblem, Problem, WalkProblem, problem_of_function
 from swarm_gym.problem.grid.problem import MAX_POINTS
-from swarm_gym.scenarios import FunctionScenario, GridScenario, Scenario, StaticScenario, rasterised
+from swarm_gym.scenarios import (
+    BbobScenario,
+    FunctionScenario,
+    GridScenario,
+    Scenario,
+    StaticScenario,
+    rasterised,
+)
 
 
 def _analytic_problem(settings: Any, scenario: Scenario) -> Problem:
@@ -26,7 +33,7 @@ def _grid_problem(settings: Any, scenario: GridScenario) -> Problem:
 
 
 def _function_problem(settings: Any, scenario: FunctionScenario) -> Problem:  # noqa: ARG001
-    return FunctionProblem(scenario)
+    return problem_of_function(scenario)
 
 
 class Kind(NamedTuple):
@@ -65,6 +72,8 @@ KINDS: dict[type, Kind] = {
         },
         sourced=("waypoints", "bezier"),
     ),
+    # Before the test functions, which it is a subclass of: its problem tables are others.
+    BbobScenario: Kind("BBOB functions", _function_problem, {"waypoints": ()}),
     FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
 }
 ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))

@@ -49,10 +49,19 @@ class Episode:
             yield self.simulation
 
 
-def iterate(env: Any, controller: Controller, seed: int) -> Iterator[dict[str, Any]]:
-    """Run an episode; yield the info of its first population, then that after every iteration."""
+def iterate(
+    env: Any, controller: Controller, seed: int, options: dict[str, Any] | None = None
+) -> Iterator[dict[str, Any]]:
+    """Run an episode; yield the info of its first population, then that after every iteration.
+
+    Args:
+        env: environment of one swarm.
+        controller: controller, whose layouts are those of the environment.
+        seed: seed of both.
+        options: reset options of the environment.
+    """
     controller.reset(1, seed)
-    observation, info = env.reset(seed=seed)
+    observation, info = env.reset(seed=seed, options=options)
     yield info
     ended = False
     while not ended:

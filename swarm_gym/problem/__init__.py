@@ -1,10 +1,26 @@
 """Problems that are optimised: paths on maps, with encoding, fitness, collision and repair; or functions."""
 
 from swarm_gym.problem.analytic.problem import AnalyticProblem
+from swarm_gym.problem.bbob.problem import BbobProblem
 from swarm_gym.problem.function.problem import FunctionProblem
 from swarm_gym.problem.grid.problem import GridProblem
 from swarm_gym.problem.map_problem import MapProblem
 from swarm_gym.problem.problem import Problem
 from swarm_gym.problem.walk.problem import WalkProblem
+from swarm_gym.scenarios import BbobScenario, FunctionScenario
 
-__all__ = ["AnalyticProblem", "FunctionProblem", "GridProblem", "MapProblem", "Problem", "WalkProblem"]
+__all__ = [
+    "AnalyticProblem",
+    "BbobProblem",
+    "FunctionProblem",
+    "GridProblem",
+    "MapProblem",
+    "Problem",
+    "WalkProblem",
+    "problem_of_function",
+]
+
+
+def problem_of_function(scenario: FunctionScenario) -> FunctionProblem:
+    """Return the problem of a test function, which may be one of BBOB."""
+    return BbobProblem(scenario) if isinstance(scenario, BbobScenario) else FunctionProblem(scenario)

@@ -16,6 +16,8 @@ from swarm_gym.problem.analytic import cost
 from swarm_gym.problem.analytic import repair as shift_repair
 from swarm_gym.problem.analytic import table as analytic_table
 from swarm_gym.problem.analytic.table import WaypointTable
+from swarm_gym.problem.bbob import table as bbob_table
+from swarm_gym.problem.bbob.table import BbobTable
 from swarm_gym.problem.function import table as function_table
 from swarm_gym.problem.function.table import FunctionTable
 from swarm_gym.problem.geometry import bends
@@ -26,7 +28,7 @@ from swarm_gym.problem.grid.table import GridTable
 from swarm_gym.problem.walk import table as walk_table
 from swarm_gym.problem.walk.table import WalkTable
 
-Table = WaypointTable | GridTable | FunctionTable | WalkTable
+Table = WaypointTable | GridTable | FunctionTable | BbobTable | WalkTable
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
 evaluate = kernel_by_class(
@@ -34,6 +36,7 @@ evaluate = kernel_by_class(
         WaypointTable: cost.evaluate,
         GridTable: grid_cost.evaluate,
         FunctionTable: function_table.evaluate,
+        BbobTable: bbob_table.evaluate,
         WalkTable: walk_table.evaluate,
     }
 )
@@ -44,6 +47,7 @@ repair = kernel_by_class(
         WaypointTable: shift_repair.repair,
         GridTable: grid_repair.repair,
         FunctionTable: function_table.repair,
+        BbobTable: bbob_table.repair,
         WalkTable: walk_table.repair,
     }
 )
@@ -54,6 +58,7 @@ draw_bend = kernel_by_class(
         WaypointTable: bends.draw_bend,
         GridTable: bends.draw_bend,
         FunctionTable: bends.no_bend,
+        BbobTable: bends.no_bend,
         WalkTable: bends.no_bend,
     }
 )
@@ -64,6 +69,7 @@ select = kernel_by_class(
         WaypointTable: analytic_table.select,
         GridTable: grid_table.select,
         FunctionTable: function_table.select,
+        BbobTable: bbob_table.select,
         WalkTable: walk_table.select,
     }
 )
@@ -82,7 +88,12 @@ def _one(table: Any) -> float:  # noqa: ARG001
 # unit_length(table) -> the Euclidean length that a distance of 1 has, where components are measured in their
 # ranges: components of a path are averaged over, so that distances do not grow with their number.
 unit_length = kernel_by_class(
-    {WaypointTable: _root_of_dimension, GridTable: _root_of_dimension, FunctionTable: _one}
+    {
+        WaypointTable: _root_of_dimension,
+        GridTable: _root_of_dimension,
+        FunctionTable: _one,
+        BbobTable: _one,
+    }
 )
 
 

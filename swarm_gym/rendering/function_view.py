@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.problem import FunctionProblem
-from swarm_gym.problem.function.table import values_in_plane
+from swarm_gym.problem import problem_of_function
 from swarm_gym.rendering.pen import BEST, FEASIBLE, MAP, MARGIN, MEDIUM, PAPER, TARGET, Colour, Pen
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
@@ -60,7 +59,7 @@ class FunctionView(View):
         low, high = self.scenario.domain
         x = np.linspace(low, high, RESOLUTION)
         y = x[::-1] if self.scenario.dimension > 1 else x[:1]
-        values = values_in_plane(FunctionProblem(self.scenario).table, x, y)
+        values = problem_of_function(self.scenario).values_in_plane(x, y)
         shares = np.log1p(values / (LEAST_SHARE * values.max())) / np.log1p(1.0 / LEAST_SHARE)
         shades = np.array(MAP) + shares.T[..., None] * np.subtract(WORST, MAP)
         picture = pen.pygame.surfarray.make_surface(shades.round().astype(np.uint8))

@@ -1,13 +1,15 @@
 """Scenarios: the tasks that optimizers solve, on maps or as test functions, made by name.
 
 A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
-`GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function.
+`GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function;
+`BbobScenario` is one of the benchmark BBOB.
 The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
 is a fixed map and the iteration after which it replaces the one before.
 
 `registry` has the names. CONTRIBUTING.md lists the steps to add a scenario, or a family of them.
 """
 
+from swarm_gym.scenarios.bbob.scenario import BbobScenario
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.dynamic.scenario import (
     AnyScenario,
@@ -39,6 +41,7 @@ __all__ = [
     "SCENARIOS",
     "AnyScenario",
     "Appear",
+    "BbobScenario",
     "Circle",
     "Disappear",
     "Drive",

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.own_code import OwnCodeError, is_own, own
 from swarm_gym.scenarios import function_family, random_fields, rooms_and_caves
+from swarm_gym.scenarios.bbob.scenario import BbobScenario
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic import fields as dynamic_fields
 from swarm_gym.scenarios.dynamic.scenario import AnyScenario, DynamicScenario
@@ -142,5 +143,6 @@ def _family_of(name: object) -> Family | None:
 _OTHERS: dict[type, str] = {
     GridScenario: "a grid map",
     FunctionScenario: "a test function",
+    BbobScenario: "a test function",
     DynamicScenario: "a map that changes; choose one of its `worlds`",
 }

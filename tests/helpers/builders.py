@@ -11,7 +11,7 @@ from oracles import naive, naive_optimizers, naive_swarm
 from swarm_gym.compiler.random_stream import seed_stream
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import Swarms, make_workspace
-from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, WalkProblem
+from swarm_gym.problem import AnalyticProblem, GridProblem, WalkProblem, problem_of_function
 from swarm_gym.problem.geometry.bends import BENDS
 from swarm_gym.problem.padding import columns
 from swarm_gym.problem.tables import select, stack
@@ -71,7 +71,7 @@ def small_grid_problem(encoding="bezier", num_points=3, seed=0, **geometry):
 
 
 def function_problem(name):
-    return FunctionProblem(make_scenario(name))
+    return problem_of_function(make_scenario(name))
 
 
 def walk_problem(source, seed=3, **geometry):

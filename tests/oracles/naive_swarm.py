@@ -7,7 +7,7 @@ problem is an object with `dimension`, `unit_length` (the divisor of Euclidean l
 
 import math
 
-from oracles import naive, naive_functions, naive_grid, naive_sources, naive_walks
+from oracles import naive, naive_bbob, naive_functions, naive_grid, naive_sources, naive_walks
 
 
 class Analytic:
@@ -38,6 +38,7 @@ ORACLES = {
     "AnalyticProblem": Analytic,
     "GridProblem": naive_grid.Problem,
     "FunctionProblem": naive_functions.Problem,
+    "BbobProblem": naive_bbob.Problem,
     "WalkProblem": naive_walks.Problem,
 }
 

@@ -107,7 +107,8 @@ SCENARIO_FAMILIES = {
     "ros": ("ros:playground?start=0,0&goal=1.5,-2&inflate=0.1",),
     "function": (
         "function:rastrigin-2", "function:sum-squares-2", "function:easom-2", "function:booth-2",
-        "function:bohachevsky-2", "function:rastrigin-10-shifted:0-4",
+        "function:bohachevsky-2", "function:rastrigin-10-shifted:0-4", "function:bbob-15-10-3",
+        "function:bbob-15-10-1-15",
     ),
     "block": ("block:500",),
     "open": ("open:500",),
@@ -120,9 +121,9 @@ SCENARIO_FAMILIES = {
     ),
 }  # fmt: skip
 SCENARIO_EXPORTS = (
-    "AnyScenario", "Appear", "Circle", "Disappear", "Drive", "DynamicScenario", "Event", "FAMILIES",
-    "FunctionScenario", "GridMap", "GridScenario", "MapScenario", "Move", "Obstacle", "Point", "Polygon",
-    "SCENARIOS", "Scenario", "StaticScenario", "World", "drive_of", "expand_name", "make_scenario",
+    "AnyScenario", "Appear", "BbobScenario", "Circle", "Disappear", "Drive", "DynamicScenario", "Event",
+    "FAMILIES", "FunctionScenario", "GridMap", "GridScenario", "MapScenario", "Move", "Obstacle", "Point",
+    "Polygon", "SCENARIOS", "Scenario", "StaticScenario", "World", "drive_of", "expand_name", "make_scenario",
     "make_scenarios", "rasterised", "require_analytic", "sample_names", "world_at", "worlds_of",
 )  # fmt: skip
 # By controller family, its parameters.
@@ -255,6 +256,10 @@ COMMANDS = {
     "experiments.evaluate": (
         "--address", "--backend", "--controllers", "--database", "--figures", "--jobs", "--output",
         "--seeds", "--simulate", "--suite",
+    ),
+    "experiments.bbob": (
+        "--budget", "--controllers", "--dimensions", "--functions", "--instances", "--iterations",
+        "--optimizer", "--output", "--parameters", "--seed",
     ),
     "experiments.benchmark": ("--groups", "--output", "--repeats"),
     "experiments.branching": ("--controller", "--output", "--scenarios", "--seeds", "--threads"),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarm_gym.problem.function.table import FunctionTable, tabulate
+from swarm_gym.problem.function.table import FunctionTable, tabulate, values_in_plane
 from swarm_gym.problem.problem import Problem
 from swarm_gym.scenarios import FunctionScenario
 
@@ -53,6 +53,15 @@ class FunctionProblem(Problem):
     def identity(self) -> tuple[Any, ...]:
         """The function and its optimum, on which the fitness depends."""
         return self.scenario.function, list(self.scenario.optimum)
+
+    def values_in_plane(self, first: Floats, second: Floats) -> Floats:
+        """Return the values over a plane, (m, n); components beyond the first two are those of the optimum.
+
+        Args:
+            first: (n,) values of the first component.
+            second: (m,) values of the second component, where there is one.
+        """
+        return values_in_plane(self.table, first, second)
 
     def points(self, vectors: ArrayLike) -> Floats:
         """Return decision vectors (..., D) in parallel coordinates, (..., D, 2): number from 1, and value."""

@@ -1,0 +1,1 @@
+"""Problems without a map: the least value of a BBOB function."""
