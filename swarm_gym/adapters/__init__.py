@@ -12,5 +12,7 @@ of own code, `module:Class`:
 | `swarm_gym.adapters.pymoo` | `Genetic`, `ParticleSwarm` | `adapters` |
 | `swarm_gym.adapters.niapy` | `ParticleSwarm`, `Firefly` | `adapters` |
 
+`swarm_gym.adapters.dacbench` goes the other way: it is a benchmark of DACBench, of any optimizer here.
+
 docs/adapters.md shows how to add an algorithm of these libraries, and how to adapt another library.
 """

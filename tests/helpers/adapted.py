@@ -10,9 +10,9 @@ ADAPTED = {
 }
 
 
-def missing(library):
-    """Return a mark that skips a test where the library is missing."""
-    return pytest.mark.skipif(find_spec(library) is None, reason=f"needs {library}, of the extra `adapters`")
+def missing(library, extra="adapters"):
+    """Return a mark that skips a test where the library of an extra is missing."""
+    return pytest.mark.skipif(find_spec(library) is None, reason=f"needs {library}, of the extra `{extra}`")
 
 
 def adapted():

@@ -4,6 +4,7 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from helpers.adapted import ADAPTED, missing
@@ -39,6 +40,13 @@ def test_the_first_example_prints_what_was_found(library, capsys):
     assert 299.0 < float(best) < 600.0
     assert int(evaluations) > 80
     assert 0.0 < float(gap) < 1.0
+
+
+@pytest.mark.parametrize("library", [pytest.param("dacbench", marks=missing("dacbench", "dacbench"))])
+@pytest.mark.filterwarnings("ignore")
+def test_the_example_of_dacbench_prints_three_returns(library, capsys):
+    exec(next(block for block in BLOCKS if library in block), {})
+    assert len(eval(capsys.readouterr().out.splitlines()[-1], {"np": np})) == 3
 
 
 @pytest.mark.usefixtures("mine")
