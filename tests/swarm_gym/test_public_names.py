@@ -22,7 +22,9 @@ from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.publish import DOCUMENTS
 from experiments.runs.database import Results
+from helpers.adapted import adapted
 from swarm_gym.action import ACTIONS
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.reset_options import RESET_OPTIONS
@@ -60,6 +62,13 @@ OPTIMIZERS = (
     "firefly", "generational-firefly", "particle-swarm", "elite-genetic", "multivariate", "fish-swarm",
     "improved-fish-swarm", "hybrid-fish-swarm", "glowworm", "ant-colony",
 )  # fmt: skip
+# Optimizers that are named as own code is, with the parameters of each; they need the extra `adapters`.
+ADAPTED = {
+    "swarm_gym.adapters.pymoo:Genetic": ("crossover", "crossover_index", "mutation_index"),
+    "swarm_gym.adapters.pymoo:ParticleSwarm": ("velocity_limit",),
+    "swarm_gym.adapters.niapy:ParticleSwarm": ("cognitive", "inertia", "social", "velocity_limit"),
+    "swarm_gym.adapters.niapy:Firefly": ("absorption", "attractiveness", "cooling", "noise"),
+}
 # Options that every environment takes.
 OPTIONS = (
     "scenario", "encoding", "num_waypoints", "num_control_points", "length_weight", "penalty",
@@ -196,6 +205,7 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
+    "adapters",
 )  # fmt: skip
 COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study",
@@ -213,6 +223,7 @@ FIGURE_NAMES = (
 )  # fmt: skip
 DOCUMENT_NAMES = (
     "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
+    "adapters",
 )  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),
@@ -306,6 +317,11 @@ def test_every_environment_optimizer_and_option_is_there():
         assert gymnasium.spec(environment).kwargs == {"optimizer": optimizer}
         valid = words_of_refusal(gymnasium.make, environment, no_such_option=1)
         assert_all((*OPTIONS, *parameters), valid)
+
+
+@pytest.mark.parametrize("name", adapted())
+def test_every_adapted_algorithm_and_parameter_is_there(name):
+    assert_all((*OPTIONS, *ADAPTED[name]), words_of_refusal(SwarmEnv, name, no_such_option=1))
 
 
 def test_every_reset_option_and_info_is_there():

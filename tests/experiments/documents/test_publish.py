@@ -133,6 +133,7 @@ def test_a_figure_that_is_no_longer_shown_is_deleted(documents):
 def test_documents_are_published_by_name():
     assert list(DOCUMENTS) == [
         "results",
+        "adapters",
         "brand-yu",
         "dynamic",
         "iafsa",

@@ -1,0 +1,18 @@
+"""Optimizers that other libraries keep, behind the environments of this package.
+
+Each is an `Optimizer`, so that every scenario, layout, reward and controller works with it. Its name is that
+of own code, `module:Class`:
+
+    from swarm_gym.env import SwarmEnv
+
+    env = SwarmEnv("swarm_gym.adapters.pymoo:Genetic", scenario="case1")
+
+| module | classes | extra |
+|---|---|---|
+| `swarm_gym.adapters.pymoo` | `Genetic`, `ParticleSwarm` | `adapters` |
+| `swarm_gym.adapters.niapy` | `ParticleSwarm`, `Firefly` | `adapters` |
+
+`swarm_gym.adapters.dacbench` goes the other way: it is a benchmark of DACBench, of any optimizer here.
+
+docs/adapters.md shows how to add an algorithm of these libraries, and how to adapt another library.
+"""

@@ -1,0 +1,170 @@
+"""The environments of this package as a benchmark of DACBench.
+
+Source: T. Eimer et al., "DACBench: a benchmark library for dynamic algorithm configuration", IJCAI 2021. An
+instance of DACBench is a scenario here; the seed of an episode comes from the generator of the environment.
+
+    from swarm_gym.adapters.dacbench import SwarmBenchmark
+
+    env = SwarmBenchmark().get_environment()
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import MissingExtraError
+from swarm_gym.scenarios import expand_name
+
+try:
+    from dacbench import AbstractBenchmark, AbstractEnv
+    from dacbench.abstract_benchmark import objdict
+except ImportError as error:
+    raise MissingExtraError("swarm_gym.adapters.dacbench", "DACBench", "dacbench") from error
+
+# What a configuration has unless it says otherwise; plain data, so that DACBench can write it as JSON.
+DEFAULTS: dict[str, Any] = {
+    "optimizer": "firefly",
+    "scenarios": ["case1", "case2", "case3"],
+    "test_scenarios": ["random-fields:test:0-9"],
+    "options": {"num_waypoints": 31},
+    "cutoff": 100,
+    "seed": 0,
+    "reward_range": (-np.inf, np.inf),
+    "benchmark_info": {
+        "identifier": "swarm_gym",
+        "name": "Population size and repair degree of swarm optimizers for path planning",
+        "reward": "Logarithm of the progress towards the lower bound, minus the cost of the evaluations",
+        "state_description": ["E(P)", "Mean collision", "Standard deviation of the collision", "Iteration"],
+        "action_description": ["Size of the next population", "Repair degree phi"],
+    },
+}
+TRAINING, TEST = "scenarios", "test_scenarios"
+
+
+@dataclass(frozen=True)
+class SwarmInstance:
+    """An instance: wrappers of DACBench file results under the attributes of such an object.
+
+    Attributes:
+        scenario: name of the scenario.
+    """
+
+    scenario: str
+
+
+class SwarmDACEnv(AbstractEnv):
+    """A `SwarmEnv` whose scenario is the instance that DACBench has chosen.
+
+    Spaces, rewards and the end of episodes are those of `SwarmEnv`. As in all of DACBench, every episode goes
+    on to the next instance, whatever its seed; `reset(options={"instance_id": 0})` chooses one. The `info`
+    has the numbers of that of `SwarmEnv` alone, since DACBench compares infos as numbers.
+
+    Attributes:
+        swarm_env: the environment of the swarm.
+
+    Args:
+        config: configuration as `SwarmBenchmark` makes it.
+
+    Raises:
+        UnknownNameError: for an option, optimizer or scenario that does not exist.
+        SettingError: for a value that an option cannot have.
+    """
+
+    def __init__(self, config: dict[str, Any]):
+        instances = [*config["instance_set"].values(), *config.get("test_set", {}).values()]
+        self.swarm_env = SwarmEnv(
+            config["optimizer"],
+            scenario=list(dict.fromkeys(instance.scenario for instance in instances)),
+            iterations=int(config["cutoff"]),
+            **config["options"],
+        )
+        spaces = {
+            "observation_space": self.swarm_env.observation_space,
+            "action_space": self.swarm_env.action_space,
+        }
+        super().__init__(objdict({**config, **spaces}))
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray, dict[str, Any]]:
+        """Go on to the next instance, begin an episode there, and return the first observation and info.
+
+        Args:
+            seed: seed of this episode and the following ones; None goes on with the present generator.
+            options: `instance`, `instance_id` or `scheme`, as DACBench knows them; others go to `SwarmEnv`.
+        """
+        ours = dict(options or {})
+        theirs = {name: ours.pop(name) for name in ("instance", "instance_id", "scheme") if name in ours}
+        self.reset_(seed, theirs)
+        drawn = int(self.np_random.integers(2**31))
+        observation, info = self.swarm_env.reset(
+            seed=drawn, options={**ours, "scenario": self.instance.scenario}
+        )
+        return observation, _numbers(info)
+
+    def step(self, action: NDArray) -> tuple[NDArray, float, bool, bool, dict[str, Any]]:
+        """Advance the swarm by one iteration; an action has the layout of the option `action`."""
+        self.step_()
+        observation, reward, terminated, truncated, info = self.swarm_env.step(action)
+        return observation, reward, terminated, truncated, _numbers(info)
+
+    def close(self) -> None:
+        """Close the environment."""
+        self.swarm_env.close()
+
+
+class SwarmBenchmark(AbstractBenchmark):
+    """The benchmark: population size and repair degree of a swarm optimizer, on a set of scenarios.
+
+    The configuration has, beside what all of DACBench have:
+
+    | entry | value |
+    |---|---|
+    | `optimizer` | a name in `swarm_gym.optimizers.OPTIMIZERS`, or one of own code |
+    | `scenarios` | names or ranges of the training instances, all of one kind |
+    | `test_scenarios` | those of the test instances |
+    | `options` | options of `swarm_gym.settings.Settings`, and parameters of the optimizer |
+    | `cutoff` | iterations of an episode |
+
+    Args:
+        config_path: JSON file with a configuration; what it leaves out is as in `DEFAULTS`.
+        config: a configuration.
+    """
+
+    config: Any  # an `objdict` of DACBench
+
+    def __init__(self, config_path: str | None = None, config: dict[str, Any] | None = None):
+        super().__init__(config_path, None if config is None else objdict(config))
+        given = self.config or {}
+        self.config = objdict({**DEFAULTS, **given})
+        for names in (TRAINING, TEST):  # DACBench makes arrays of lists that it reads
+            self.config[names] = [str(name) for name in self.config[names]]
+        self.config["options"] = dict(self.config["options"])
+
+    def read_instance_set(self, test: bool = False) -> None:
+        """Make the numbered instances of the names of scenarios in the configuration."""
+        names = self.config[TEST if test else TRAINING]
+        expanded = [SwarmInstance(one) for name in names for one in expand_name(name)]
+        self.config["test_set" if test else "instance_set"] = dict(enumerate(expanded))
+
+    def get_environment(self) -> Any:
+        """Return the environment of the configuration, in the wrappers that are registered."""
+        for test, name in ((False, "instance_set"), (True, "test_set")):
+            if name not in self.config:
+                self.read_instance_set(test)
+        env: Any = SwarmDACEnv(self.config)
+        for wrap in self.wrap_funcs:
+            env = wrap(env)
+        return env
+
+    def get_benchmark(self, seed: int = 0) -> Any:
+        """Return the environment of the default configuration and this seed."""
+        self.config = objdict({**DEFAULTS, "seed": seed})
+        return self.get_environment()
+
+
+def _numbers(info: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in info.items() if np.ndim(value) == 0 and not isinstance(value, str)}

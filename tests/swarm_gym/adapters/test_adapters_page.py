@@ -1,0 +1,69 @@
+"""The examples of docs/adapters.md run as they stand there."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from helpers.adapted import ADAPTED, missing
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import SettingError
+from swarm_gym.testing import check_optimizer
+
+PAGE = (Path(__file__).parents[3] / "docs" / "adapters.md").read_text()
+FILES = dict(re.findall(r"`(mine/\w+\.py)`:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """Write the files of the page, where `mine` is imported from."""
+    for name, code in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(code)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.split(".")[0] == "mine"]:
+        monkeypatch.delitem(sys.modules, name)
+
+
+def test_the_page_lists_the_algorithms_that_there_are():
+    listed = re.findall(r"^\| `(swarm_gym\.adapters\.\w+:\w+)` \|", PAGE, re.MULTILINE)
+    assert listed == [f"swarm_gym.adapters.{name}:{cls}" for name, found in ADAPTED.items() for cls in found]
+
+
+@pytest.mark.parametrize("library", [pytest.param("pymoo", marks=missing("pymoo"))])
+def test_the_first_example_prints_what_was_found(library, capsys):
+    exec(BLOCKS[0], {})
+    best, evaluations, gap = capsys.readouterr().out.split()
+    assert 299.0 < float(best) < 600.0
+    assert int(evaluations) > 80
+    assert 0.0 < float(gap) < 1.0
+
+
+@pytest.mark.parametrize("library", [pytest.param("dacbench", marks=missing("dacbench", "dacbench"))])
+@pytest.mark.filterwarnings("ignore")
+def test_the_example_of_dacbench_prints_three_returns(library, capsys):
+    exec(next(block for block in BLOCKS if library in block), {})
+    assert len(eval(capsys.readouterr().out.splitlines()[-1], {"np": np})) == 3
+
+
+@pytest.mark.usefixtures("mine")
+def test_another_library_is_adapted_in_a_few_lines():
+    check_optimizer("mine.steps:RandomSteps")
+
+
+@pytest.mark.usefixtures("mine")
+@pytest.mark.parametrize("library", [pytest.param("pymoo", marks=missing("pymoo"))])
+def test_another_algorithm_of_a_library_is_adapted_in_a_few_lines(library):
+    name = "mine.de:DifferentialEvolution"
+    with pytest.raises(SettingError, match="min_population_size must lie in \\[4"):
+        SwarmEnv(name)
+    env = SwarmEnv(name, iterations=3, min_population_size=4, action="extended")
+    _, info = env.reset(seed=0)
+    first, ended = info["best_fitness"], False
+    while not ended:
+        _, _, ended, _, info = env.step([4.0, 0.5, 0.6])
+    assert info["best_fitness"] < first
+    assert info["evaluations"] == 80 + 3 * 4
