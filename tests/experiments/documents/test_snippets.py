@@ -1,4 +1,4 @@
-"""What README.md and docs/guide.md tell a reader to type works as it stands there."""
+"""The code and commands in README.md and docs/guide.md work as they stand there."""
 
 import re
 import shlex
