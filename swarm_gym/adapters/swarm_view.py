@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.errors import shown
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.tables import Table, evaluate_entry, repair_entry, select
@@ -77,7 +78,7 @@ class SwarmView:
             BudgetSpentError: if the budget is spent before the last vector.
         """
         if not np.isfinite(vectors).all():
-            raise ValueError(f"decision vectors must be finite, got {vectors.tolist()}")
+            raise ValueError(f"decision vectors must be finite, got {shown(vectors.tolist())}")
         swarms, row = self._swarms, self._row
         fitness, collision = np.empty(len(vectors)), np.empty(len(vectors))
         for i, vector in enumerate(vectors):
