@@ -42,7 +42,9 @@ def label(controller: str) -> str:
     name = ControllerName.parse(controller)
     if name.optimizer in OPTIMIZER_LABELS:
         length = "" if name.iterations is None else f", {name.iterations} iterations"
-        members, parts = _members(name) if name.family == "fixed" else (str(name.controller), ())
+        if name.family != "fixed":
+            return f"{OPTIMIZER_LABELS[name.optimizer]}, {_controller_label(name.controller)}{length}"
+        members, parts = _members(name)
         source = "".join(f", {part}" for part in parts)
         return f"{OPTIMIZER_LABELS[name.optimizer]}, {members} members{source}{length}"
     return controller if name.optimizer is not None else _controller_label(name)

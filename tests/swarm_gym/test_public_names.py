@@ -90,7 +90,7 @@ HISTORY_COLUMNS = (
     "best_collision", "feasible_fitness",
 )  # fmt: skip
 OBSERVATION_LAYOUTS = (
-    "paper", "scaled", "extended", "rich", "priced", "corridors",
+    "paper", "scaled", "extended", "rich", "priced", "corridors", "jumps", "told", "named",
 )  # fmt: skip
 ACTION_LAYOUTS = (
     "natural", "normalised", "paced", "extended", "extended-normalised", "extended-paced",
@@ -198,6 +198,13 @@ PRESETS = (
     "ablation-all", "case1", "case2", "case3", "random-fields", "random-fields-extended",
     "random-fields-sourced", "three-cases", "three-cases-evolution", "three-cases-extended",
     "three-cases-linear", "three-cases-sourced", "three-cases-sourced-ppo",
+    "optimizers", "optimizers-particle-swarm", "optimizers-elite-genetic", "optimizers-multivariate",
+    "optimizers-generational-firefly", "optimizers-fish-swarm", "optimizers-improved-fish-swarm",
+    "optimizers-hybrid-fish-swarm", "optimizers-ant-colony", "optimizers-glowworm", "optimizers-all",
+    "optimizers-all-named", "optimizers-particle-swarm-sizes", "optimizers-elite-genetic-sizes",
+    "optimizers-multivariate-sizes", "optimizers-generational-firefly-sizes",
+    "optimizers-fish-swarm-sizes", "optimizers-improved-fish-swarm-sizes",
+    "optimizers-hybrid-fish-swarm-sizes", "optimizers-firefly-sizes",
 )  # fmt: skip
 SUITE_NAMES = (
     "paper", "headline", "generalisation", "out-of-distribution", "parameters", "moa-paper",
@@ -205,25 +212,26 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
-    "adapters",
+    "adapters", "optimizers", "optimizers-cells",
 )  # fmt: skip
 COLLECTION_NAMES = (
-    "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study",
+    "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study", "optimizers-study",
 )  # fmt: skip
 TABLE_NAMES = (
     "summary", "cases", "comparison", "reproduction", "headline", "gaps", "differences", "duels", "front",
     "near-optimum", "free-paths", "parameters", "moa", "iafsa-functions", "iafsa-convergence",
     "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "robots", "brand-yu-counts",
     "brand-yu-grids", "corridors", "claims",
-    "newcomers-optimizers",
+    "newcomers-optimizers", "optimizers", "gains", "budgets", "areas",
 )  # fmt: skip
 FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
     "recovery", "profiles", "front", "decisions", "parameters", "first-populations", "corridors",
+    "fronts", "policies",
 )  # fmt: skip
 DOCUMENT_NAMES = (
     "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
-    "adapters",
+    "adapters", "optimizers",
 )  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),

@@ -373,6 +373,8 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("particle-swarm+fixed:60,smooth_share=1", "PSO-w, 60 members, smooth"),
         ("fish-swarm+fixed:60,smooth_share=1,amplitude=0.5", "AFSA, 60 members, smooth, amplitude 0.5"),
         ("firefly(50)+fixed:60", "FA, 60 members, 50 iterations"),
+        ("multivariate+spsfa-tip", "MOA, SPSFA-TIP"),
+        ("multivariate(50)+learned:a/*@1", "MOA, learned a@1, 50 iterations"),
     ],
 )
 def test_controllers_are_called_as_in_their_papers_and_groups_by_their_recipe(controller, expected):

@@ -14,7 +14,9 @@ from experiments.studies.controllers import training_seeds
 from experiments.studies.dynamic.suites import NEVER_USED as OF_CHANGES
 from experiments.studies.learned.suites import NEVER_USED as NEWEST
 from experiments.studies.newcomers.suites import NEVER_USED
+from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
 from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
 from swarm_gym.scenarios import expand_name
 
@@ -93,6 +95,7 @@ def test_a_collection_is_of_suites():
 
 def test_policies_that_ship_are_in_a_suite():
     run = {controller for suite in SUITES.values() for controller in suite.controllers}
+    run = {str(ControllerName.parse(name).controller) for name in run}  # without the optimizer of an entrant
     learned = {name.partition("@")[0] for name in run if name.startswith("learned:")}
     assert {f"learned:{name}" for name in packaged_policies()} == learned
     # A reacting loop is an open loop that begins again.
@@ -133,6 +136,8 @@ def test_suites_run_on_test_seeds(suite):
         assert first == NEWEST
     elif suite.name in ("dynamic", "dynamic-fields", "dynamic-robots"):
         assert first == OF_CHANGES
+    elif suite.name in ("optimizers", "optimizers-cells"):
+        assert first == OF_OPTIMIZERS
     elif suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
         assert first == FRESH_SEEDS
 

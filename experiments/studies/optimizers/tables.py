@@ -1,0 +1,174 @@
+"""The tables and the document of the study of every optimizer under control."""
+
+from experiments.runs.labels import label
+from experiments.runs.outcomes import Outcomes, Sample
+from experiments.runs.suite import Family, Suite
+from experiments.statistics import mean_difference
+from experiments.studies.optimizers.suites import RULES, SIZES, base
+from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, percent
+from experiments.tables.differences import RIVAL_STREAM
+from experiments.tables.document import document_of_suite
+from experiments.tables.front import family_hypervolume
+from experiments.tables.table import Table
+from swarm_gym.controllers.names import ALL_SEEDS, ControllerName
+
+PRICE = 1.0  # of 100,000 evaluations, in per cent of the optimum
+BUDGETS = (2_000, 10_000, 50_000, 200_000)
+NAMES = {
+    **{name: f"{ControllerName.parse(name).argument} members" for name in SIZES},
+    RULES: "rules as printed",
+}
+
+
+def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table for each set of scenarios: a row for each optimizer, a column for each controller."""
+    caption = (
+        "Mean gap in per cent of the optimum, at mean evaluations in thousands, over all tuning and training "
+        "seeds, scenarios and seeds. The base is the blind schedule that PPO corrects; the other blind "
+        "schedules go on from it with as many steps as PPO"
+    )
+    columns = ("scenarios", "optimizer", *NAMES.values(), "base", "blind schedules", "PPO")
+    rows: list[tuple[Entry, ...]] = []
+    for scenario_set in outcomes.sets:
+        for family in suite.families:
+            groups = [_group(family, outcomes, name) for name in (*NAMES, base(family.name))]
+            groups += [_seeds_of(family, outcomes, kind) for kind in ("open-loop", "learned")]
+            rows.append(
+                (scenario_set, family.name, *(_cell(outcomes, group, scenario_set) for group in groups))
+            )
+    return [Table("optimizers", caption, columns, rows)]
+
+
+def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of the objective of the policies of each optimizer, beside that of its rivals."""
+    caption = (
+        f"Objective at price {PRICE:g}: mean gap in per cent plus evaluations / 100,000. Policies by PPO, "
+        "then their objective minus that of the best of three fixed sizes, of the rules as printed, of the "
+        "base that they correct, and of the blind schedules with as many steps [95 % interval over tuning "
+        "and training seeds, scenarios and seeds]. Negative is a smaller objective"
+    )
+    columns = ("scenarios", "optimizer", "PPO", "best fixed size", "minus it", "minus the rules",
+               "minus the base", "minus blind schedules", "seconds of a run")  # fmt: skip
+    rows: list[tuple[Entry, ...]] = []
+    for scenario_set in outcomes.sets:
+        for family in suite.families:
+            learned = _seeds_of(family, outcomes, "learned")
+            sizes = [group for name in SIZES if (group := _group(family, outcomes, name))]
+            if learned is None or not sizes:
+                continue
+            mine = outcomes.sample(learned, scenario_set)
+            best = min(sizes, key=lambda group: _objective(outcomes.sample(group, scenario_set)))
+            rivals = (
+                best,
+                _group(family, outcomes, RULES),
+                _group(family, outcomes, base(family.name)),
+                _seeds_of(family, outcomes, "open-loop"),
+            )
+            differences = [
+                MISSING if rival is None else _minus(mine, outcomes.sample(rival, scenario_set))
+                for rival in rivals
+            ]
+            rows.append(
+                (
+                    scenario_set,
+                    family.name,
+                    number(_objective(mine), ".2f"),
+                    NAMES[str(ControllerName.parse(best).controller)],
+                    *differences,
+                    number(float(mine.seconds.mean()), ".3f"),
+                )
+            )
+    return [Table("gains", caption, columns, rows)]
+
+
+def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of the best optimizer and controller for each budget of evaluations."""
+    caption = (
+        "The optimizer and controller with the smallest mean gap among those that take at most so many "
+        "evaluations on average, over all training seeds, scenarios and seeds"
+    )
+    columns = ("scenarios", "evaluations", "optimizer", "controller", "gap in per cent", "evaluations taken",
+               "seconds of a run")  # fmt: skip
+    rows: list[tuple[Entry, ...]] = []
+    for scenario_set in outcomes.sets:
+        samples = {group: outcomes.sample(group, scenario_set) for group in outcomes.groups}
+        for budget in BUDGETS:
+            within = [group for group, sample in samples.items() if sample.evaluations.mean() <= budget]
+            if not within:
+                rows.append((scenario_set, f"{budget:,}", *[MISSING] * 5))
+                continue
+            best = min(within, key=lambda group: float(samples[group].gap.mean()))
+            name, sample = ControllerName.parse(best), samples[best]
+            controller = str(name.controller)
+            rows.append(
+                (
+                    scenario_set,
+                    f"{budget:,}",
+                    str(name.optimizer or suite.optimizer),
+                    NAMES.get(controller) or label(controller),
+                    number(100.0 * float(sample.gap.mean()), ".2f"),
+                    Cell("{value:,.0f}", {"value": float(sample.evaluations.mean())}),
+                    number(float(sample.seconds.mean()), ".3f"),
+                )
+            )
+    return [Table("budgets", caption, columns, rows)]
+
+
+def area_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of the hypervolume of each optimizer's controllers, a column for each set."""
+    evaluations, gap = suite.reference
+    caption = (
+        "Hypervolume of the front of all controllers of an optimizer, decades of evaluations times gap [95 % "
+        f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}. "
+        "A larger one covers more; what has a larger gap than the reference contributes nothing"
+    )
+    rows: list[tuple[Entry, ...]] = []
+    for family in suite.families:
+        if outcomes.groups.keys().isdisjoint(family.groups):
+            continue
+        found = [family_hypervolume(family, outcomes, name, suite.reference) for name in outcomes.sets]
+        rows.append((family.name, *(number_in(area, ends, ".3f") for area, ends in found)))
+    return [Table("areas", caption, ("optimizer", *outcomes.sets), rows)]
+
+
+def _group(family: Family, outcomes: Outcomes, controller: str) -> str | None:
+    """Return the group of a controller of a family's optimizer, if it was run."""
+    name = f"{family.name}+{controller}"
+    return name if name in outcomes.groups else None
+
+
+def _seeds_of(family: Family, outcomes: Outcomes, kind: str) -> str | None:
+    """Return the group of all tuning or training seeds of that kind, if it was run."""
+    for group in family.groups:
+        name = ControllerName.parse(group)
+        if group in outcomes.groups and name.family == kind and name.seed == ALL_SEEDS:
+            return group
+    return None
+
+
+def _objective(sample: Sample) -> float:
+    return float(sample.objective(PRICE).mean())
+
+
+def _cell(outcomes: Outcomes, group: str | None, scenario_set: str) -> Entry:
+    if group is None:
+        return MISSING
+    sample = outcomes.sample(group, scenario_set)
+    numbers = {"value": 100.0 * float(sample.gap.mean()), "evaluations": float(sample.evaluations.mean())}
+    return Cell("{value:.2f} at {evaluations:k.1f}k", numbers)
+
+
+def _minus(mine: Sample, theirs: Sample) -> Entry:
+    """Return the difference of two objectives, with its interval."""
+    ours, others = mine.objective(PRICE), theirs.objective(PRICE)
+    difference, ends = mean_difference(ours, others, mine.draws(), theirs.draws(RIVAL_STREAM))
+    return number_in(difference, ends, "+.2f")
+
+
+TABLES = {
+    "optimizers": optimizer_tables,
+    "gains": gain_tables,
+    "budgets": budget_tables,
+    "areas": area_tables,
+}
+DOCUMENTS = {"optimizers": document_of_suite("docs/optimizers.md", "optimizers-study")}

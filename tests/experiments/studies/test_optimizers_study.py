@@ -1,0 +1,131 @@
+"""Tables and figures of the study of every optimizer say what the runs say."""
+
+import numpy as np
+import pytest
+
+from experiments.runs.groups import group_controllers
+from experiments.studies.optimizers.figures import draw_fronts
+from experiments.studies.optimizers.suites import (
+    NEVER_USED,
+    ON_CASES,
+    ON_CELLS,
+    ON_THE_CASES,
+    ON_THE_CELLS,
+    SIZES,
+    SUITES,
+    base,
+    blind,
+    policies,
+)
+from experiments.studies.optimizers.tables import (
+    area_tables,
+    budget_tables,
+    gain_tables,
+    optimizer_tables,
+)
+from experiments.tables.front import family_hypervolume
+from helpers.stored_runs import cells_of, outcomes_of
+from swarm_gym.controllers import make_controller
+from swarm_gym.optimizers import OPTIMIZERS
+
+SWARM = "particle-swarm"
+
+
+def gaps(rng, seeds=6):
+    """Gaps of all controllers of particle swarms on two cases: smaller for later ones."""
+    entrants = [*SIZES, "spsfa-tip", base(SWARM), *blind(SWARM), *policies(SWARM)]
+    return {
+        (f"{SWARM}+{name}", case): rng.uniform(0.5, 1.0, seeds) / (1 + order)
+        for order, name in enumerate(entrants)
+        for case in ("case1", "case2")
+    }
+
+
+def mean_gap(found, names, cases):
+    return 100.0 * np.mean([found[f"{SWARM}+{name}", case] for name in names for case in cases])
+
+
+def test_every_optimizer_but_fireflies_is_a_family_of_one_suite():
+    assert {*ON_CASES, *ON_CELLS} == set(OPTIMIZERS) - {"firefly"}
+    for suite in SUITES:
+        assert suite.first_seed == NEVER_USED
+        for family in suite.families:
+            assert all(name.startswith(f"{family.name}+") for name in family.controllers)
+            assert len(group_controllers(family.controllers)) in (6, 7)
+
+
+@pytest.mark.parametrize("optimizer", [*ON_CASES, *ON_CELLS])
+def test_policies_and_blind_schedules_of_an_optimizer_are_made_for_it(optimizer):
+    for name in (base(optimizer), *blind(optimizer), *policies(optimizer)):
+        assert make_controller(name).made_for == optimizer
+
+
+def test_the_table_has_a_row_for_each_optimizer_and_set():
+    found = gaps(np.random.default_rng(0))
+    rows = cells_of(optimizer_tables(ON_THE_CASES, outcomes_of(found)), "optimizers")
+    row = next(row for row in rows if row["optimizer"] == SWARM and row["scenarios"] == "case2")
+    assert row["60 members"].startswith(f"{mean_gap(found, ['fixed:60'], ['case2']):.2f} at ")
+    assert row["base"].startswith(f"{mean_gap(found, [base(SWARM)], ['case2']):.2f} at ")
+    assert row["blind schedules"].startswith(f"{mean_gap(found, blind(SWARM), ['case2']):.2f} at ")
+    assert row["PPO"].startswith(f"{mean_gap(found, policies(SWARM), ['case2']):.2f} at ")
+    missing = next(row for row in rows if row["optimizer"] == "multivariate")
+    assert {missing[column] for column in ("60 members", "base", "PPO")} == {"–"}
+
+
+def test_gains_are_differences_of_objectives_with_the_sign_of_the_policies():
+    found = gaps(np.random.default_rng(1))
+    outcomes = outcomes_of(found)
+    tables = gain_tables(ON_THE_CASES, outcomes)
+    assert len(tables[0].columns) <= 9
+    row = next(row for row in cells_of(tables, "gains") if row["scenarios"] == "all")
+    mine = outcomes.sample(f"{SWARM}+learned:optimizers-{SWARM}/*@1", "all").objective(1.0).mean()
+    assert row["PPO"] == f"{mine:.2f}"
+    assert row["best fixed size"] == "100 members"
+    for column, group in {
+        "minus it": "fixed:100",
+        "minus the rules": "spsfa-tip",
+        "minus the base": base(SWARM),
+        "minus blind schedules": f"open-loop:optimizers-{SWARM}/*@1",
+    }.items():
+        theirs = outcomes.sample(f"{SWARM}+{group}", "all").objective(1.0).mean()
+        assert row[column].startswith(f"{mine - theirs:+.2f} [")
+        assert mine < theirs
+
+
+def test_a_budget_names_the_best_within_it():
+    found = gaps(np.random.default_rng(2))
+    rows = cells_of(budget_tables(ON_THE_CASES, outcomes_of(found)), "budgets")
+    first = next(row for row in rows if row["scenarios"] == "case1" and row["evaluations"] == "2,000")
+    # The second controller spends 2,000 evaluations; those after it spend more.
+    assert (first["optimizer"], first["controller"]) == (SWARM, "60 members")
+    assert first["gap in per cent"] == f"{mean_gap(found, ['fixed:60'], ['case1']):.2f}"
+    last = next(row for row in rows if row["scenarios"] == "case1" and row["evaluations"] == "200,000")
+    assert last["controller"] == f"learned optimizers-{SWARM}@1"
+
+
+def test_the_figure_has_a_point_for_each_group_at_its_evaluations_and_seconds():
+    found = gaps(np.random.default_rng(3))
+    outcomes = outcomes_of(found)
+    figure = draw_fronts(ON_THE_CASES, outcomes)
+    assert len(figure.axes) == 2 * len(outcomes.sets)
+    group = f"{SWARM}+learned:optimizers-{SWARM}/*@1"
+    sample = outcomes.sample(group, "case1")
+    for axes, cost in ((figure.axes[0], sample.evaluations), (figure.axes[3], sample.seconds)):
+        stars = [line.get_xydata() for line in axes.lines if line.get_marker() == "*"]
+        stars = [tuple(star[0]) for star in stars if len(star)]  # the legend has an empty one
+        assert stars == [pytest.approx((cost.mean(), 100.0 * sample.gap.mean()))]
+
+
+def test_an_area_is_that_of_all_controllers_of_the_optimizer():
+    found = gaps(np.random.default_rng(4))
+    outcomes = outcomes_of(found)
+    (row,) = cells_of(area_tables(ON_THE_CASES, outcomes), "areas")
+    family = ON_THE_CASES.families[0]
+    area, _ = family_hypervolume(family, outcomes, "case2", ON_THE_CASES.reference)
+    assert row["optimizer"] == SWARM == family.name
+    assert row["case2"].startswith(f"{area:.3f} [")
+    assert area > 0.0
+
+
+def test_suites_on_cells_are_of_optimizers_that_walk():
+    assert ON_THE_CELLS.scenarios == ("block:30", "block:50", "block:80")
