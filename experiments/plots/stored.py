@@ -35,7 +35,7 @@ class Stored:
     @cached_property
     def outcomes(self) -> Outcomes:
         """The numbers of all runs, none of which may be missing."""
-        return self.results.outcomes(self.suite.controllers, self.suite.seeds)
+        return self.results.outcomes(self.suite.controllers, self.suite.seeds, self.suite.options)
 
     @cached_property
     def snapshots(self) -> dict[RunKey, list[Snapshot]]:

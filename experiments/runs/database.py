@@ -156,12 +156,18 @@ class Results:
         with closing(self.connection.execute(query, key)) as rows:
             return [_run(row) for row in rows]
 
-    def outcomes(self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]) -> Outcomes:
+    def outcomes(
+        self,
+        controllers: Sequence[str],
+        seeds: Mapping[str, Sequence[int]],
+        options: Mapping[str, Any] | None = None,
+    ) -> Outcomes:
         """Return the numbers of runs, without paths and traces.
 
         Args:
             controllers: names of the controllers.
             seeds: seeds by name of the scenario; all scenarios have the same number of seeds.
+            options: options of all environments of the suite.
 
         Raises:
             ResultsError: if a run is missing.
@@ -190,7 +196,8 @@ class Results:
             return self.runs(controller, scenario, num_seeds, seeds[scenario][0])
 
         fitness, collision, evaluations, seconds = values
-        return Outcomes(tuple(controllers), tuple(seeds), fitness, collision, evaluations, seconds, load)
+        numbers = fitness, collision, evaluations, seconds
+        return Outcomes(tuple(controllers), tuple(seeds), *numbers, load, options or {})
 
     def provenances(
         self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]

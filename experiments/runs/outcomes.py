@@ -1,7 +1,7 @@
 """Numbers of a suite's runs as arrays, with their optimality gaps."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -13,7 +13,8 @@ from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.reference import gap_to_optimum, known_optimum
+from swarm_gym.reference import gap_to_optimum, known_optimum, quick_optima
+from swarm_gym.scenarios import GridScenario
 from swarm_gym.settings import make_problem
 
 
@@ -108,6 +109,7 @@ class Outcomes:
         evaluations: number of calls of the cost function.
         seconds: processor time of the run.
         load: function that reads the stored runs of a controller on a scenario, with paths and traces.
+        options: options of all environments, on which the optima of scenarios may depend.
     """
 
     controllers: tuple[str, ...]
@@ -117,6 +119,7 @@ class Outcomes:
     evaluations: Floats
     seconds: Floats
     load: Callable[[str, str], list[Any]] = _nothing_stored
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def runs(self, controller: str, scenario: str) -> list[Any]:
         """Return the runs of one controller on one scenario by seed, with paths and traces (`run.Run`)."""
@@ -143,8 +146,17 @@ class Outcomes:
 
     @cached_property
     def optima(self) -> Floats:
-        """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown."""
-        return np.array([known_optimum(make_problem(name)) for name in self.scenarios])
+        """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
+
+        Unknown ones of grid maps are computed if that is quick.
+        """
+        problems = [make_problem(name, **self.options) for name in self.scenarios]
+        found = np.array([known_optimum(problem) for problem in problems])
+        on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
+        unknown = np.flatnonzero(np.isnan(found) & on_grids)
+        if unknown.size:
+            found[unknown] = quick_optima([problems[number] for number in unknown])
+        return found
 
     @cached_property
     def gap(self) -> Floats:

@@ -5,6 +5,7 @@ optimizer's own parameters, and policies by PPO that correct one of these schedu
 """
 
 from pathlib import Path
+from typing import Any
 
 from experiments.runs.claims import claims_of
 from experiments.runs.suite import Family, Suite, controllers_of
@@ -58,7 +59,11 @@ FIREFLIES = Family(
 
 
 def _suite(
-    name: str, families: tuple[Family, ...], scenarios: tuple[str, ...], figures: tuple[str, ...] = ()
+    name: str,
+    families: tuple[Family, ...],
+    scenarios: tuple[str, ...],
+    figures: tuple[str, ...] = (),
+    **options: Any,
 ) -> Suite:
     return Suite(
         name=name,
@@ -67,6 +72,7 @@ def _suite(
         num_seeds=50,
         baseline=f"{families[0].name}+{RULES}",
         first_seed=NEVER_USED,
+        options=options,
         families=families,
         reference=(1_000_000.0, 1.0),
         tables=("optimizers", "gains", "budgets", "areas", "claims"),
@@ -78,6 +84,6 @@ def _suite(
 ON_THE_CASES = _suite(
     "optimizers", (*(_family(name) for name in ON_CASES), FIREFLIES), CASES, ("fronts", "policies")
 )
-ON_THE_CELLS = _suite("optimizers-cells", tuple(_family(name) for name in ON_CELLS), BLOCKS)
+ON_THE_CELLS = _suite("optimizers-cells", tuple(_family(name) for name in ON_CELLS), BLOCKS, encoding="walk")
 SUITES = (ON_THE_CASES, ON_THE_CELLS)
 COLLECTIONS = {"optimizers-study": tuple(suite.name for suite in SUITES)}

@@ -1,5 +1,7 @@
 """Tables and figures of the study of every optimizer say what the runs say."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,8 @@ from experiments.tables.front import family_hypervolume
 from helpers.stored_runs import cells_of, outcomes_of
 from swarm_gym.controllers import make_controller
 from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.reference import shortest_path
+from swarm_gym.scenarios import make_scenario
 
 SWARM = "particle-swarm"
 
@@ -129,3 +133,11 @@ def test_an_area_is_that_of_all_controllers_of_the_optimizer():
 
 def test_suites_on_cells_are_of_optimizers_that_walk():
     assert ON_THE_CELLS.scenarios == ("block:30", "block:50", "block:80")
+
+
+def test_optima_of_maps_of_cells_are_shortest_paths():
+    outcomes = outcomes_of({("glowworm+fixed:60", "case1"): [0.1, 0.2]})
+    on_cells = dataclasses.replace(outcomes, scenarios=("block:30",), options=ON_THE_CELLS.options)
+    shortest, _ = shortest_path(make_scenario("block:30"))
+    assert on_cells.optima.tolist() == [pytest.approx(shortest)]
+    np.testing.assert_allclose(on_cells.gap, outcomes.fitness / shortest - 1.0)
