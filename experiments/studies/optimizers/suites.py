@@ -63,6 +63,7 @@ def _suite(
     families: tuple[Family, ...],
     scenarios: tuple[str, ...],
     figures: tuple[str, ...] = (),
+    optimizer: str = FIREFLY,
     **options: Any,
 ) -> Suite:
     return Suite(
@@ -72,6 +73,7 @@ def _suite(
         num_seeds=50,
         baseline=f"{families[0].name}+{RULES}",
         first_seed=NEVER_USED,
+        optimizer=optimizer,
         options=options,
         families=families,
         reference=(1_000_000.0, 1.0),
@@ -84,6 +86,12 @@ def _suite(
 ON_THE_CASES = _suite(
     "optimizers", (*(_family(name) for name in ON_CASES), FIREFLIES), CASES, ("fronts", "policies")
 )
-ON_THE_CELLS = _suite("optimizers-cells", tuple(_family(name) for name in ON_CELLS), BLOCKS, encoding="walk")
+ON_THE_CELLS = _suite(
+    "optimizers-cells",
+    tuple(_family(name) for name in ON_CELLS),
+    BLOCKS,
+    optimizer=ON_CELLS[0],
+    encoding="walk",
+)
 SUITES = (ON_THE_CASES, ON_THE_CELLS)
 COLLECTIONS = {"optimizers-study": tuple(suite.name for suite in SUITES)}
