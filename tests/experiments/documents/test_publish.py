@@ -141,6 +141,7 @@ def test_documents_are_published_by_name():
         "study-tables",
         "moa",
         "newcomers",
+        "optimizers",
         "planners",
         "scaling",
     ]

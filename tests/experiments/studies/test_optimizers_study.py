@@ -1,6 +1,7 @@
 """Tables and figures of the study of every optimizer say what the runs say."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,8 +30,9 @@ from experiments.tables.front import family_hypervolume
 from helpers.stored_runs import cells_of, outcomes_of
 from swarm_gym.controllers import make_controller
 from swarm_gym.optimizers import OPTIMIZERS
-from swarm_gym.reference import shortest_path
+from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.settings import make_problem
 
 SWARM = "particle-swarm"
 
@@ -141,3 +143,15 @@ def test_optima_of_maps_of_cells_are_shortest_paths():
     shortest, _ = shortest_path(make_scenario("block:30"))
     assert on_cells.optima.tolist() == [pytest.approx(shortest)]
     np.testing.assert_allclose(on_cells.gap, outcomes.fitness / shortest - 1.0)
+
+
+def test_the_page_has_the_gap_of_straight_and_diagonal_steps():
+    gaps = []
+    for name in ON_THE_CELLS.scenarios:
+        scenario = make_problem(name, encoding="walk").scenario
+        grid = scenario.map
+        ends = [(int(x), len(grid.blocked) - 1 - int(y)) for x, y in (scenario.start, scenario.target)]
+        steps = shortest_grid_path(grid.blocked, *ends).length
+        gaps.append(100.0 * (steps / shortest_path(scenario)[0] - 1.0))
+    page = (Path(__file__).parents[3] / "docs/optimizers.md").read_text(encoding="utf-8")
+    assert f"is {np.mean(gaps):.1f} % above the shortest path at any angle" in page
