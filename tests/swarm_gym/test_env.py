@@ -451,7 +451,7 @@ def test_step_before_reset_and_after_the_end_is_refused():
         ({"price": (0.5, 0.1)}, SettingError, "price.*low < high"),
         ({"price": (0.0, 0.1)}, SettingError, "price.*0.0"),
         ({"observation": "paper+all"}, UnknownNameError, "all.*extended"),
-        ({"observation": "all"}, UnknownNameError, "all.*extended, jumps, paper"),
+        ({"observation": "all"}, UnknownNameError, "all.*extended, jumps, named, paper"),
         ({"reward": "none"}, UnknownNameError, "none.*progress"),
         ({"render_mode": "ansi"}, UnknownNameError, "ansi.*human, rgb_array"),
         ({"iterations": 0}, SettingError, "iterations.*0"),
