@@ -18,7 +18,7 @@ class JoinedVecEnv(VecEnv):
 
     Attributes:
         parts: the vectors.
-        base: whether a controller proposes decisions is the same in all parts; that of the first one.
+        base: controller that the policy corrects in the first part; None if there is none in any part.
         first: the iteration in which the policy begins to decide.
 
     Raises:
