@@ -47,6 +47,11 @@ def policies(optimizer: str) -> tuple[str, ...]:
     return training_seeds(f"learned:optimizers-{optimizer}", TRAINING_SEEDS, 1)
 
 
+def blinded(optimizer: str) -> tuple[str, ...]:
+    """Return the names of the policies of an optimizer with their inputs but the clock replaced by means."""
+    return training_seeds(f"blinded:optimizers-{optimizer}", TRAINING_SEEDS, 1)
+
+
 def _family(optimizer: str) -> Family:
     entrants = (*SIZES, RULES, base(optimizer), *blind(optimizer), *policies(optimizer))
     return Family(optimizer, tuple(f"{optimizer}+{name}" for name in entrants))
@@ -66,9 +71,11 @@ def _suite(
     optimizer: str = FIREFLY,
     **options: Any,
 ) -> Suite:
+    own = [family.name for family in families if family is not FIREFLIES]
+    alone = tuple(f"{optimizer}+{policy}" for optimizer in own for policy in blinded(optimizer))
     return Suite(
         name=name,
-        controllers=controllers_of(families),
+        controllers=(*controllers_of(families), *alone),
         scenarios=scenarios,
         num_seeds=50,
         baseline=f"{families[0].name}+{RULES}",

@@ -18,6 +18,7 @@ from experiments.studies.optimizers.suites import (
     SUITES,
     base,
     blind,
+    blinded,
     policies,
 )
 from experiments.studies.optimizers.tables import (
@@ -39,7 +40,7 @@ SWARM = "particle-swarm"
 
 def gaps(rng, seeds=6):
     """Gaps of all controllers of particle swarms on two cases: smaller for later ones."""
-    entrants = [*SIZES, "spsfa-tip", base(SWARM), *blind(SWARM), *policies(SWARM)]
+    entrants = [*SIZES, "spsfa-tip", base(SWARM), *blind(SWARM), *blinded(SWARM), *policies(SWARM)]
     return {
         (f"{SWARM}+{name}", case): rng.uniform(0.5, 1.0, seeds) / (1 + order)
         for order, name in enumerate(entrants)
@@ -92,6 +93,7 @@ def test_gains_are_differences_of_objectives_with_the_sign_of_the_policies():
         "minus the rules": "spsfa-tip",
         "minus the base": base(SWARM),
         "minus blind schedules": f"open-loop:optimizers-{SWARM}/*@1",
+        "minus itself blinded": f"blinded:optimizers-{SWARM}/*@1",
     }.items():
         theirs = outcomes.sample(f"{SWARM}+{group}", "all").objective(1.0).mean()
         assert row[column].startswith(f"{mine - theirs:+.2f} [")
