@@ -20,7 +20,7 @@ ON_CASES = (
     "improved-fish-swarm", "hybrid-fish-swarm",
 )  # fmt: skip
 ON_CELLS = ("ant-colony", "glowworm")
-NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base: a tuning takes eight minutes
+NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base, since they take long
 BLOCKS = ("block:30", "block:50", "block:80")
 
 SIZES = ("fixed:20", "fixed:60", "fixed:100")
