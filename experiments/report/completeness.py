@@ -39,8 +39,7 @@ def refuse_own_code(results: Results, suite: Suite) -> None:
     Raises:
         OwnCodeError: with the name.
     """
-    present = {controller for controller, _, _ in results.finished() if not is_aside(controller)}
-    for name in present.difference(suite.controllers):
+    for name in _present(results.finished()).difference(suite.controllers):
         parts = ControllerName.parse(name)
         if parts.optimizer not in (None, *OPTIMIZERS):
             refuse_unless_given("optimizer", parts.optimizer, f"{results.path}: {name}")
@@ -57,7 +56,7 @@ def complete_part(suite: Suite, results: Results) -> Complete:
     stored = results.finished()
     if not stored:
         return Complete(None, ["The database holds no runs yet."])
-    present = {controller for controller, _, _ in stored if not is_aside(controller)}
+    present = _present(stored)
     controllers = [name for name in suite.controllers if name in present]
     controllers += sorted(present.difference(controllers))
     counts = _leading_seeds(suite, stored)
@@ -80,6 +79,11 @@ def complete_part(suite: Suite, results: Results) -> Complete:
         families=tuple(family for family in suite.families if set(family.controllers) <= set(kept)),
     )
     return Complete(part, _notices(part, suite, controllers, counts, len(stored)))
+
+
+def _present(stored: set[tuple[str, str, int]]) -> set[str]:
+    """Return the controllers that runs are stored of, without entries that were kept aside."""
+    return {controller for controller, _, _ in stored if not is_aside(controller)}
 
 
 def _leading_seeds(suite: Suite, stored: set[tuple[str, str, int]]) -> Counts:

@@ -23,6 +23,7 @@ from experiments.plots.style import (
 )
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Family, Suite
+from experiments.studies.optimizers.tables import seeds_of
 from swarm_gym.controllers.names import ControllerName
 
 COLOURS = (BLUE, ORANGE, GREEN, PINK, SKY, RED, GREY, BLACK)
@@ -88,13 +89,13 @@ def _draw_family(
 def draw_policies(stored: Stored) -> Figure:
     """Draw size and phi by iteration, a column for each optimizer: median and quartiles of all runs."""
     suite = stored.suite
-    families = [family for family in suite.families if _of_kind(family, stored.outcomes, "learned")]
+    families = [family for family in suite.families if seeds_of(family, stored.outcomes, "learned")]
     figure = new_figure(2.1 * len(families) + 0.8, 4.6)
     panels = figure.subplots(len(ROWS), len(families), sharex=True, sharey="row", squeeze=False)
     for column, family in zip(panels.T, families, strict=True):
         column[0].set_title(family.name)
         for kind, colour in (("open-loop", ORANGE), ("learned", BLUE)):
-            group = _of_kind(family, stored.outcomes, kind)
+            group = seeds_of(family, stored.outcomes, kind)
             if group is None:
                 continue
             courses = load_courses(suite, stored.results, group, suite.scenarios)
@@ -110,16 +111,6 @@ def draw_policies(stored: Stored) -> Figure:
     figure.suptitle("Decisions on size and φ: median and quartiles of all runs")
     legend_below(figure)
     return figure
-
-
-def _of_kind(family: Family, outcomes: Outcomes, kind: str) -> str | None:
-    """Return the last group of a family whose controllers are of that kind, if one was run."""
-    found = [
-        group
-        for group in family.groups
-        if group in outcomes.groups and ControllerName.parse(group).family == kind
-    ]
-    return found[-1] if found else None
 
 
 FIGURES: dict[str, FigureMaker] = {"fronts": front_figures, "policies": decision_figures}

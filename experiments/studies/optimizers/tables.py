@@ -34,7 +34,7 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     for scenario_set in outcomes.sets:
         for family in suite.families:
             groups = [_group(family, outcomes, name) for name in (*NAMES, base(family.name))]
-            groups += [_seeds_of(family, outcomes, kind) for kind in ("open-loop", "learned")]
+            groups += [seeds_of(family, outcomes, kind) for kind in ("open-loop", "learned")]
             rows.append(
                 (scenario_set, family.name, *(_cell(outcomes, group, scenario_set) for group in groups))
             )
@@ -55,7 +55,7 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
-            learned = _seeds_of(family, outcomes, "learned")
+            learned = seeds_of(family, outcomes, "learned")
             sizes = [group for name in SIZES if (group := _group(family, outcomes, name))]
             if learned is None or not sizes:
                 continue
@@ -65,7 +65,7 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 best,
                 _group(family, outcomes, RULES),
                 _group(family, outcomes, base(family.name)),
-                _seeds_of(family, outcomes, "open-loop"),
+                seeds_of(family, outcomes, "open-loop"),
                 _blinded(learned, outcomes),
             )
             differences = [
@@ -147,7 +147,7 @@ def _blinded(learned: str, outcomes: Outcomes) -> str | None:
     return name if name in outcomes.groups else None
 
 
-def _seeds_of(family: Family, outcomes: Outcomes, kind: str) -> str | None:
+def seeds_of(family: Family, outcomes: Outcomes, kind: str) -> str | None:
     """Return the group of all tuning or training seeds of that kind, if it was run."""
     for group in family.groups:
         name = ControllerName.parse(group)
