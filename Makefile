@@ -6,7 +6,7 @@ INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 SECONDS = 3600
 comma := ,
-EVERYTHING = --editable '.[maps,render,video,study,planners,adapters,ray,slurm,dev]'
+EVERYTHING = --editable '.[maps,render,video,study,planners,adapters,ray,slurm,docs,dev]'
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -86,9 +86,9 @@ test-newest: ## run the tests with the newest versions there are, on PYTHON
 	$(call install_into,$(NEWEST),$(EVERYTHING))
 	$(call test_in,$(NEWEST))
 
-# Without adapters: niapy needs a newer NumPy.
+# Without adapters, which need a newer NumPy, and without docs, which no test imports.
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
-	$(call install_into,.venv-lowest,--constraint constraints-lowest.txt $(subst adapters$(comma),,$(EVERYTHING)))
+	$(call install_into,.venv-lowest,--constraint constraints-lowest.txt $(subst docs$(comma),,$(subst adapters$(comma),,$(EVERYTHING))))
 	$(call test_in,.venv-lowest)
 
 fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/reliability/fuzz_finds
