@@ -38,7 +38,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-planners docs-scaling docs-gallery clean
+    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-planners docs-scaling docs-gallery dist clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+%?:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -144,7 +144,12 @@ docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on eve
 docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate
 
+dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and check their metadata
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
+
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build results .pytest_cache .mypy_cache .ruff_cache \
+	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build dist results .pytest_cache .mypy_cache .ruff_cache \
 	    .hypothesis .import_linter_cache *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
