@@ -1,5 +1,6 @@
 """Configuration of the documentation site for Sphinx; `make docs` builds it."""
 
+import json
 import os
 import re
 import sys
@@ -10,23 +11,29 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 # Notebooks run in kernels of this interpreter, which import the packages of this checkout and find its commands.
-os.environ["JUPYTER_PREFER_ENV_PATH"] = "1"
+KERNELS = ROOT / "build/jupyter"
+os.environ["JUPYTER_PATH"] = str(KERNELS)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["SDL_VIDEODRIVER"] = "dummy"
 
-from jupyter_client.kernelspec import KernelSpecManager  # noqa: E402
 from sphinx.application import Sphinx  # noqa: E402
 
 import swarm_gym  # noqa: E402
+from experiments.site.accessibility import accessible  # noqa: E402
 from experiments.site.docstrings import to_restructured_text  # noqa: E402
 from experiments.site.documents import on_site  # noqa: E402
 from experiments.site.pages import write_pages  # noqa: E402
+from swarm_gym.files import write_atomically  # noqa: E402
 
-KERNEL = Path(KernelSpecManager().get_kernel_spec("python3").resource_dir)
-if not KERNEL.is_relative_to(sys.prefix):
-    raise RuntimeError(f"expected the kernel python3 in {sys.prefix}, found {KERNEL}; run `make install`")
+# Kernels say on each start that they use TCP, which is no news on a machine of one's own: errors only.
+KERNEL = {
+    "argv": [sys.executable, "-m", "ipykernel_launcher", "--log-level=40", "-f", "{connection_file}"],
+    "display_name": "Python 3",
+    "language": "python",
+}
+write_atomically(KERNELS / "kernels/python3/kernel.json", json.dumps(KERNEL))
 
 project = "swarm_gym"
 author = "The authors of swarm_gym"
@@ -42,8 +49,8 @@ extensions = [
     "sphinx_design",
 ]
 exclude_patterns = ["_build"]
-# Pages of a list may be absent; a page that is in no list is an error all the same.
-suppress_warnings = ["toc.empty_glob"]
+# A list may name a page that is absent. A page that is in no list is an error all the same.
+suppress_warnings = ["toc.not_readable"]
 
 myst_enable_extensions = ["attrs_inline", "colon_fence"]
 myst_heading_anchors = 4
@@ -58,7 +65,6 @@ nb_merge_streams = True
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
-python_maximum_signature_line_length = 80
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
@@ -81,6 +87,7 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", _translate_docstring, priority=400)  # before napoleon
     app.connect("autodoc-process-signature", _shorten_signature)
     app.connect("autodoc-skip-member", _skip_member)
+    app.connect("build-finished", _finish)
 
 
 def _generate(app: Sphinx) -> None:
@@ -110,3 +117,11 @@ def _shorten_signature(
 def _skip_member(_: Sphinx, __: str, ___: str, found: Any, skip: bool, ____: Any) -> bool | None:
     """Skip fields of NamedTuples: the docstring of the class has them."""
     return True if str(getattr(found, "__doc__", "")).startswith("Alias for field number") else (skip or None)
+
+
+def _finish(app: Sphinx, error: Exception | None) -> None:
+    if error is None and app.builder.format == "html":
+        for path in Path(app.outdir).rglob("*.html"):
+            text = path.read_text(encoding="utf-8")
+            if (better := accessible(text)) != text:
+                path.write_text(better, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Animations of environments: short GIF files that the build of the site draws."""
+"""Animations of environments: short GIF files of the map alone, which the build of the site draws."""
 
 from contextlib import closing
 from pathlib import Path
@@ -7,11 +7,14 @@ import gymnasium
 
 from agents import make_controller
 from experiments.plots.video import film
-from experiments.plots.video_files import GifFile
+from experiments.plots.video_files import GifFile, Picture
 from swarm_gym.registration import environment_id
+from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
 
-SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:60", 0, 40
-WIDTH, HEIGHT, FPS = 480, 300, 8
+# Few members: their lines are what makes a file large.
+SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:16", 0, 40
+# Size of the map in pixels, without the margins around it; pictures per second.
+WIDTH, HEIGHT, FPS = 300, 180, 8
 
 
 def write_animation(optimizer: str, path: Path) -> None:
@@ -27,10 +30,16 @@ def write_animation(optimizer: str, path: Path) -> None:
         scenario=SCENARIO,
         iterations=ITERATIONS,
         render_mode="rgb_array",
-        render_width=WIDTH,
-        render_height=HEIGHT,
+        render_width=WIDTH + round((MARGIN + CHART_COLUMN) * SMALLEST_SCALE),
+        render_height=HEIGHT + round((HEADER + FOOTER) * SMALLEST_SCALE),
         **controller.env_options(),
     )
     with closing(env), GifFile(path, FPS) as file:
         for picture in film(env, controller, SEED):
-            file.add(picture)
+            file.add(_map_of(picture))
+
+
+def _map_of(picture: Picture) -> Picture:
+    """Return the map of a picture, (HEIGHT, WIDTH, 3)."""
+    top, left = round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
+    return picture[top : top + HEIGHT, left : left + WIDTH]

@@ -123,16 +123,17 @@ def environment_page(optimizer: str, animated_on: str, controller: str, scores: 
         scores: folder of the tables of reference scores, one CSV file for each suite; None for none.
     """
     cls = get_optimizer(optimizer)
-    name = environment_id(optimizer)
+    name, module = environment_id(optimizer), sys.modules[cls.__module__]
     found = list(reference_scores(scores, name)) if scores is not None else []
     return PAGE.format(
         id=name,
         name=optimizer,
-        summary=first_sentence(cls),
+        summary=first_sentence(module),
         animated_on=animated_on,
         controller=code(controller),
         scenario=SCENARIO,
-        model=linked(f"{prose(cls)}\n\n{prose(sys.modules[cls.__module__])}"),
+        # The summary is the first paragraph of the module's docstring.
+        model=linked("\n\n".join([prose(cls), *prose(module).split("\n\n")[1:]])),
         properties=_properties(cls),
         actions=_actions(optimizer),
         observations=_observations(optimizer),

@@ -69,9 +69,12 @@ PAGES = {
         "The interface of an optimizer, and the kernels that one of your own calls.",
         (
             "swarm_gym.optimizers", "swarm_gym.optimizers.optimizer", "swarm_gym.optimizers.parameter",
-            "swarm_gym.optimizers.loop",
         ),
         {
+            "swarm_gym.optimizers.loop": (
+                "Kernels", "draw_population", "resize_population", "adopt_population",
+                "re_evaluate_population",
+            ),
             "swarm_gym.population": ("Swarms", "Workspace", "evaluate_member", "evaluate_path", "is_spent", "span"),
             "swarm_gym.problem.tables": ("repair",),
             "swarm_gym.compiler.jit": ("kernel", "entry"),
