@@ -10,7 +10,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-# Notebooks run in kernels of this interpreter, which import the packages of this checkout and find its commands.
+# Notebooks run in kernels of this interpreter, which import the packages of this checkout and find its
+# commands.
 KERNELS = ROOT / "build/jupyter"
 os.environ["JUPYTER_PATH"] = str(KERNELS)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
@@ -108,7 +109,9 @@ def _shorten_signature(
     """Return the signature with arrays as `NDArray[float64]`, as the source has them."""
 
     def shortened(text: str | None) -> str | None:
-        pattern = r"~?(?:numpy\.)?ndarray\[tuple\[(?:~?typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[([^][]*)\]\]"
+        pattern = (
+            r"~?(?:numpy\.)?ndarray\[tuple\[(?:~?typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[([^][]*)\]\]"
+        )
         return text and re.sub(pattern, r"NDArray[\1]", text)
 
     return shortened(signature), shortened(returned)

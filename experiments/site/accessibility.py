@@ -1,7 +1,7 @@
 """HTML of the site for readers who use a keyboard or a screen reader: what the theme leaves out."""
 
-# By opening tag as Sphinx and its theme Furo write it, the attributes that it lacks. Headings of lists have no
-# level, two landmarks have no name, and boxes that scroll sideways cannot be reached by keyboard.
+# By opening tag as Sphinx and its theme Furo write it, the attributes that it lacks. Headings of lists have
+# no level, two landmarks have no name, and boxes that scroll sideways cannot be reached by keyboard.
 MISSING = {
     '<p class="caption" role="heading"': 'aria-level="2"',
     '<aside class="sidebar-drawer"': 'aria-label="Site"',

@@ -73,7 +73,9 @@ def check_links(site: Path) -> int:
             if not _is_internal(link):
                 continue
             number += 1
-            broken += [f"{path.relative_to(site.resolve())}: {fault}" for fault in _faults(link, path, pages, site)]
+            broken += [
+                f"{path.relative_to(site.resolve())}: {fault}" for fault in _faults(link, path, pages, site)
+            ]
     if broken:
         listed = "\n".join(dict.fromkeys(broken))
         raise BrokenLinksError(f"{len(broken)} of {number} internal links are broken:\n{listed}")

@@ -2,14 +2,19 @@
 
 import io
 import os
+import pkgutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 from unittest.mock import patch
 
+import agents
+import experiments
 from experiments.site.markdown import code, prose
 
 # Width of the help in characters.
@@ -33,20 +38,37 @@ COMMANDS = {
     ),
     "Publish": ("experiments.publish", "experiments.gallery"),
 }  # fmt: skip
-# Commands that take no options.
+# Commands that take no options, and one that takes a file alone and prints no help.
 WITHOUT_OPTIONS = ("swarm_gym.warm_up", "experiments.gallery")
+WITHOUT_HELP = ("experiments.frame",)
+# Packages whose modules at the top are commands, if they have a function `main`.
+PACKAGES = (agents, experiments)
 
 
 def commands_page() -> str:
     """Return the page with the help of all commands."""
     parts = [
-        "# Commands\n\nEach command is a module: `python -m <name>`. This page shows what `--help` prints, by "
-        "what a command is for."
+        "# Commands\n\nEach command is a module: `python -m <name>`. This page shows what `--help` "
+        "prints, by what a command is for."
     ]
-    for purpose, names in COMMANDS.items():
+    listed = {name for names in COMMANDS.values() for name in names}
+    others = tuple(name for name in commands_at_the_top() if name not in (*listed, *WITHOUT_HELP))
+    for purpose, names in {**COMMANDS, **({"Further commands": others} if others else {})}.items():
         parts.append(f"## {purpose}")
         parts += [f"### {code(name)}\n\n{_described(name)}" for name in names]
     return "\n\n".join(parts) + "\n"
+
+
+def commands_at_the_top() -> list[str]:
+    """Return the names of all commands of `agents` and `experiments`."""
+    found = []
+    for package in PACKAGES:
+        for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+            source = Path(package.__path__[0]) / module.name.partition(".")[2]
+            file = source / "__main__.py" if module.ispkg else source.with_suffix(".py")
+            if file.is_file() and "\ndef main(" in file.read_text(encoding="utf-8"):
+                found.append(module.name)
+    return found
 
 
 def help_of(name: str) -> str:
@@ -61,9 +83,18 @@ def help_of(name: str) -> str:
             _module(name).main()
     except SystemExit as ended:
         if ended.code:
-            raise ValueError(f"python -m {name} --help: expected success, got exit code {ended.code}") from ended
-    lines = (line.rstrip() for line in printed.getvalue().strip().splitlines())
-    return "\n".join(lines)
+            raise ValueError(
+                f"python -m {name} --help: expected success, got exit code {ended.code}"
+            ) from ended
+    return "\n".join(_wrapped(line.rstrip()) for line in printed.getvalue().strip().splitlines())
+
+
+def _wrapped(line: str) -> str:
+    """Return a line, broken where it is longer than the help; further lines are indented as the first one."""
+    indent = " " * (len(line) - len(line.lstrip()))
+    if len(line) <= COLUMNS:
+        return line
+    return textwrap.fill(line.strip(), COLUMNS, initial_indent=indent, subsequent_indent=indent)
 
 
 @contextmanager

@@ -17,7 +17,8 @@ def on_site(text: str, document: str, root: Path) -> str:
     """Return a document with links that work on the site.
 
     Links to documents with a page lead to that page. Links to Python modules become references to the
-    module in the reference, which shows its source. All other links stay.
+    module in the reference, which shows its source. A folder has no page: its link becomes text. All other
+    links stay.
 
     Args:
         text: text of the document.
@@ -29,6 +30,8 @@ def on_site(text: str, document: str, root: Path) -> str:
     def replaced(link: re.Match[str]) -> str:
         label, target, anchor = link[1], link[2], link[3] or ""
         path = posixpath.normpath(posixpath.join(posixpath.dirname(document), target))
+        if (root / path).is_dir():
+            return label
         if not (root / path).is_file():
             return link[0]
         if path.endswith(".py"):
@@ -45,6 +48,4 @@ def on_site(text: str, document: str, root: Path) -> str:
 
 def copied_documents(root: Path) -> dict[str, str]:
     """Return the pages of the documents outside of `docs`, by the name of their file there."""
-    return {
-        PAGES[name]: on_site((root / name).read_text(encoding="utf-8"), name, root) for name in COPIED
-    }
+    return {PAGES[name]: on_site((root / name).read_text(encoding="utf-8"), name, root) for name in COPIED}

@@ -29,6 +29,18 @@ BUDGET = 100_000
 SCORE_COLUMNS = (
     "controller", "scenario_set", "first_seed", "num_seeds", "gap", "evaluations", "feasible", "digest",
 )  # fmt: skip
+# Digits of a digest that tell one from the others.
+SHOWN_DIGITS = 12
+
+SCORES = """\
+## Reference scores
+
+Means over all seeds of a row: gap to the optimum, evaluations of an episode, and share of the episodes whose
+best path is free. The digest names the controller.
+
+{table}
+
+"""
 
 PAGE = """\
 # `{id}`
@@ -183,7 +195,9 @@ def reference_scores(folder: Path, environment: str) -> Iterator[dict[str, str]]
             reader = csv.DictReader(file)
             needed = {"environment", *SCORE_COLUMNS}
             if absent := sorted(needed - set(reader.fieldnames or ())):
-                raise ValueError(f"{path}: expected the columns {', '.join(sorted(needed))}; missing: {absent}")
+                raise ValueError(
+                    f"{path}: expected the columns {', '.join(sorted(needed))}; missing: {absent}"
+                )
             yield from ({"suite": path.stem, **row} for row in reader if row["environment"] == environment)
 
 
@@ -277,7 +291,11 @@ def _parameters(cls: type[Optimizer]) -> str:
 
 def _rewards() -> str:
     rows = [
-        (code(name), first_sentence(reward).removeprefix("Return "), "a known optimum" if name in NEED_AN_OPTIMUM else "–")
+        (
+            code(name),
+            first_sentence(reward).removeprefix("Return "),
+            "a known optimum" if name in NEED_AN_OPTIMUM else "–",
+        )
         for name, reward in REWARDS.items()
     ]
     return table(("reward", "value of one iteration", "needs"), rows)
@@ -296,12 +314,21 @@ def _maps(cls: type[Optimizer]) -> str:
 def _scores(rows: list[dict[str, str]]) -> str:
     if not rows:
         return ""
-    columns = ("suite", *SCORE_COLUMNS)
-    shown = [[row[column] for column in columns] for row in rows]
-    return (
-        "## Reference scores\n\nGaps, evaluations and shares of free paths are means over all seeds of a "
-        f"row.\n\n{table([column.replace('_', ' ') for column in columns], shown)}\n\n"
-    )
+    shown = [
+        (
+            row["suite"],
+            code(row["controller"]),
+            code(row["scenario_set"]),
+            f"{row['num_seeds']} from {row['first_seed']}",
+            f"{100.0 * float(row['gap']):.2f} %",
+            f"{float(row['evaluations']):,.0f}",
+            f"{float(row['feasible']):.0%}",
+            code(row["digest"][:SHOWN_DIGITS]),
+        )
+        for row in rows
+    ]
+    header = ("suite", "controller", "scenarios", "seeds", "gap", "evaluations", "free", "digest")
+    return SCORES.format(table=table(header, shown))
 
 
 def _versions(name: str) -> str:
@@ -314,4 +341,3 @@ def _versions(name: str) -> str:
     if current not in VERSIONS:
         raise ValueError(f"{name}: its version is not in experiments/site/versions.py")
     return table(("version", "release", "change"), [(code(v), *rest) for v, rest in VERSIONS.items()])
-

@@ -75,7 +75,9 @@ PAGES = {
                 "Kernels", "draw_population", "resize_population", "adopt_population",
                 "re_evaluate_population",
             ),
-            "swarm_gym.population": ("Swarms", "Workspace", "evaluate_member", "evaluate_path", "is_spent", "span"),
+            "swarm_gym.population": (
+                "Swarms", "Workspace", "evaluate_member", "evaluate_path", "is_spent", "span",
+            ),
             "swarm_gym.problem.tables": ("repair",),
             "swarm_gym.compiler.jit": ("kernel", "entry"),
             "swarm_gym.compiler.random_stream": ("fill_uniform",),
@@ -189,7 +191,9 @@ def _defined(node: ast.stmt) -> list[str]:
     if isinstance(node, ast.ClassDef | ast.FunctionDef):
         return [node.name]
     targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-    inner = [part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    inner = [
+        part for target in targets for part in (target.elts if isinstance(target, ast.Tuple) else [target])
+    ]
     return [target.id for target in inner if isinstance(target, ast.Name)]
 
 

@@ -52,7 +52,12 @@ def scenarios_page() -> str:
     """Return the page of all scenarios and their families."""
     single = [(code(name), first_sentence(make)) for name, make in SCENARIOS.items()]
     families = [
-        (code(name), _module_sentence(family.make), code(family.usage), listed(family.samples) or "needs files")
+        (
+            code(name),
+            _module_sentence(family.make),
+            code(family.usage),
+            listed(family.samples) or "needs files",
+        )
         for name, family in FAMILIES.items()
     ]
     return f"""\
@@ -75,7 +80,11 @@ A family stands for many scenarios, whose names begin with that of the family.
 def layouts_page() -> str:
     """Return the page of all optimizers, layouts and rewards."""
     optimizers = [
-        (code(name), first_sentence(get_optimizer(name)), f"[`{environment_id(name)}`](../environments/{name}.md)")
+        (
+            code(name),
+            first_sentence(get_optimizer(name)),
+            f"[`{environment_id(name)}`](../environments/{name}.md)",
+        )
         for name in OPTIMIZERS
     ]
     actions = [
@@ -86,7 +95,9 @@ def layouts_page() -> str:
         (code(name), len(layout.features), "; ".join(feature.name for feature in layout.features))
         for name, layout in OBSERVATIONS.items()
     ]
-    rewards = [(code(name), first_sentence(reward).removeprefix("Return ")) for name, reward in REWARDS.items()]
+    rewards = [
+        (code(name), first_sentence(reward).removeprefix("Return ")) for name, reward in REWARDS.items()
+    ]
     return f"""\
 # All optimizers, layouts and rewards
 
