@@ -299,6 +299,7 @@ COMMANDS = {
         "--nodes", "--output", "--sample", "--seconds", "--training-steps", "--units",
         "--units-per-worker",
     ),
+    "experiments.site.check_links": (),
     "swarm_gym.warm_up": (),
     "swarm_gym.scenarios.download": ("--force", "names"),
     "swarm_gym.reference.waypoint_optimum": (
