@@ -1,1 +1,1 @@
-"""A playground in a browser: a swarm that a reader steers by hand, beside the schedule and a learned policy."""
+"""A playground in a browser: a reader steers a swarm beside the schedule and a learned policy."""

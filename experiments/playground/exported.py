@@ -140,6 +140,7 @@ def _map(scenario: Scenario) -> dict[str, Any]:
 def _schedule(schedule: SelfAdaptiveSchedule) -> dict[str, Any]:
     limits = schedule.limits
     return {
+        "name": schedule.name,
         "firstSize": schedule.initial_population_size,
         "growth": schedule.growth,
         "decay": schedule.decay,
