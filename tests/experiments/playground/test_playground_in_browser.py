@@ -47,6 +47,10 @@ def button(page, name):
     return page.get_by_role("button", name=name, exact=True)
 
 
+def slider(page, name):
+    return page.get_by_role("slider", name=name, exact=True)
+
+
 def wait_for(page, iteration):
     page.wait_for_function(f"document.querySelector('.playground').dataset.iteration === '{iteration}'")
 
@@ -93,7 +97,7 @@ def test_the_page_opens_from_disk_without_requests(page, file):
 
 
 def test_a_reader_steers_as_an_environment_is_steered_by_actions(page):
-    size, degree = page.get_by_label("Population size"), page.get_by_label("Repair degree")
+    size, degree = slider(page, "Population size"), slider(page, "Repair degree φ")
     page.get_by_label("Map").select_option("case2")
     page.get_by_label("Seed").fill("7")
     size.fill("30")
@@ -113,11 +117,11 @@ def test_a_reader_steers_as_an_environment_is_steered_by_actions(page):
 
 
 def test_sliders_and_buttons_are_used_by_keyboard(page):
-    size, degree = page.get_by_label("Population size"), page.get_by_label("Repair degree")
-    for slider, key, value in ((size, "ArrowRight", "81"), (size, "Home", "2"), (degree, "End", "1")):
-        slider.press(key)
-        assert slider.input_value() == value
-        assert slider.evaluate("slider => slider.nextElementSibling.textContent") == value
+    size, degree = slider(page, "Population size"), slider(page, "Repair degree φ")
+    for one, key, value in ((size, "ArrowRight", "81"), (size, "Home", "2"), (degree, "End", "1")):
+        one.press(key)
+        assert one.input_value() == value
+        assert one.evaluate("slider => slider.nextElementSibling.textContent") == value
     button(page, "Step").press("Enter")
     wait_for(page, 1)
     assert states(page)[0].startswith("2 members, ")
@@ -164,7 +168,7 @@ def test_a_faulty_seed_is_named_and_changes_nothing(page, text):
 
 def test_a_run_goes_on_until_it_is_paused(file, open_page):
     page = open_page(file, reduced_motion="no-preference")
-    page.get_by_label("Population size").fill("8")
+    slider(page, "Population size").fill("8")
     page.locator("[data-part=run]").click()
     assert page.locator("[data-part=run]").text_content() == "Pause"
     page.wait_for_function("Number(document.querySelector('.playground').dataset.iteration) >= 3")
@@ -179,7 +183,7 @@ def test_a_run_goes_on_until_it_is_paused(file, open_page):
 
 
 def test_a_reset_stops_the_iteration_under_way(page):
-    page.get_by_label("Population size").fill("200")
+    slider(page, "Population size").fill("200")
     page.evaluate("""() => {
       const [part] = [(name) => document.querySelector(`[data-part=${name}]`)];
       part("step").click();
@@ -212,10 +216,10 @@ def gaps_told(sentence):
 
 
 def test_the_text_says_who_is_ahead_in_numbers(page):
-    page.get_by_label("Repair degree").fill("0.1")
+    slider(page, "Repair degree φ").fill("0.1")
     step(page, 5)
     sentences = re.findall(r"Smallest gap (.*?): ([^(]*) \((.*?)\)\.", told(page))
-    assert [when for when, _, _ in sentences][0] == "now"
+    assert sentences[0][0] == "now"
     below = [float(re.search(r"Gap ([\d.]+) %", state)[1]) for state in states(page)]
     assert list(gaps_told(sentences[0][2]).values()) == below
     for _, leader, each in sentences:
@@ -246,12 +250,15 @@ def test_nothing_is_wider_than_the_screen_and_axe_finds_nothing(file, open_page,
 
 def test_pictures_are_rare_while_a_calm_run_goes_on(file, open_page):
     page = open_page(file, DESKTOP, "light", "reduce")
-    page.get_by_label("Population size").fill("5")
+    slider(page, "Population size").fill("5")
     page.evaluate("""() => {
       const { playground } = document.querySelector(".playground");
       window.pictures = [];
       const show = playground.show;
-      playground.show = function () { show.call(this); window.pictures.push(this.entrants[0].swarm.iteration); };
+      playground.show = function () {
+        show.call(this);
+        window.pictures.push(this.entrants[0].swarm.iteration);
+      };
     }""")
     page.locator("[data-part=run]").click()
     page.wait_for_function(
