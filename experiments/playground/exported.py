@@ -26,7 +26,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.table import CIRCLE_ROWS, CORNER_ROWS, PRESENCE, WaypointTable
-from swarm_gym.scenarios import Circle, Scenario
+from swarm_gym.scenarios import Circle, Scenario, make_scenario
 
 SCHEDULE = "spsfa-tip"
 POLICY = "learned:three-cases/0@1"
@@ -70,9 +70,24 @@ def export(scenarios: Sequence[str], options: Mapping[str, Any], policy_name: st
     }
 
 
+def is_ported(scenario: str, options: Mapping[str, Any]) -> bool:
+    """Return whether a scenario is a fixed map of circles and polygons whose optimum is known or quick.
+
+    Args:
+        scenario: name of any scenario.
+        options: options of its environment.
+    """
+    if not isinstance(make_scenario(scenario), Scenario):
+        return False
+    worlds = SwarmEnv(scenario=scenario, **options).simulation.worlds
+    worlds.compute_optima()
+    return not math.isnan(worlds.optima[0])
+
+
 def _case(env: SwarmEnv, num_features: int) -> dict[str, Any]:
     """Return a problem, and the bounds of the policy's features on it, which are the last of the space."""
-    worlds, space = env.simulation.worlds, env.observation_space
+    worlds = env.simulation.worlds
+    space: Any = env.observation_space
     problem = worlds.problems[0]
     name = problem.scenario.name
     if not isinstance(problem, AnalyticProblem) or len(worlds.problems) > 1:

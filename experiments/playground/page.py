@@ -11,8 +11,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 import swarm_gym
-from experiments.playground.exported import export
+from experiments.playground.exported import PORTED_OPTIONS, export, is_ported
 from experiments.runs.labels import label
+from swarm_gym.optimizers.firefly import Firefly
 
 ASSETS = Path(__file__).parent / "assets"
 # The port of Python's code, and then the page; each script uses those before it.
@@ -34,11 +35,6 @@ class Playground:
     css: Markup
     section: Markup
     script: Markup
-
-    @property
-    def num_bytes(self) -> int:
-        """Number of bytes that the playground adds to a page."""
-        return sum(len(part.encode()) for part in (self.css, self.section, self.script))
 
 
 def make_playground(scenarios: Sequence[str] = CASES, options: Mapping[str, Any] | None = None) -> Playground:
@@ -67,6 +63,20 @@ def make_playground(scenarios: Sequence[str] = CASES, options: Mapping[str, Any]
         )
     )
     return Playground(Markup(_read("playground.css")), Markup(section), Markup(_script(SCRIPTS)))
+
+
+def playground_for(scenarios: Sequence[str], optimizer: str, options: Mapping[str, Any]) -> Playground | None:
+    """Return a playground on those of some scenarios that the port can run on; None if there are none.
+
+    Args:
+        scenarios: names of scenarios of any kind.
+        optimizer: name of the optimizer of the runs.
+        options: options of the environments of the runs.
+    """
+    if optimizer != Firefly.name or not set(options) <= set(PORTED_OPTIONS):
+        return None
+    ported = [name for name in scenarios if is_ported(name, options)]
+    return make_playground(ported, options) if ported else None
 
 
 def playground_page(scenarios: Sequence[str] = CASES) -> str:

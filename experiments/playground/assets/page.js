@@ -28,8 +28,8 @@ const listed = (parts) => (parts.length < 2 ? parts.join() : `${parts.slice(0, -
 class Entrant {
   constructor(pane, name, makeController) {
     Object.assign(this, { name, makeController });
-    this.picture = new MapPicture(pane.querySelector(".map"));
-    this.state = pane.querySelector(".state");
+    this.picture = new MapPicture(pane.querySelector(".field"));
+    this.state = pane.querySelector(".facts");
     this.title = pane.querySelector("h3").textContent;
   }
 
@@ -64,7 +64,7 @@ class Playground {
     this.controls = Object.fromEntries(
       ["case", "seed", "size", "degree", "step", "run", "reset", "fault", "told", "count"].map((name) =>
         [name, find(`[data-part=${name}]`)]));
-    const panes = Object.fromEntries([...root.querySelectorAll(".pane")].map((pane) => [pane.dataset.of, pane]));
+    const panes = Object.fromEntries([...root.querySelectorAll(".swarm")].map((pane) => [pane.dataset.of, pane]));
     const { size, degree } = this.controls;
     const hand = () => ({
       firstSize: Number(size.value),
@@ -75,7 +75,7 @@ class Playground {
       new Entrant(panes.schedule, data.schedule.label, () => new Schedule(data.schedule)),
       new Entrant(panes.policy, "learned policy", () => new Policy(data.policy)),
     ];
-    const figures = root.querySelectorAll(".courses figure");
+    const figures = root.querySelectorAll(".curves figure");
     this.charts = COURSES.map((course, k) => new Chart(figures[k], course, ["hand", "schedule", "policy"]));
     this.problems = data.cases.map((one) => new Problem(one));
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");

@@ -63,7 +63,7 @@ def step(page, times=1):
 
 
 def states(page):
-    return page.locator(".playground .state").all_text_contents()
+    return page.locator(".playground .facts").all_text_contents()
 
 
 def told(page):
@@ -72,7 +72,7 @@ def told(page):
 
 def drawn(page, pane, layer):
     """Number of paths of a kind in a pane."""
-    d = page.locator(".playground .pane").nth(pane).locator(f".map > path.{layer}").get_attribute("d")
+    d = page.locator(".playground .swarm").nth(pane).locator(f".field > path.{layer}").get_attribute("d")
     return d.count("M")
 
 
@@ -147,7 +147,7 @@ def test_reset_and_another_map_or_seed_begin_anew(page):
     assert all(one != before for one, before in zip(other, first, strict=True))
     page.get_by_label("Map").select_option("case3")
     assert all(one != before for one, before in zip(states(page), other, strict=True))
-    assert page.locator(".pane .obstacle").count() == 3 * 15
+    assert page.locator(".swarm .obstacle").count() == 3 * 15
 
 
 @pytest.mark.parametrize("text", ["", "-1", "1.5", "seven", str(2**53)])
@@ -231,7 +231,7 @@ def test_the_text_says_who_is_ahead_in_numbers(page):
 
 def test_curves_have_a_point_for_each_iteration(page):
     step(page, 4)
-    for figure in page.locator(".courses figure").all():
+    for figure in page.locator(".curves figure").all():
         assert [curve.get_attribute("d").count("L") for curve in figure.locator(".curve").all()] == [4, 4, 4]
 
 

@@ -145,7 +145,7 @@ def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(page):
     assert slider.get_attribute("aria-valuetext") == "iteration 7 of 12"
     for state in page.locator(".state").all_text_contents():
         assert state.startswith("Iteration 7: ")
-    assert "Iteration 7: " in page.get_by_role("status").text_content()
+    assert "Iteration 7: " in page.locator(".player").get_by_role("status").text_content()
     assert page.complaints == []
 
 
