@@ -172,6 +172,7 @@ def test_courses_have_a_line_where_the_map_changes(tmp_path, open_page, monkeypa
     report = write_report(ReportConfig(make_database(tmp_path / "changing.sqlite", changing), figures=False))
     page = open_page(report)
     assert page.complaints == []
+    assert page.locator(".playground").count() == 0  # its port has no maps that change
     lines = [line.get_attribute("d") for line in page.locator(".courses .event").all()]
     assert len(set(lines)) == 1
     # The gate follows the fifth of twelve iterations; charts are 200 wide with a margin of 6.
@@ -333,6 +334,18 @@ def test_the_report_of_the_papers_suite_is_small_and_opens_at_once(tmp_path, ope
         page = open_page(report)
         taken.append(page.evaluate("performance.now()"))
     assert min(taken) < 2000.0, f"the page took {min(taken):.0f} ms to open"
+
+
+def test_a_reader_can_steer_a_swarm_on_the_suites_maps(page):
+    playground = page.locator(".playground")
+    maps = playground.get_by_label("Map").locator("option").all_text_contents()
+    assert maps == list(SUITE.scenarios)
+    playground.get_by_role("button", name="Step").click()
+    page.wait_for_function("document.querySelector('.playground').dataset.iteration === '1'")
+    assert playground.get_by_role("status").text_content().startswith("Iteration 1 of 12. ")
+    page.get_by_role("link", name="Playground").click()
+    assert page.get_by_role("heading", name="Steer a swarm by hand").is_visible()
+    assert page.complaints == []
 
 
 def test_a_replay_without_a_rival_has_one_side(database, tmp_path, open_page, monkeypatch):
