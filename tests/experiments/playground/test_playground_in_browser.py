@@ -1,6 +1,7 @@
 """The playground as its readers have it: in Chromium, from disk, by mouse and by keyboard."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +13,7 @@ from swarm_gym.reference import known_optimum
 
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")
 
+DOCUMENT = Path(__file__).parents[3] / "docs" / "playground.md"
 WIDE = {"width": 1400, "height": 900}
 SIZES = pytest.mark.parametrize("viewport", [PHONE, WIDE], ids=["phone", "wide"])
 COLOURS = pytest.mark.parametrize("color_scheme", ["light", "dark"])
@@ -114,6 +116,25 @@ def test_a_reader_steers_as_an_environment_is_steered_by_actions(page):
         assert drawn(page, 0, "feasible") + drawn(page, 0, "colliding") == members
         assert drawn(page, 0, "best") == 1
     assert page.locator(".playground [data-part=count]").text_content() == "Iteration 3 of 100"
+
+
+def test_the_code_of_the_document_finds_what_the_page_shows(page, capsys):
+    [code] = re.findall(
+        r"^```python\n(.*?)^```$", DOCUMENT.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    exec(compile(code, DOCUMENT.name, "exec"), names := {})
+    fitness, evaluations = capsys.readouterr().out.split()
+    page.get_by_label("Map").select_option("case2")
+    page.get_by_label("Seed").fill("7")
+    slider(page, "Population size").fill("30")
+    button(page, "Reset").click()
+    slider(page, "Population size").fill("40")
+    slider(page, "Repair degree φ").fill("0.35")
+    step(page)
+    assert states(page)[0] == state_of(names["env"])
+    assert f"after {int(evaluations):,} evaluations" in states(page)[0]
+    found = page.evaluate("document.querySelector('.playground').playground.entrants[0].swarm.best.fitness")
+    assert found == pytest.approx(float(fitness), abs=1e-9)
 
 
 def test_sliders_and_buttons_are_used_by_keyboard(page):
