@@ -1,4 +1,4 @@
-"""What the playground is made of, and what it refuses."""
+"""The values that the playground is made of, and the requests that it refuses."""
 
 import re
 import subprocess

@@ -181,6 +181,14 @@ def test_a_run_by_hand_has_the_same_bits_where_nothing_decays(port, place):
     assert_same(frames, run_by_hand(CASES[place], 11, options, decisions))
 
 
+def test_a_swarm_without_extent_grows_in_the_whole_workspace(port):
+    options = {"absorption": 0.0, "noise": 0.0, "attractiveness": 1.0}
+    decisions = [(20, 0.0), (20, 0.0), (2, 0.0), (30, 0.2)]
+    expected = run_by_hand("case1", 11, options, decisions)
+    assert expected[2]["positions"][0] == expected[2]["positions"][1]
+    assert_same(port.evaluate(RUN, [export(["case1"], options), 0, 11, decisions]), expected)
+
+
 @pytest.mark.parametrize("place", range(len(CASES)), ids=CASES)
 def test_a_run_by_hand_is_the_same_up_to_the_last_bit_of_exp(port, place):
     decisions = by_hand(40)
