@@ -183,9 +183,10 @@ def test_a_run_by_hand_has_the_same_bits_where_nothing_decays(port, place):
 
 def test_a_swarm_without_extent_grows_in_the_whole_workspace(port):
     options = {"absorption": 0.0, "noise": 0.0, "attractiveness": 1.0}
-    decisions = [(20, 0.0), (20, 0.0), (2, 0.0), (30, 0.2)]
+    decisions = [(2, 0.0), *[(2, 0.0)] * 3, (30, 0.2)]
     expected = run_by_hand("case1", 11, options, decisions)
-    assert expected[2]["positions"][0] == expected[2]["positions"][1]
+    one, other = np.array(expected[-2]["positions"])[:, :-1]  # the last column is padding
+    assert (one == other).any()
     assert_same(port.evaluate(RUN, [export(["case1"], options), 0, 11, decisions]), expected)
 
 
