@@ -294,6 +294,7 @@ COMMANDS = {
     "experiments.with_ray_tune": (
         "--address", "--jobs", "--preset", "--rungs", "--runs", "--seed", "--total-steps", "--trials",
     ),
+    "experiments.playground": ("--scenarios", "output"),
     "experiments.report": ("--figures", "--output", "--replays", "--suite", "database"),
     "experiments.scaling": (
         "--nodes", "--output", "--sample", "--seconds", "--training-steps", "--units",
