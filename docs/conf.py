@@ -22,6 +22,7 @@ os.environ["SDL_VIDEODRIVER"] = "dummy"
 from sphinx.application import Sphinx  # noqa: E402
 
 import swarm_gym  # noqa: E402
+from experiments.playground.page import playground_page  # noqa: E402
 from experiments.site.accessibility import accessible  # noqa: E402
 from experiments.site.docstrings import to_restructured_text  # noqa: E402
 from experiments.site.documents import on_site  # noqa: E402
@@ -128,3 +129,4 @@ def _finish(app: Sphinx, error: Exception | None) -> None:
             text = path.read_text(encoding="utf-8")
             if (better := accessible(text)) != text:
                 path.write_text(better, encoding="utf-8")
+        write_atomically(Path(app.outdir) / "play.html", playground_page())

@@ -224,7 +224,7 @@ def _actions(optimizer: str) -> str:
         space = action.space
         numbers = zip(action.labels, space.low, space.high, strict=True)
         text = "; ".join(f"{label} in {_range(low, high)}" for label, low, high in numbers)
-        rows.append((code(name), space.dtype, space.shape, text))
+        rows.append((code(name), str(space.dtype), str(space.shape), text))
     return table(("layout", "dtype", "shape", "numbers"), rows)
 
 

@@ -1,4 +1,4 @@
-"""What is published: the archive and the wheel, their metadata, and optional extras that can be installed."""
+"""The archive and the wheel that are published: contents, metadata, and extras that can be installed."""
 
 import subprocess
 import sys
