@@ -7,7 +7,7 @@ import pytest
 
 from experiments.playground.exported import export
 from experiments.playground.page import playground_page
-from helpers.browsers import DESKTOP, PHONE, chromium, lightness, opener, wider_than
+from helpers.browsers import PHONE, chromium, lightness, opener, wider_than
 from swarm_gym.env import SwarmEnv
 from swarm_gym.reference import known_optimum
 
@@ -269,22 +269,26 @@ def test_nothing_is_wider_than_the_screen_and_axe_finds_nothing(file, open_page,
     assert page.complaints == []
 
 
-def test_pictures_are_rare_while_a_calm_run_goes_on(file, open_page):
-    page = open_page(file, DESKTOP, "light", "reduce")
+@pytest.mark.parametrize(
+    ("motion", "shown", "pictures"),
+    [("reduce", "Infinity", False), ("reduce", "-Infinity", True), ("no-preference", "Infinity", True)],
+    ids=["calm, lately shown", "calm, long ago", "lively"],
+)
+def test_pictures_are_rare_for_readers_who_ask_for_less_motion(file, open_page, motion, shown, pictures):
+    page = open_page(file, reduced_motion=motion)
     slider(page, "Population size").fill("5")
-    page.evaluate("""() => {
-      const { playground } = document.querySelector(".playground");
-      window.pictures = [];
+    # Whenever a picture is drawn, the time of the last one is set: long ago, or not long enough.
+    page.evaluate(f"""() => {{
+      const {{ playground }} = document.querySelector(".playground");
+      window.pictures = 0;
       const show = playground.show;
-      playground.show = function () {
-        show.call(this);
-        window.pictures.push(this.entrants[0].swarm.iteration);
-      };
-    }""")
+      playground.show = function () {{ show.call(this); window.pictures++; this.shown = {shown}; }};
+      playground.shown = {shown};
+    }}""")
     page.locator("[data-part=run]").click()
     page.wait_for_function(
-        "document.querySelector('.playground').playground.entrants[2].swarm.iteration >= 6"
+        "document.querySelector('.playground').playground.entrants[2].swarm.iteration >= 4"
     )
+    assert (page.evaluate("window.pictures") >= 3) == pictures
     page.locator("[data-part=run]").click()
-    pictures = page.evaluate("window.pictures")
-    assert len(pictures) < pictures[-1]
+    assert page.evaluate("window.pictures") >= 1  # a pause shows where the run is
