@@ -171,9 +171,9 @@ class Playground {
     });
     controls.count.textContent = `Iteration ${iteration} of ${data.settings.iterations}`;
     controls.step.disabled = controls.run.disabled = this.ended;
-    const told = `${controls.count.textContent}. ${this.standings()}`;
     // A screen reader could not follow while it runs.
-    if (!this.running || this.ended) controls.told.textContent = told;
+    controls.told.setAttribute("aria-live", this.running && !this.ended ? "off" : "polite");
+    controls.told.textContent = `${controls.count.textContent}. ${this.standings()}`;
     this.root.dataset.iteration = iteration;
     this.shown = performance.now();
   }
