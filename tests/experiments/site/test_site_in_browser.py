@@ -43,9 +43,9 @@ def site(tmp_path_factory):
             # Without a kernel, Sphinx takes shell commands in notebooks for Python.
             unlike = ("nb_execution_mode=off", "suppress_warnings=toc.not_readable,misc.highlighting_failure")
             options = [word for setting in unlike for word in ("-D", setting)]
+            places = ["-d", folder.with_suffix(".doctrees"), "docs", folder]
             built = subprocess.run(
-                [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", *options]
-                + ["-d", folder.with_suffix(".doctrees"), "docs", folder],
+                [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", *options, *places],
                 cwd=ROOT, capture_output=True, text=True, check=False,
             )  # fmt: skip
             assert built.returncode == 0, built.stderr[-4000:]
