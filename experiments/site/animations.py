@@ -12,7 +12,7 @@ from swarm_gym.registration import environment_id
 from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
 
 # Few members: their lines are what makes a file large.
-SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:16", 0, 40
+SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:10", 0, 40
 # Size of the map in pixels, without the margins around it; pictures per second.
 WIDTH, HEIGHT, FPS = 300, 180, 8
 

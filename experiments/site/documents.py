@@ -4,6 +4,8 @@ import posixpath
 import re
 from pathlib import Path
 
+from experiments.site import reference
+
 # By document outside of `docs`, its page on the site. The README has the role of the first page.
 PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 COPIED = ("CONTRIBUTING.md", "CHANGELOG.md")
@@ -16,9 +18,9 @@ _FENCE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
 def on_site(text: str, document: str, root: Path) -> str:
     """Return a document with links that work on the site.
 
-    Links to documents with a page lead to that page. Links to Python modules become references to the
-    module in the reference, which shows its source. A folder has no page: its link becomes text. All other
-    links stay.
+    Links to documents with a page lead to that page. Links to modules of the reference become references to
+    them; it shows their source. A folder has no page: its link becomes text. All other links stay, and Sphinx
+    copies the files that they lead to.
 
     Args:
         text: text of the document.
@@ -27,6 +29,8 @@ def on_site(text: str, document: str, root: Path) -> str:
     """
     page = posixpath.relpath(PAGES[document] if document in PAGES else document.removeprefix(f"{DOCS}/"))
 
+    modules = {module for each in reference.PAGES.values() for module in each.modules}
+
     def replaced(link: re.Match[str]) -> str:
         label, target, anchor = link[1], link[2], link[3] or ""
         path = posixpath.normpath(posixpath.join(posixpath.dirname(document), target))
@@ -34,8 +38,8 @@ def on_site(text: str, document: str, root: Path) -> str:
             return label
         if not (root / path).is_file():
             return link[0]
-        if path.endswith(".py"):
-            module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+        module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+        if path.endswith(".py") and module in modules:
             return f"{{py:mod}}`{label.strip('`')} <{module}>`"
         place = PAGES.get(path, path.removeprefix(f"{DOCS}/") if path.startswith(f"{DOCS}/") else None)
         if place is None:  # the file itself, which Sphinx copies; its path is that from the page

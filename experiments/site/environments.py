@@ -213,7 +213,7 @@ def _properties(cls: type[Optimizer]) -> str:
 
 
 def _actions(optimizer: str) -> str:
-    rows = []
+    rows: list[tuple[object, ...]] = []
     for name in ACTIONS:
         try:
             env = SwarmEnv(optimizer, scenario=SCENARIO, action=name, max_evaluations=BUDGET)
@@ -229,7 +229,7 @@ def _actions(optimizer: str) -> str:
 
 
 def _observations(optimizer: str) -> str:
-    rows = []
+    rows: list[tuple[object, ...]] = []
     for name, layout in OBSERVATIONS.items():
         try:
             env = SwarmEnv(optimizer, scenario=SCENARIO, observation=name)

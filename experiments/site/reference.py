@@ -71,6 +71,8 @@ PAGES = {
             "swarm_gym.optimizers", "swarm_gym.optimizers.optimizer", "swarm_gym.optimizers.parameter",
         ),
         {
+            # Before kernels that its decorators make, or links from its source lead astray.
+            "swarm_gym.compiler.jit": ("kernel", "entry"),
             "swarm_gym.optimizers.loop": (
                 "Kernels", "draw_population", "resize_population", "adopt_population",
                 "re_evaluate_population",
@@ -79,7 +81,6 @@ PAGES = {
                 "Swarms", "Workspace", "evaluate_member", "evaluate_path", "is_spent", "span",
             ),
             "swarm_gym.problem.tables": ("repair",),
-            "swarm_gym.compiler.jit": ("kernel", "entry"),
             "swarm_gym.compiler.random_stream": ("fill_uniform",),
         },
     ),

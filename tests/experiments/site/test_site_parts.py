@@ -76,6 +76,7 @@ def test_a_bar_in_a_cell_is_escaped_and_a_document_is_linked():
         ("docs/architecture.md", "[c](../CONTRIBUTING.md#rules)", "[c](contributing.md#rules)"),
         ("docs/results/README.md", "[c](../../CHANGELOG.md)", "[c](../changelog.md)"),
         ("docs/guide.md", "[`env`](../swarm_gym/env.py)", "{py:mod}`env <swarm_gym.env>`"),
+        ("docs/guide.md", "[m](../experiments/scaling/model.py)", "[m](../experiments/scaling/model.py)"),
         ("docs/scores.md", "[scores](../swarm_gym)", "scores"),
         ("docs/guide.md", "[x](study.md)", "[x](study.md)"),
         ("docs/guide.md", "[x](../LICENSE)", "[x](../LICENSE)"),
