@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from pygments.token import Error
 
 ROOT = Path(__file__).parents[3]
 FOLDERS = ("docs/start", "docs/tutorials")
@@ -103,6 +104,14 @@ def test_every_picture_has_words_for_those_who_do_not_see_it(page):
     for cell in code_cells(notebook_of(page)):
         if re.search(r"^(plt\.show\(\)|Image\(.*)$", cell.source, re.MULTILINE):
             assert len(cell.metadata["mystnb"]["image"]["alt"]) > 20, cell.source
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_site_can_highlight_every_cell(page):
+    lexers = pytest.importorskip("ipython_pygments_lexers", reason="needs the extra `docs`")
+    for cell in code_cells(notebook_of(page)):
+        wrong = [text for kind, text in lexers.IPython3Lexer().get_tokens(cell.source) if kind is Error]
+        assert wrong == [], cell.source
 
 
 @pytest.mark.slow
