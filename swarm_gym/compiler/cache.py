@@ -3,7 +3,7 @@
 Numba's cache looks at the file of the cached function only: it does not notice an edit in a *called* function
 of another file, and it reuses code that was compiled without bounds checks where they are asked for. Here a
 digest of all sources that hold kernels and of the bounds-check flag names the cache folder, so that neither
-can happen.
+can happen. What is compiled for classes of users has folders of its own, named by a digest of their sources.
 """
 
 import hashlib
@@ -16,8 +16,9 @@ from typing import Any
 
 import numba
 from filelock import FileLock
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
+from swarm_gym.compiler.own_sources import UnknownSourceError, digest_of_modules, own_modules
 from swarm_gym.files import digest_of_sources, user_cache
 
 # Only these folders and files of the package hold kernels, which call nothing from outside of them.
@@ -64,28 +65,64 @@ class KernelCache(FunctionCache):
     Processes save one after the other. Numba numbers the files of a function by its index: two processes that
     save at once may take the same number, and the index would then name the code of another signature.
 
+    Code for classes or functions of users lies in a folder for their sources. Where these have no file, as
+    in a notebook, it is compiled in each process.
+
     Args:
         function: the function.
         options: with which it is compiled. Code that was compiled with other options is not reused.
+        folder: name of the folder for sources of users; empty for this package's own code.
     """
 
-    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any]):
+    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any], folder: str = ""):
         super().__init__(function)
+        self._function = function
+        self._given = options
         self._options = repr(sorted(options.items()))
         self._compiling: dict[Any, FileLock] = {}
+        self._of_users: dict[str, KernelCache] = {}
+        if folder:
+            self._move_to(folder)
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return what is cached for a signature, or None: then this process has to compile it."""
-        found = self._load(signature, context)
-        if found is not None or not self._wait_for_others(signature):
+        place = self._place(signature)
+        if place is None:
+            return None
+        found = place._load(signature, context)
+        if found is not None or not place._wait_for_others(signature):
             return found
-        return self._load(signature, context)
+        return place._load(signature, context)
 
     def let_others_go_on(self, signature: Any) -> None:
         """End the wait of other processes for a signature, whether it was compiled or not."""
-        lock = self._compiling.pop(signature, None)
-        if lock is not None:
-            lock.release()
+        for place in (self, *self._of_users.values()):
+            lock = place._compiling.pop(signature, None)
+            if lock is not None:
+                lock.release()
+
+    def _place(self, signature: Any) -> "KernelCache | None":
+        """Return the cache for a signature; None where sources of users are unknown: nothing is kept then."""
+        names = own_modules(self._function.__module__, getattr(signature, "args", signature))
+        if not names:
+            return self
+        try:
+            folder = f"own-{digest_of_modules(names)}"
+        except UnknownSourceError:
+            return None
+        if folder not in self._of_users:
+            self._of_users[folder] = KernelCache(self._function, self._given, folder)
+        return self._of_users[folder]
+
+    def _move_to(self, folder: str) -> None:
+        """Keep files in a folder below the one of the function's module."""
+        self._impl.locator.move_to(folder)
+        self._cache_path = self._impl.locator.get_cache_path()
+        self._cache_file = IndexDataCacheFile(
+            cache_path=self._cache_path,
+            filename_base=self._impl.filename_base,
+            source_stamp=self._impl.locator.get_source_stamp(),
+        )
 
     def _wait_for_others(self, signature: Any) -> bool:
         """Reserve a signature for this process; return whether another one may have compiled it meanwhile."""
@@ -113,11 +150,14 @@ class KernelCache(FunctionCache):
 
     def save_overload(self, signature: Any, data: Any) -> None:
         """Cache what was compiled for a signature, or log a warning where that is not possible."""
+        place = self._place(signature)
+        if place is None:
+            return
         folder = cache_folder()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with FileLock(folder / "lock"):
-                super().save_overload(signature, data)
+                FunctionCache.save_overload(place, signature, data)
         except (OSError, NotImplementedError) as error:  # NotImplementedError: a file system without locks
             _warn_once(
                 f"compiled kernels cannot be kept in {folder} ({error}): each process compiles them again. "
@@ -139,6 +179,10 @@ class _Locator:
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> "_Locator":
         return cls(function, file)
+
+    def move_to(self, folder: str) -> None:
+        """Use a folder below the one of the function's module."""
+        self._folder /= folder
 
     def ensure_cache_path(self) -> None:
         self._folder.mkdir(parents=True, exist_ok=True)

@@ -35,7 +35,7 @@ def compiled():
 
 def test_what_is_compiled_is_kept(folder, caplog):
     assert [compiled(), compiled()] == [0, 1]
-    assert [path.parent.name for path in folder.rglob("*.nbc")] == [__name__]
+    assert [path.parent.parent.name for path in folder.rglob("*.nbc")] == [__name__]
     assert not caplog.records
 
 
