@@ -87,7 +87,7 @@ def main() -> None:
     """Score as the command line says."""
     config = tyro.cli(ScoresConfig, description=__doc__)
     with command(
-        BackendError, MissingExtraError, kept="rows that were written stay, and the command goes on"
+        BackendError, MissingExtraError, kept="the same command goes on from the rows that were written"
     ):
         chosen = [get_scored(name) for name in config.suites or SCORED]
         with closing(config.where.make(config.output)) as backend:

@@ -34,7 +34,7 @@ class VerifyConfig:
     suite: str | None = None
     """Scored suite, e.g. headline. By default those whose scores have the digest of the file."""
     claim: Path | None = None
-    """CSV file with the claimed rows, e.g. row.csv. By default the rows in scores/, if they have the digest."""
+    """CSV file with the claimed rows, e.g. row.csv. By default the rows in scores/ that have the digest."""
     output: Path | None = None
     """CSV file for the rows that were found, e.g. row.csv. By default none is written."""
     scores: Path = SCORES

@@ -1,1 +1,1 @@
-"""Scores that one can check: suites with few seeds, rows of scores, claims about policies and their checks."""
+"""Scores that one can check: suites with few seeds, rows of scores, submissions and claims."""

@@ -1,4 +1,4 @@
-"""Cases to verify: submissions to suites with what is claimed about them, all checked before anything runs."""
+"""Cases to verify: submissions to suites with what is claimed about them, checked before anything runs."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class Case:
         """Make the runs, and return a comparison for each environment and set of scenarios.
 
         Args:
-            ran: function that is called with 1 after every run.
+            ran: function that is called with the number of runs that have ended since the last call.
         """
         names, digest = self.submission.entrants, self.submission.digest
         found = [row for name in names for row in score(name, digest, self.scored, ran)]

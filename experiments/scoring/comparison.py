@@ -7,9 +7,10 @@ from enum import Enum
 from experiments.scoring.score import Score
 from experiments.scoring.suites import ScoredSet
 
-# The last bit of exp, tanh and the like differs between machines, and grows from iteration to iteration; golden
-# files have the same tolerance.
+# The last bit of exp, tanh and the like differs between machines, and grows from iteration to iteration.
+# Golden files have the same tolerance.
 TOLERANCE = 1e-9
+MEANS = ("gap", "evaluations", "feasible")  # columns with means over the runs
 
 
 class Verdict(Enum):
@@ -59,9 +60,7 @@ def compare(claimed: Score, found: Score, chosen: ScoredSet) -> Comparison:
                 where = f"{found.environment} on {scenario} with seed {seed}"
                 difference = f"{where}: {name} is claimed to be {one!r}, found {other!r}"
                 return Comparison(claimed, found, Verdict.DIFFERS, difference)
-    means = [
-        (name, getattr(claimed, name), getattr(found, name)) for name in ("gap", "evaluations", "feasible")
-    ]
+    means = [(name, getattr(claimed, name), getattr(found, name)) for name in MEANS]
     for name, one, other in means:
         if not _is_close(one, other):
             where = f"{found.environment} on {found.scenario_set}"
@@ -79,5 +78,5 @@ def overall(comparisons: Sequence[Comparison]) -> Verdict | None:
 
 
 def _is_close(one: float, other: float) -> bool:
-    """Return whether two numbers are equal within the tolerance, absolute and relative, as in golden files."""
+    """Return whether two numbers are equal within the tolerance, which is absolute and relative."""
     return abs(one - other) <= TOLERANCE * (1.0 + abs(other))

@@ -40,7 +40,7 @@ def ranking(suite: str, scores: Sequence[Score]) -> Table:
     ]
     return Table(
         suite,
-        f"Suite {suite}: controllers by objective, which is the mean gap in per cent plus {PRICE:g} for 100,000 "
+        f"Suite {suite}: controllers by objective, the mean gap in per cent plus {PRICE:g} for 100,000 "
         "evaluations; gaps are those at the end of the runs, means are over all runs",
         (
             "place", "controller", "runs", "mean gap", "evaluations", "objective", "feasible", "digest",

@@ -138,7 +138,7 @@ def refuse_contradictions(path: Path, manifest: Mapping[str, Any]) -> None:
     config = manifest["config"]
     for key in STATED_TWICE:
         top, below = manifest.get(key), config.get(key)
-        # No budget is null in the manifest and 0 among the options; a policy of one optimizer has no `also_on`.
+        # No budget is null in the manifest and 0 among the options; `also_on` may be left out.
         if key in config and (top or None) != (below or None):
             raise SubmissionError(
                 f"{path}: the manifest contradicts itself: {key} is {shown(top)}, but config.{key} is "

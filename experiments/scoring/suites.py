@@ -30,12 +30,14 @@ class ScoredSet:
 
     Attributes:
         name: key of the set, see `experiments.runs.groups`.
+        scenarios: names of the scenarios.
         runs: scenario and seed of every run, in order.
         first_seed: first seed of the first scenario.
         num_seeds: number of seeds of each scenario.
     """
 
     name: str
+    scenarios: tuple[str, ...]
     runs: tuple[tuple[str, int], ...]
     first_seed: int
     num_seeds: int
@@ -71,6 +73,7 @@ class ScoredSuite:
         return {
             name: ScoredSet(
                 name,
+                scenarios,
                 tuple((scenario, seed) for scenario in scenarios for seed in seeds[scenario]),
                 seeds[scenarios[0]].start,
                 self.suite.num_seeds,
@@ -93,8 +96,11 @@ class ScoredSuite:
         return [optimizer for optimizer in self.optimizers if optimizer in trained_on]
 
     def entrants_of(self, policy: str, manifest: dict[str, Any]) -> list[str]:
-        """Return the entrants of a policy, one for each fitting optimizer; those that observe it are told
-        the price.
+        """Return the entrants of a policy, one for each fitting optimizer.
+
+        Args:
+            policy: name of a packaged policy, such as `three-cases/0`, or path of a file.
+            manifest: manifest of the policy; if it observes the price, it is told `PRICE`.
         """
         price = f"@{PRICE:g}" if observes_price(manifest) else ""
         return [self.entrant(optimizer, f"{LEARNED}:{policy}{price}") for optimizer in self.fitting(manifest)]
@@ -111,7 +117,7 @@ class ScoredSuite:
 
     @cached_property
     def references(self) -> tuple[str, ...]:
-        """Entrants that are no policies: those of the study for no price or `PRICE`, and the policies' bases."""
+        """Entrants that are no policies: those of the study that have no training seed, and the bases."""
         bases = [
             self.entrant(optimizer, manifest["base"])
             for manifest in map(packaged_manifest, self.policies)
@@ -147,10 +153,12 @@ def get_scored(name: str) -> ScoredSuite:
 
 def _is_reference(name: str) -> bool:
     parts = ControllerName.parse(name)
-    return parts.family not in (LEARNED, BLINDED) and parts.price in (None, f"{PRICE:g}")
+    if parts.family in (LEARNED, BLINDED) or parts.seed is not None:
+        return False
+    return parts.price in (None, f"{PRICE:g}")
 
 
-def _scored(name: str, *recipes: str, num_seeds: int = 10, num_scenarios: int | None = None) -> ScoredSuite:
+def _scored(name: str, *recipes: str, num_seeds: int = 5, num_scenarios: int | None = None) -> ScoredSuite:
     """Return the scored part of a study's suite: the first scenarios and the first seeds."""
     whole = SUITES[name]
     part = replace(
