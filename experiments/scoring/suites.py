@@ -178,10 +178,10 @@ SCORED: dict[str, ScoredSuite] = {
         _scored("headline", "three-cases", "three-cases-linear", "three-cases-evolution", "three-cases-ppo"),
         _scored("single-cases", "case[123]"),
         _scored("ablation", "ablation-*"),
-        _scored("generalisation", "random-fields", num_seeds=1, num_scenarios=20),
+        _scored("generalisation", "random-fields", num_seeds=1, num_scenarios=10),
         _scored("newcomers", "three-cases-extended*", "three-cases-sourced*"),
-        _scored("newcomers-fields", "random-fields-*", num_seeds=1, num_scenarios=20),
-        _scored("dynamic", "dynamic*", num_seeds=2),
+        _scored("newcomers-fields", "random-fields-*", num_seeds=1, num_scenarios=10),
+        _scored("dynamic", "dynamic*", num_seeds=1),
         _scored("optimizers", "optimizers-*"),
         _scored("optimizers-cells", "optimizers-*"),
     )
