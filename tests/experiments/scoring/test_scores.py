@@ -12,7 +12,7 @@ from experiments.publish import DOCUMENTS
 from experiments.scores import compute
 from experiments.scoring.cases import StoredScores, make_case, packaged_cases
 from experiments.scoring.comparison import Verdict, overall
-from experiments.scoring.files import ScoreFileError, read_scores, scores_file
+from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, scores_file
 from experiments.scoring.ranking import ranking, ranking_block
 from experiments.scoring.score import Score
 from experiments.scoring.submission import digest_of
@@ -80,6 +80,12 @@ def test_the_document_ranks_the_stored_scores(monkeypatch):
     monkeypatch.chdir(ROOT)
     (document,) = DOCUMENTS["scores"]
     assert fill(document, Path("results")).text == document.path.read_text(encoding="utf-8"), AGAIN
+
+
+def test_the_document_explains_every_column_and_verdict():
+    page = (ROOT / "docs/scores.md").read_text(encoding="utf-8")
+    assert [name for name in COLUMNS if f"`{name}`" not in page] == []
+    assert [verdict.value for verdict in Verdict if f"| {verdict.value} |" not in page] == []
 
 
 def test_the_smallest_objective_is_first():
