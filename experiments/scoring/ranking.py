@@ -62,7 +62,7 @@ def suites_table() -> Table:
                 " ".join(f"{key}={value}" for key, value in sorted(suite.options.items())) or "none",
                 ", ".join(sets),
                 number(len(suite.scenarios), "d"),
-                f"{seeds[0]:,} to {seeds[-1]:,}",
+                f"{seeds[0]:,}" if len(seeds) == 1 else f"{seeds[0]:,} to {seeds[-1]:,}",
                 number(suite.num_seeds, "d"),
                 number(len(scored.policies), "d"),
                 number(len(scored.references), "d"),
