@@ -38,8 +38,8 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-gallery \
-    dist clean
+    benchmark benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-scores \
+    docs-gallery dist clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+%?:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -144,6 +144,10 @@ docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, a
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling
+
+docs-scores: $(INSTALLED) ## score the packaged controllers that scores/ lacks, and rank all in docs/scores.md
+	$(BIN)/python -m experiments.scores
+	$(BIN)/python -m experiments.publish scores
 
 docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
 	$(BIN)/python -m experiments.gallery

@@ -18,6 +18,8 @@ from experiments import catalogue
 from experiments.documents.blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
+from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
+from experiments.scoring.suites import SCORED
 from experiments.speed.measurement import Measurement
 from experiments.speed.page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.tables.document import Block, Document, ResultsFolder
@@ -87,6 +89,10 @@ PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
     **{name: partial(_measurements, name) for name in CAPTIONS},
 }
+RANKINGS: Mapping[str, Block] = {
+    SUITES_BLOCK: suites_block,
+    **{name: partial(ranking_block, name) for name in SCORED},
+}
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
@@ -96,6 +102,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
+    "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),
 }
 
 
@@ -109,7 +116,8 @@ class PublishConfig:
     """Folder that holds all results, by default results. The document moa takes results/docs/moa-paper."""
     evaluate: bool = False
     """First run the suite of each document, as `python -m experiments.evaluate` does, e.g. moa-paper for moa.
-    By default the results must be there. The documents results, study and scaling have no such suite."""
+    By default the results must be there. The documents results, study, scaling and scores have no such
+    suite."""
 
 
 def publish(name: str, results: Path) -> None:

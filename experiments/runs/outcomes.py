@@ -63,7 +63,7 @@ class Sample:
         Raises:
             ScenarioError: if the optimum of a scenario is unknown.
         """
-        _refuse_unknown(self.scenarios, self.optimum.ravel())
+        refuse_unknown_optima(self.scenarios, self.optimum.ravel())
         return gap_to_optimum(self.fitness, self.optimum)
 
     @property
@@ -150,13 +150,7 @@ class Outcomes:
 
         Unknown ones of grid maps are computed if that is quick.
         """
-        problems = [make_problem(name, **self.options) for name in self.scenarios]
-        found = np.array([known_optimum(problem) for problem in problems])
-        on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
-        unknown = np.flatnonzero(np.isnan(found) & on_grids)
-        if unknown.size:
-            found[unknown] = quick_optima([problems[number] for number in unknown])
-        return found
+        return optima_of(self.scenarios, self.options)
 
     @cached_property
     def gap(self) -> Floats:
@@ -165,7 +159,7 @@ class Outcomes:
         Raises:
             ScenarioError: if the optimum of a scenario is unknown.
         """
-        _refuse_unknown(self.scenarios, self.optima)
+        refuse_unknown_optima(self.scenarios, self.optima)
         return gap_to_optimum(self.fitness, self.optima[:, None])
 
     @cached_property
@@ -175,7 +169,7 @@ class Outcomes:
         Raises:
             ScenarioError: if the optimum of a scenario is unknown.
         """
-        _refuse_unknown(self.scenarios, self.optima)
+        refuse_unknown_optima(self.scenarios, self.optima)
         return np.array(
             [
                 [offline_errors(self.runs(controller, scenario), scenario) for scenario in self.scenarios]
@@ -203,7 +197,30 @@ class Outcomes:
         )
 
 
-def _refuse_unknown(scenarios: Sequence[str], optima: Floats) -> None:
+def optima_of(scenarios: Sequence[str], options: Mapping[str, Any]) -> Floats:
+    """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
+
+    Unknown ones of grid maps are computed if that is quick.
+
+    Args:
+        scenarios: names of the scenarios.
+        options: options of their environments.
+    """
+    problems = [make_problem(name, **options) for name in scenarios]
+    found = np.array([known_optimum(problem) for problem in problems])
+    on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
+    unknown = np.flatnonzero(np.isnan(found) & on_grids)
+    if unknown.size:
+        found[unknown] = quick_optima([problems[number] for number in unknown])
+    return found
+
+
+def refuse_unknown_optima(scenarios: Sequence[str], optima: Floats) -> None:
+    """Raise an error if an optimum is unknown.
+
+    Raises:
+        ScenarioError: naming the first of these scenarios.
+    """
     unknown = [name for name, optimum in zip(scenarios, optima, strict=True) if np.isnan(optimum)]
     if unknown:
         raise ScenarioError(

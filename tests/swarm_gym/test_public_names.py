@@ -231,7 +231,7 @@ FIGURE_NAMES = (
 )  # fmt: skip
 DOCUMENT_NAMES = (
     "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
-    "adapters", "optimizers",
+    "adapters", "optimizers", "scores",
 )  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),
@@ -286,6 +286,8 @@ COMMANDS = {
     "experiments.gallery": (),
     "experiments.publish": ("--evaluate", "--results", "documents"),
     "experiments.readings": ("--case", "--controllers", "--output", "--seeds"),
+    "experiments.scores": ("--address", "--backend", "--jobs", "--output", "suites"),
+    "experiments.verify": ("--claim", "--output", "--scores", "--suite", "files"),
     "experiments.sensitivity": ("--output", "--policy", "--scenarios", "--seeds", "--threads"),
     "experiments.video": (
         "--controller", "--fps", "--height", "--iterations", "--output", "--scenario", "--seed",

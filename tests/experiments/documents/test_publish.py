@@ -144,6 +144,7 @@ def test_documents_are_published_by_name():
         "optimizers",
         "planners",
         "scaling",
+        "scores",
     ]
     for documents in DOCUMENTS.values():
         for document in documents:

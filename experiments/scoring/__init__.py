@@ -1,0 +1,1 @@
+"""Scores that one can check: suites with few seeds, rows of scores, submissions and claims."""

@@ -1,0 +1,136 @@
+"""The stored scores: complete, of the files that ship, ranked in the document, the same when run again."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from agents.backends.local import LocalBackend
+from experiments import scores as command
+from experiments.documents.blocks import fill
+from experiments.publish import DOCUMENTS
+from experiments.scores import compute
+from experiments.scoring.cases import StoredScores, make_case, packaged_cases
+from experiments.scoring.comparison import Verdict, overall
+from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, scores_file
+from experiments.scoring.ranking import ranking, ranking_block
+from experiments.scoring.score import Score
+from experiments.scoring.submission import digest_of
+from experiments.scoring.suites import SCORED
+from helpers.stored_runs import cells_of
+from swarm_gym.controllers.learned.policy_file import packaged_policies
+
+ROOT = Path(__file__).parents[3]
+SCORES = ROOT / "scores"
+HOLD = (Verdict.EQUAL, Verdict.CLOSE)
+AGAIN = "run `make docs-scores`"
+
+
+def small(name, controllers, recipes=()):
+    """Return a scored suite of one scenario, one seed and these controllers, beside policies of recipes."""
+    suite = dataclasses.replace(
+        SCORED[name].suite, controllers=controllers, scenarios=("case1",), num_seeds=1
+    )
+    return dataclasses.replace(SCORED[name], suite=suite, recipes=recipes)
+
+
+def made_up(controller, gap, evaluations, num_runs=2):
+    runs = ((1.0,) * num_runs, (int(evaluations),) * num_runs)
+    return Score(controller, "e", "s", 0, num_runs, gap, evaluations, 1.0, "ab" * 32, "", *runs)
+
+
+def test_every_packaged_policy_is_scored():
+    scored = {policy for suite in SCORED.values() for policy in suite.policies}
+    assert set(packaged_policies()) - scored == set(), "no pattern in experiments/scoring/suites.py fits"
+
+
+@pytest.mark.parametrize("name", SCORED)
+def test_every_controller_that_ships_has_its_rows_with_its_digest(name):
+    suite, rows = SCORED[name], read_scores(scores_file(SCORES, name))
+    found = {(row.controller, row.scenario_set): row.digest for row in rows}
+    expected = {(one, chosen): digest_of(one, suite) for one in suite.entrants for chosen in suite.sets}
+    assert found == expected, AGAIN
+    assert len(rows) == len(found)
+
+
+def test_stored_rows_are_claims_of_the_suites_as_they_are():
+    cases = packaged_cases([*SCORED.values()], StoredScores(SCORES))
+    assert len(cases) >= len(packaged_policies())
+    assert {path.name for path in SCORES.iterdir()} == {f"{name}.csv" for name in SCORED}
+
+
+@pytest.mark.parametrize(
+    ("name", "suite"), [("learned:case1/0", "single-cases"), ("glowworm+fixed:20", "optimizers-cells")]
+)
+def test_stored_scores_hold(name, suite):
+    case = make_case(name, SCORED[suite], None, StoredScores(SCORES))
+    assert case.claimed
+    assert overall(case.verify()) in HOLD
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suite", SCORED)
+def test_the_scores_of_every_policy_hold(suite):
+    cases = packaged_cases([SCORED[suite]], StoredScores(SCORES))
+    compared = [one for case in cases for one in case.verify()]
+    assert [one.difference for one in compared if one.verdict not in HOLD] == []
+
+
+def test_the_document_ranks_the_stored_scores(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    (document,) = DOCUMENTS["scores"]
+    assert fill(document, Path("results")).text == document.path.read_text(encoding="utf-8"), AGAIN
+
+
+def test_the_document_explains_every_column_and_verdict():
+    page = (ROOT / "docs/scores.md").read_text(encoding="utf-8")
+    assert [name for name in COLUMNS if f"`{name}`" not in page] == []
+    assert [verdict.value for verdict in Verdict if f"| {verdict.value} |" not in page] == []
+
+
+def test_the_smallest_objective_is_first():
+    rows = [
+        made_up("costly", 0.01, 300_000.0),
+        made_up("far", 0.03, 50_000.0),
+        made_up("first", 0.01, 50_000.0),
+        dataclasses.replace(made_up("first", 0.02, 150_000.0), scenario_set="t"),
+    ]
+    found = cells_of([ranking("headline", rows)], "headline")
+    assert [row["controller"] for row in found] == ["first", "far", "costly"]
+    assert [row["objective"] for row in found] == ["2.500", "3.500", "4.000"]
+    assert (found[0]["place"], found[0]["runs"], found[0]["digest"]) == ("1", "4", "abababab")
+    assert found[0]["mean gap"] == "1.50 %"
+
+
+def test_a_ranking_of_incomplete_scores_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    compute(small("headline", ("fixed:20",)), tmp_path / "scores/headline.csv", LocalBackend(1))
+    with pytest.raises(ScoreFileError, match=r"headline\.csv: lacks \d+ controllers, such as .*experiments"):
+        ranking_block("headline", None)
+
+
+def test_rows_that_are_right_stay_and_others_are_computed(tmp_path, monkeypatch):
+    suite, path = small("headline", ("fixed:20", "fixed:30"), ("three-cases-ppo",)), tmp_path / "scores.csv"
+    monkeypatch.setitem(SCORED, "headline", suite)
+    ran = []
+
+    def counted(name, *arguments):
+        ran.append(name)
+        if len(ran) == 3:
+            raise KeyboardInterrupt
+        return score(name, *arguments)
+
+    score = command.score
+    monkeypatch.setattr(command, "score", counted)
+    with pytest.raises(KeyboardInterrupt):
+        compute(suite, path, LocalBackend(1))
+    assert [row.controller for row in read_scores(path)] == ["fixed:20", "fixed:30"]
+    assert compute(suite, path, LocalBackend(1)) == 3
+    assert ran == ["fixed:20", "fixed:30", *["learned:three-cases-ppo/0"] * 2]
+    content = path.read_text()
+    assert compute(suite, path, LocalBackend(1)) == 3
+    path.write_text(content.replace(digest_of("learned:three-cases-ppo/0", suite), "0" * 64))
+    assert compute(suite, path, LocalBackend(1)) == 3
+    assert ran[4:] == ["learned:three-cases-ppo/0"]
+    assert path.read_text() == content
+    assert compute(small("headline", ("fixed:30",)), path, LocalBackend(1)) == 1
