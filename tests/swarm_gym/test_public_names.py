@@ -214,7 +214,7 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
-    "adapters", "optimizers", "optimizers-cells",
+    "adapters", "optimizers", "optimizers-cells", "bbob",
 )  # fmt: skip
 COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study", "optimizers-study",
@@ -225,6 +225,7 @@ TABLE_NAMES = (
     "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "robots", "brand-yu-counts",
     "brand-yu-grids", "corridors", "claims",
     "newcomers-optimizers", "optimizers", "gains", "budgets", "areas",
+    "bbob-groups", "bbob-rules",
 )  # fmt: skip
 FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
@@ -233,7 +234,7 @@ FIGURE_NAMES = (
 )  # fmt: skip
 DOCUMENT_NAMES = (
     "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
-    "adapters", "optimizers",
+    "adapters", "optimizers", "bbob",
 )  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),
