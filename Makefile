@@ -141,7 +141,7 @@ docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
 	$(BIN)/python -m experiments.gallery
 
-docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
+docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate
 
 clean: ## delete environments, caches and results (not trained policies)
