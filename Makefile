@@ -38,7 +38,8 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers benchmark-scaling docs-results docs-study docs-planners docs-scaling docs-gallery clean
+    benchmark benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-gallery \
+    dist clean
 
 help: ## show this list
 	@grep -E '^[a-z-]+%?:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "%-16s %s\n", $$1, $$2}'
@@ -120,6 +121,12 @@ benchmark-peers: .venv-peers/.installed ## measure other libraries beside it, in
 benchmark-scaling: $(INSTALLED) ## measure what Ray adds on logical nodes, and predict clusters: results/scaling (15 minutes)
 	$(BIN)/python -m experiments.scaling
 
+docs: $(INSTALLED) ## build the documentation site in build/docs, run its notebooks and check its links (some minutes)
+	rm -rf build/docs
+	$(BIN)/python -m swarm_gym.warm_up
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs
+	$(BIN)/python -m experiments.site.check_links build/docs
+
 docs-results: $(INSTALLED) benchmark-peers benchmark ## regenerate what README.md and docs/performance.md show (15 minutes)
 	$(BIN)/python -m experiments.evaluate --suite paper --seeds 1000 --output results/docs
 	$(BIN)/python -m experiments.publish results
@@ -144,7 +151,12 @@ docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on eve
 docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate
 
+dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and check their metadata
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
+
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build results .pytest_cache .mypy_cache .ruff_cache \
-	    .hypothesis .import_linter_cache *.egg-info
+	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build dist results .pytest_cache .mypy_cache .ruff_cache \
+	    .hypothesis .import_linter_cache *.egg-info docs/environments docs/reference docs/contributing.md docs/changelog.md
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

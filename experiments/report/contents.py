@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from tqdm import tqdm
 
 from experiments.documents.page import command_of, describe_provenance, make_tables
+from experiments.playground.page import playground_for
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
 from experiments.report.drawn import Drawn, draw_all
@@ -24,7 +25,7 @@ from experiments.tables.cell import Entry, number
 from swarm_gym.errors import ScenarioError
 
 MOST_RUNS = 3000  # runs that are listed one by one
-REPLAYED_SCENARIOS = 3  # first scenarios of a suite, on which runs are replayed by default
+REPLAYED_SCENARIOS = 3  # first scenarios of a suite, on which runs are replayed by default and swarms steered
 
 
 class Gaps(NamedTuple):
@@ -85,6 +86,7 @@ def make_report(request: Request, results: Results) -> Report:
         notices=[*notices, *without, *not_drawn, *not_replayed],
         sections=_sections(part, tables, figures),
         replays=replays,
+        playground=playground_for(part.scenarios[:REPLAYED_SCENARIOS], part.optimizer, part.options),
         runs=runs,
         facts=_facts(part, made_with),
         commands=_commands(request, part, made_with),

@@ -11,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import swarm_gym
+from experiments.playground.page import Playground
 from experiments.report.drawn import Drawn
 from experiments.tables.cell import Cell, Entry
 from experiments.tables.table import Table, text_columns
@@ -49,6 +50,7 @@ class Report:
         notices: sentences about missing or different results.
         sections: sections in their order; replays follow the first one.
         replays: maps and replays packed by `replay.pack`, by scenario and seed.
+        playground: playground on the suite's maps; None if its port cannot run on them.
         runs: table of all runs; None if there are too many.
         facts: names and values of facts about the runs.
         commands: commands that make the runs and the report again.
@@ -60,6 +62,7 @@ class Report:
     notices: Sequence[str] = ()
     sections: Sequence[Section] = ()
     replays: Sequence[dict[str, Any]] = ()
+    playground: Playground | None = None
     runs: Table | None = None
     facts: Sequence[tuple[str, str]] = ()
     commands: Sequence[str] = ()
@@ -83,6 +86,7 @@ def to_html(report: Report) -> str:
         notices=report.notices,
         sections=report.sections,
         replays=_json(report.replays) if report.replays else "",
+        playground=report.playground,
         runs=report.runs,
         facts=report.facts,
         commands=report.commands,

@@ -110,6 +110,7 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
 
 
 def _tuned(argument: str, limits: SizeLimits) -> Controller:
+    """Return the controller whose parameters were tuned, a schedule or a rule, from its file."""
     return _in_file(f"tuned {argument}", load_tuned(argument), limits)
 
 

@@ -297,11 +297,13 @@ COMMANDS = {
     "experiments.with_ray_tune": (
         "--address", "--jobs", "--preset", "--rungs", "--runs", "--seed", "--total-steps", "--trials",
     ),
+    "experiments.playground": ("--scenarios", "output"),
     "experiments.report": ("--figures", "--output", "--replays", "--suite", "database"),
     "experiments.scaling": (
         "--nodes", "--output", "--sample", "--seconds", "--training-steps", "--units",
         "--units-per-worker",
     ),
+    "experiments.site.check_links": (),
     "swarm_gym.warm_up": (),
     "swarm_gym.scenarios.download": ("--force", "names"),
     "swarm_gym.reference.waypoint_optimum": (

@@ -9,7 +9,10 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[3]
-DOCUMENTS = ["README.md", *(str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("docs/**/*.md")))]
+# Pages that `make docs` writes, which have a check of their own.
+GENERATED = ("docs/environments/", "docs/reference/", "docs/contributing.md", "docs/changelog.md")
+PAGES = [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/**/*.md"))]
+DOCUMENTS = ["README.md", *(page for page in PAGES if not page.startswith(GENERATED))]
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)

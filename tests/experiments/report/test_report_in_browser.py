@@ -10,7 +10,6 @@ import io
 import json
 import os
 import re
-import shutil
 import sqlite3
 from pathlib import Path
 
@@ -23,31 +22,19 @@ from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.recording import record
 from experiments.runs.database import Results
+from helpers.browsers import DESKTOP, PHONE, chromium, lightness, opener, wider_than
 from helpers.reports import SUITE
 from helpers.stored_runs import make_database
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright, of the extra dev")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-ARGUMENTS = (
-    "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--no-first-run", "--force-color-profile=srgb", "--hide-scrollbars",
-)  # fmt: skip
 SCREENSHOTS = Path(__file__).parent / "screenshots"
-PHONE, DESKTOP = {"width": 390, "height": 844}, {"width": 1280, "height": 900}
 
 
 @pytest.fixture(scope="module")
 def browser():
-    with sync_api.sync_playwright() as playwright:
-        own = playwright.chromium.executable_path
-        found = next(filter(None, map(shutil.which, NAMES)), own if Path(own).exists() else None)
-        if found is None:
-            pytest.skip("no Chromium is installed; see `make browser`")
-        launched = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+    with chromium() as launched:
         yield launched
-        launched.close()
 
 
 @pytest.fixture(scope="module")
@@ -65,25 +52,15 @@ def report(database):
 @pytest.fixture
 def open_page(browser):
     """Opens a file; what the console says and what is asked of a network is kept on the page."""
-    contexts = []
+    with opener(browser) as open_any:
 
-    def opened(path, viewport=DESKTOP, color_scheme="light"):
-        context = browser.new_context(viewport=viewport, color_scheme=color_scheme, reduced_motion="reduce")
-        contexts.append(context)
-        page = context.new_page()
-        page.set_default_timeout(10_000)
-        page.complaints, page.requests = [], []
-        page.on("console", lambda message: page.complaints.append(message.text))
-        page.on("pageerror", lambda error: page.complaints.append(str(error)))
-        page.on("request", lambda request: page.requests.append(request.url))
-        page.goto(path.as_uri())
-        if page.locator(".player").count():
-            page.wait_for_selector(".player[data-ready]")
-        return page
+        def opened(*asked, **options):
+            page = open_any(*asked, **options)
+            if page.locator(".player").count():
+                page.wait_for_selector(".player[data-ready]")
+            return page
 
-    yield opened
-    for context in contexts:
-        context.close()
+        yield opened
 
 
 @pytest.fixture
@@ -168,7 +145,7 @@ def test_the_player_steps_and_seeks_by_mouse_and_by_keyboard(page):
     assert slider.get_attribute("aria-valuetext") == "iteration 7 of 12"
     for state in page.locator(".state").all_text_contents():
         assert state.startswith("Iteration 7: ")
-    assert "Iteration 7: " in page.get_by_role("status").text_content()
+    assert "Iteration 7: " in page.locator(".player").get_by_role("status").text_content()
     assert page.complaints == []
 
 
@@ -195,6 +172,7 @@ def test_courses_have_a_line_where_the_map_changes(tmp_path, open_page, monkeypa
     report = write_report(ReportConfig(make_database(tmp_path / "changing.sqlite", changing), figures=False))
     page = open_page(report)
     assert page.complaints == []
+    assert page.locator(".playground").count() == 0  # its port has no maps that change
     lines = [line.get_attribute("d") for line in page.locator(".courses .event").all()]
     assert len(set(lines)) == 1
     # The gate follows the fifth of twelve iterations; charts are 200 wide with a margin of 6.
@@ -253,17 +231,7 @@ def test_two_controllers_and_other_scenarios_can_be_chosen(page):
 def test_nothing_is_wider_than_the_screen(report, open_page, viewport, color_scheme):
     page = open_page(report, viewport, color_scheme)
     assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
-    outside = """width => [...document.querySelectorAll("body *")].filter((e) =>
-        !e.closest(".scroll, pre, svg, .news, .skip") && e.getBoundingClientRect().right > width + 0.5
-    ).map((e) => e.outerHTML.slice(0, 80))"""
-    assert page.evaluate(outside, viewport["width"]) == []
-
-
-def lightness(page):
-    red, green, blue = page.evaluate(
-        "getComputedStyle(document.body).backgroundColor.match(/[0-9.]+/g).slice(0, 3).map(Number)"
-    )
-    return (red + green + blue) / 3
+    assert wider_than(page, viewport["width"]) == []
 
 
 def test_colours_are_the_systems_until_others_are_chosen(report, open_page):
@@ -366,6 +334,18 @@ def test_the_report_of_the_papers_suite_is_small_and_opens_at_once(tmp_path, ope
         page = open_page(report)
         taken.append(page.evaluate("performance.now()"))
     assert min(taken) < 2000.0, f"the page took {min(taken):.0f} ms to open"
+
+
+def test_a_reader_can_steer_a_swarm_on_the_suites_maps(page):
+    playground = page.locator(".playground")
+    maps = playground.get_by_label("Map").locator("option").all_text_contents()
+    assert maps == list(SUITE.scenarios)
+    playground.get_by_role("button", name="Step").click()
+    page.wait_for_function("document.querySelector('.playground').dataset.iteration === '1'")
+    assert playground.get_by_role("status").text_content().startswith("Iteration 1 of 12. ")
+    page.get_by_role("link", name="Playground").click()
+    assert page.get_by_role("heading", name="Steer a swarm by hand").is_visible()
+    assert page.complaints == []
 
 
 def test_a_replay_without_a_rival_has_one_side(database, tmp_path, open_page, monkeypatch):

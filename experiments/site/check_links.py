@@ -1,0 +1,119 @@
+"""Check all internal links of a built site: `python -m experiments.site.check_links FOLDER`.
+
+A link leads to a file of the site, and its anchor to an element of that page with this id. The command prints
+how many links it checked, and every broken one.
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from swarm_gym.command import command
+
+# By element, the attributes that name a file.
+LINKS = {
+    "a": ("href",), "area": ("href",), "link": ("href",), "img": ("src",), "script": ("src",),
+    "iframe": ("src",), "source": ("src",), "video": ("src", "poster"), "object": ("data",),
+}  # fmt: skip
+
+
+class BrokenLinksError(ValueError):
+    """A built site with broken links; the message lists them."""
+
+
+@dataclass
+class Page:
+    """The links of a page, and the anchors that others can lead to.
+
+    Attributes:
+        links: targets as they stand in the page.
+        anchors: ids of elements, and names of `a` elements.
+    """
+
+    links: list[str] = field(default_factory=list)
+    anchors: set[str] = field(default_factory=set)
+
+
+class _Reader(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.page = Page()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.page.links += [given[name] for name in LINKS.get(tag, ()) if given.get(name)]
+        self.page.anchors |= {given[name] for name in ("id", "name") if given.get(name)}
+
+
+def read_page(text: str) -> Page:
+    """Return the links and anchors of an HTML page."""
+    reader = _Reader()
+    reader.feed(text)
+    reader.close()
+    return reader.page
+
+
+def check_links(site: Path) -> int:
+    """Return the number of internal links of a site, all of which lead somewhere.
+
+    Raises:
+        BrokenLinksError: if some do not, or there is no page.
+    """
+    pages = {
+        path.resolve(): read_page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))
+    }
+    if not pages:
+        raise BrokenLinksError(f"{site}: expected a built site, found no HTML page; run `make docs`")
+    number, broken = 0, []
+    for path, page in pages.items():
+        for link in page.links:
+            if not _is_internal(link):
+                continue
+            number += 1
+            broken += [
+                f"{path.relative_to(site.resolve())}: {fault}" for fault in _faults(link, path, pages, site)
+            ]
+    if broken:
+        listed = "\n".join(dict.fromkeys(broken))
+        raise BrokenLinksError(f"{len(broken)} of {number} internal links are broken:\n{listed}")
+    return number
+
+
+def _is_internal(link: str) -> bool:
+    parts = urlsplit(link)
+    return not parts.scheme and not parts.netloc
+
+
+def _faults(link: str, path: Path, pages: dict[Path, Page], site: Path) -> Iterator[str]:
+    """Yield what is wrong with a link of the page at a path."""
+    parts = urlsplit(link)
+    target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+    if target.is_dir():
+        target /= "index.html"
+    if not target.is_relative_to(site.resolve()):
+        yield f"{link} leads out of the site"
+    elif not target.is_file():
+        yield f"{link} leads to no file"
+    elif parts.fragment and target in pages and not _has(pages[target], parts.fragment):
+        yield f"{link} leads to no element of that page"
+
+
+def _has(page: Page, fragment: str) -> bool:
+    return fragment in page.anchors or unquote(fragment) in page.anchors
+
+
+def main() -> None:
+    """Check the site in the folder that the command line names."""
+    if len(sys.argv) != 2:
+        sys.exit("usage: python -m experiments.site.check_links FOLDER")
+    with command(BrokenLinksError):
+        number = check_links(Path(sys.argv[1]))
+        pages = len(list(Path(sys.argv[1]).rglob("*.html")))
+    print(f"{number:,} internal links of {pages} pages lead somewhere")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""Docstrings for Sphinx: the Markdown that they are written in becomes reStructuredText.
+
+Sphinx reads docstrings as reStructuredText. Those of this project have inline code in single backticks,
+tables with bars and indented examples, which mean something else there.
+"""
+
+import re
+from collections.abc import Iterator
+
+_CODE = re.compile(r"(?<![`:\w])`([^`\n]+)`(?![`_])")
+_NAME = re.compile(r"(?:swarm_gym|agents|experiments)(?:\.\w+)+")
+_SECTION = re.compile(r"^(Args|Attributes|Raises|Returns|Yields):$")
+_ITEM = re.compile(r"^ *([*-]|\d+\.) ")
+
+
+def to_restructured_text(lines: list[str]) -> list[str]:
+    """Return the lines of a docstring as reStructuredText, for the extension napoleon.
+
+    Inline code becomes a literal, or a reference if it is a full name of this project. Tables become
+    `list-table` directives, and indented paragraphs outside of sections and lists become code blocks.
+    """
+    out: list[str] = []
+    in_section, previous = False, ""
+    blocks = _blocks([line.replace("\t", "    ") for line in lines])
+    for block in blocks:
+        first = block[0]
+        if not first.startswith(" "):
+            in_section = bool(_SECTION.match(first))
+        if first.lstrip().startswith("|"):
+            out += _table(block)
+        elif first.startswith("    ") and not in_section and not _ITEM.match(previous):
+            out += [".. code-block:: python", "", *block]
+        else:
+            out += [_inline(line) for line in block]
+        out.append("")
+        previous = first
+    return out
+
+
+def _blocks(lines: list[str]) -> Iterator[list[str]]:
+    """Yield the paragraphs, tables and examples of a docstring, without the empty lines between them."""
+    block: list[str] = []
+    for line in lines:
+        is_row = line.lstrip().startswith("|")
+        if block and (not line.strip() or is_row != block[-1].lstrip().startswith("|")):
+            yield block
+            block = []
+        if line.strip():
+            block.append(line)
+    if block:
+        yield block
+
+
+def _table(rows: list[str]) -> list[str]:
+    """Return a Markdown table, whose second row is a line, as a directive."""
+    indent = rows[0][: len(rows[0]) - len(rows[0].lstrip())]
+    lines = [".. list-table::", "   :header-rows: 1", ""]
+    for row in (rows[0], *rows[2:]):
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", row.strip().strip("|"))]
+        for number, cell in enumerate(cells):
+            lines.append(f"   {'* -' if number == 0 else '  -'} {_inline(cell)}".rstrip())
+    return [indent + line if line else line for line in lines]
+
+
+def _inline(line: str) -> str:
+    return _CODE.sub(lambda found: _literal(found[1]), line)
+
+
+def _literal(text: str) -> str:
+    return f":py:obj:`{text}`" if _NAME.fullmatch(text) else f"``{text}``"
