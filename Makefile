@@ -152,7 +152,7 @@ docs-scores: $(INSTALLED) ## score the packaged controllers that scores/ lacks, 
 docs-gallery: $(INSTALLED) ## regenerate docs/gallery.md, every optimizer on every kind of map
 	$(BIN)/python -m experiments.gallery
 
-docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
+docs-%: $(INSTALLED) ## run the suites of a document and fill it: docs-adapters, docs-bbob, docs-moa, docs-iafsa (15 minutes), docs-brand-yu, docs-dynamic, docs-newcomers, docs-optimizers
 	$(BIN)/python -m experiments.publish $* --evaluate
 
 dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and check their metadata

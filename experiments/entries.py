@@ -16,13 +16,17 @@ from experiments.runs.database import Results, ResultsError
 from experiments.runs.entries import EntryError
 from swarm_gym.command import command
 
+# Columns of `list`; names come last, since they can be long.
+ROW = "{:8}  {:>9}  {:>9}  {:10}  {}"
+HEAD = ROW.format("digest", "runs", "scenarios", "commits", "name")
+
 File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
 Name = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME")]
 
 
 @dataclass(frozen=True)
 class List:
-    """Show the entries of a database: digest, number of runs and scenarios, commits, name."""
+    """Show the entries of a database as a table: digest, runs, scenarios, commits, name."""
 
     database: File
     """Results database, e.g. results/paper.sqlite."""
@@ -71,7 +75,7 @@ def carry_out(config: List | Rename | Drop | Merge) -> list[str]:
         results = Results.stored(config.database)
         found = entries.entries_of(results.connection)
         results.close()
-        return [_line(entry) for entry in found] or [f"{config.database} has no runs"]
+        return [HEAD, *map(_line, found)] if found else [f"{config.database} has no runs"]
     if not config.database.is_file():
         raise ResultsError(f"{config.database}: there is no such results database")
     other = Results.stored(config.other) if isinstance(config, Merge) else None
@@ -93,10 +97,8 @@ def carry_out(config: List | Rename | Drop | Merge) -> list[str]:
 
 
 def _line(entry: entries.Entry) -> str:
-    return (
-        f"{entry.digest or '-':8} {entry.num_runs:7,} runs on {entry.num_scenarios} scenarios, commit "
-        f"{', '.join(entry.commits)}: {entry.name}"
-    )
+    runs, scenarios = f"{entry.num_runs:,}", f"{entry.num_scenarios:,}"
+    return ROW.format(entry.digest or "-", runs, scenarios, ", ".join(entry.commits), entry.name)
 
 
 def main() -> None:

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.ioh_problem import IohProblem
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem, WalkProblem, problem_of_function
 from swarm_gym.problem.grid.problem import MAX_POINTS
 from swarm_gym.scenarios import (
     BbobScenario,
     FunctionScenario,
     GridScenario,
+    IohScenario,
     Scenario,
     StaticScenario,
     rasterised,
@@ -36,6 +38,10 @@ def _function_problem(settings: Any, scenario: FunctionScenario) -> Problem:  # 
     return problem_of_function(scenario)
 
 
+def _ioh_problem(settings: Any, scenario: IohScenario) -> Problem:  # noqa: ARG001
+    return IohProblem(scenario)
+
+
 class Kind(NamedTuple):
     """A kind of scenario: the class, and what the settings do with it.
 
@@ -44,12 +50,14 @@ class Kind(NamedTuple):
         problem: function of `Settings` and a scenario that makes its problem.
         options: options that have an effect on such scenarios, by encoding.
         sourced: encodings whose decision vectors are whole paths, which can come from every source.
+        calls_python: whether Python code evaluates decision vectors, which no compiled optimizer can call.
     """
 
     name: str
     problem: Callable[[Any, Any], Problem]
     options: dict[str, tuple[str, ...]]
     sourced: tuple[str, ...] = ()
+    calls_python: bool = False
 
 
 KINDS: dict[type, Kind] = {
@@ -72,8 +80,9 @@ KINDS: dict[type, Kind] = {
         },
         sourced=("waypoints", "bezier"),
     ),
-    # Before the test functions, which it is a subclass of: its problem tables are others.
+    # Before the test functions, which they are subclasses of: their problem tables are others.
     BbobScenario: Kind("BBOB functions", _function_problem, {"waypoints": ()}),
+    IohScenario: Kind("functions of ioh", _ioh_problem, {"waypoints": ()}, calls_python=True),
     FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
 }
 ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))

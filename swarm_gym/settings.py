@@ -131,6 +131,7 @@ class Settings:
         settings = cls(**values, knobs=parameters)
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings._refuse_unused(options)
+        settings._refuse_compiled(optimizer)
         return settings
 
     @cached_property
@@ -242,6 +243,18 @@ class Settings:
                 raise SettingError(
                     f"option {name!r} has no effect with encoding {self.encoding!r}; remove it"
                 )
+
+    def _refuse_compiled(self, optimizer: type[Optimizer]) -> None:
+        """Raise an error if Python code evaluates the scenario, and the optimizer is compiled."""
+        scenario = self.worlds[0].scenario
+        kind = kind_of(scenario)
+        if kind.calls_python and not getattr(optimizer, "calls_python", False):
+            raise SettingError(
+                f"scenario {scenario.name!r}: optimizer {optimizer.name!r} is compiled and cannot call "
+                f"{kind.name}, which Python evaluates; choose an optimizer of swarm_gym.adapters, such as "
+                f"swarm_gym.adapters.pymoo:ParticleSwarm, or a function that is compiled, too, such as "
+                f"function:bbob-8-5-1"
+            )
 
     def draw_price(self, generator: np.random.Generator) -> float:
         """Draw the price of an episode."""

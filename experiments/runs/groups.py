@@ -4,7 +4,8 @@ Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... form one group
 `learned:three-cases/*`, or `learned:three-cases/*@0.3` with a price. Any other controller is a group of its
 own, under its own name. Scenarios `random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set,
 `random-fields:test`. Events of one kind at several times are a set, too: `dynamic:case1-gate@20` is of
-`dynamic:case1-gate`, with or without a robot that drives. Any other scenario is a set of its own.
+`dynamic:case1-gate`, with or without a robot that drives. The instances of a BBOB function in one dimension
+are a set, `function:bbob-8-5`. Any other scenario is a set of its own.
 """
 
 import re
@@ -31,8 +32,9 @@ def group_controllers(controllers: Iterable[str]) -> dict[str, tuple[str, ...]]:
 
 def set_key(scenario: str) -> str:
     """Return the key of the set that a scenario is drawn from."""
-    member = re.fullmatch(r"(.+):[0-9]+|(dynamic:.+?-[a-z]+)@[0-9]+(-drive@.+)?", scenario)
-    return scenario if member is None else member[1] or member[2] + (member[3] or "")
+    pattern = r"(.+):[0-9]+|(function:bbob-[0-9]+-[0-9]+)-[0-9]+|(dynamic:.+?-[a-z]+)@[0-9]+(-drive@.+)?"
+    member = re.fullmatch(pattern, scenario)
+    return scenario if member is None else member[1] or member[2] or member[3] + (member[4] or "")
 
 
 def scenario_sets(scenarios: Iterable[str]) -> dict[str, tuple[str, ...]]:

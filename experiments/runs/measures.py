@@ -13,6 +13,7 @@ from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 
 NEAR = 0.01  # gap up to which a run counts as close to the optimum
+LEAST_PRECISION = -8  # decimal logarithm of the least distance to the optimum that is told apart from 0
 
 
 class Measure(NamedTuple):
@@ -28,6 +29,11 @@ class Measure(NamedTuple):
     of: Callable[[Sample, float], Floats]
     said: str
     form: str = ".2f"
+
+
+def log_precision(gaps: Floats) -> Floats:
+    """Return the decimal logarithms of distances to an optimum of 0, which are at least `LEAST_PRECISION`."""
+    return np.log10(np.maximum(gaps, 10.0**LEAST_PRECISION))
 
 
 def _spread(sample: Sample) -> Floats:
@@ -79,6 +85,10 @@ MEASURES: dict[str, Measure] = {
         "spread is the mean distance of a gap from the median of its scenario, in per cent",
     ),
     "fitness": Measure(lambda sample, _: sample.fitness, "fitness is the best of the run", ".3g"),
+    "log precision": Measure(
+        lambda sample, _: log_precision(sample.gap),
+        f"log precision is the decimal logarithm of the distance to the optimum, at least {LEAST_PRECISION}",
+    ),
     "length": Measure(
         # The fitness of a feasible path is its length.
         lambda sample, _: np.where(sample.feasible, sample.fitness, np.nan),

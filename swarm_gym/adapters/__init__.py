@@ -12,6 +12,9 @@ of own code, `module:Class`:
 | `swarm_gym.adapters.pymoo` | `Genetic`, `ParticleSwarm` | `adapters` |
 | `swarm_gym.adapters.niapy` | `ParticleSwarm`, `Firefly` | `adapters` |
 
+They also run on functions of the package `ioh`, which compiled optimizers cannot call: the scenarios
+`ioh:<suite>-<function>-<dimension>-<instance>`, see `swarm_gym.scenarios.ioh_scenario`.
+
 `swarm_gym.adapters.dacbench` goes the other way: it is a benchmark of DACBench, of any optimizer here.
 
 docs/adapters.md shows how to add an algorithm of these libraries, and how to adapt another library.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.adapters.swarm_view import BudgetSpentError, SwarmView
+from swarm_gym.ioh_problem import IohTable
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameters, declared_parameters
@@ -36,10 +37,14 @@ class LibraryOptimizer(Optimizer):
     the box that the population spans (eq. 12), and the worst collisions are deleted first. An iteration that
     the evaluation budget cuts short leaves the members as they were; its evaluations count for the best path.
     After an event on the map, the library has seen none of the members, which begin anew.
+
+    Attributes:
+        calls_python: True: Python code may evaluate its decision vectors, such as a function of `ioh`.
     """
 
     name = "library"
     parameter_class: ClassVar[type] = NoParameters
+    calls_python: ClassVar[bool] = True
     # They are registered for the class of parameters, as of any optimizer, but never compiled for it.
     kernels = Firefly.kernels
 
@@ -80,7 +85,9 @@ class LibraryOptimizer(Optimizer):
     ) -> None:
         """Begin the chosen swarms with first populations of these sizes, (B,), drawn or given."""
         swarms.registers[chosen, KNOWN] = 0
-        Firefly.initialise(swarms, tables, chosen, sizes, mean_weight, given)
+        Firefly.initialise(swarms, _drawing(tables), chosen, sizes, mean_weight, given)
+        for row in np.flatnonzero(chosen).tolist():
+            SwarmView(swarms, tables, row, 0, 0.0).evaluate_drawn()
 
     @classmethod
     def step(
@@ -103,6 +110,7 @@ class LibraryOptimizer(Optimizer):
         for row in rows:
             known = int(swarms.registers[row, KNOWN])
             swarm = SwarmView(swarms, tables, row, known, float(repair_degrees[row]))
+            swarm.evaluate_drawn(arrived=True)
             try:
                 with np.errstate(over="ignore"):  # pymoo divides by distances of members that may coincide
                     cls.iterate(swarm, cls.parameter_class(*parameters[row].tolist()))
@@ -121,6 +129,11 @@ class LibraryOptimizer(Optimizer):
         Firefly.re_evaluate(swarms, tables, chosen, mean_weight, num_threads)
 
 
+def _drawing(tables: Table | IohTable) -> Table:
+    """Return the tables by which compiled code draws members; without kernels of their own, others."""
+    return tables.drawing() if isinstance(tables, IohTable) else tables
+
+
 def _resize(
     swarms: Swarms, tables: Table, chosen: Flags, sizes: Integers, mean_weight: float, num_threads: int
 ) -> None:
@@ -135,6 +148,7 @@ def _resize(
     try:
         parameters = Firefly.stacked_parameters({}, len(sizes))
         no_repair = np.zeros(len(sizes))
-        Firefly.step(swarms, tables, chosen, sizes, no_repair, parameters, mean_weight, num_threads)
+        drawing = _drawing(tables)
+        Firefly.step(swarms, drawing, chosen, sizes, no_repair, parameters, mean_weight, num_threads)
     finally:
         swarms.budget[:] = budget

@@ -4,9 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import shown
+from swarm_gym.ioh_problem import IohTable
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.tables import Table, evaluate_entry, repair_entry, select
+from swarm_gym.sources import note_arrival
 
 Floats = NDArray[np.float64]
 
@@ -40,9 +42,12 @@ class SwarmView:
         repair_degree: phi in [0, 1].
     """
 
-    def __init__(self, swarms: Swarms, tables: Table, row: int, num_known: int, repair_degree: float):
+    def __init__(
+        self, swarms: Swarms, tables: Table | IohTable, row: int, num_known: int, repair_degree: float
+    ):
         self._swarms, self._row = swarms, row
-        self._table = select(tables, swarms.problem[row])
+        number = swarms.problem[row]
+        self._table = tables.row(number) if isinstance(tables, IohTable) else select(tables, number)
         dimension, size = int(self._table.dimension), int(swarms.size[row])
         self.positions = swarms.positions[row, :size, :dimension].copy()
         self.fitness = swarms.fitness[row, :size].copy()
@@ -62,7 +67,7 @@ class SwarmView:
     def repaired(self, vectors: Floats) -> Floats:
         """Return decision vectors (n, D) inside the bounds, after one repair pass of degree phi."""
         inside = np.clip(vectors, self.lower, self.upper)
-        if self.repair_degree > 0.0:
+        if self.repair_degree > 0.0 and not isinstance(self._table, IohTable):
             for vector in inside:
                 repair_entry(self._table, self._filled(vector), self.repair_degree)
                 vector[:] = self._path[1 : len(vector) + 1]
@@ -84,15 +89,27 @@ class SwarmView:
         for i, vector in enumerate(vectors):
             if swarms.evaluations[row] >= swarms.budget[row]:
                 raise BudgetSpentError
-            fitness[i], collision[i] = evaluate_entry(self._table, self._filled(vector))
+            fitness[i], collision[i] = self._scores(vector)
             swarms.evaluations[row] += 1
-            if fitness[i] < swarms.best_fitness[row]:
-                swarms.best_fitness[row], swarms.best_collision[row] = fitness[i], collision[i]
-                swarms.best_position[row] = self._path[1:]
-            if collision[i] <= FEASIBILITY_TOLERANCE and fitness[i] < swarms.feasible_fitness[row]:
-                swarms.feasible_fitness[row] = fitness[i]
-                swarms.feasible_position[row] = self._path[1:]
         return fitness, collision
+
+    def evaluate_drawn(self, arrived: bool = False) -> None:
+        """Evaluate the members that compiled code has drawn and counted, but could not evaluate.
+
+        Their fitness is NaN, see `swarm_gym.ioh_problem`. Problems with kernels have no such members.
+
+        Args:
+            arrived: whether they are recorded as arrivals, which members of a first population are not.
+        """
+        swarms, row = self._swarms, self._row
+        for i in np.flatnonzero(np.isnan(self.fitness)):
+            best = swarms.best_fitness[row]
+            scores = self._scores(self.positions[i])
+            self.fitness[i], self.collision[i] = swarms.fitness[row, i], swarms.collision[row, i] = scores
+            if arrived:
+                note_arrival(swarms.arrivals[row], swarms.iteration[row], False, scores[0], best)
+        self.best_position[:] = swarms.best_position[row, : len(self.lower)]
+        self.best_fitness = float(swarms.best_fitness[row])
 
     def replace(self, positions: Floats, fitness: Floats, collision: Floats) -> None:
         """Make these the members: (n, D), (n,) and (n,), as `evaluate` gave them, n at most m.
@@ -106,6 +123,21 @@ class SwarmView:
         swarms.positions[row, :size, : positions.shape[1]] = positions
         swarms.fitness[row, :size], swarms.collision[row, :size] = fitness, collision
         swarms.size[row] = size
+
+    def _scores(self, vector: Floats) -> tuple[float, float]:
+        """Return fitness and collision of a decision vector, (D,); remember it if it is the best so far."""
+        swarms, row, path = self._swarms, self._row, self._filled(vector)
+        if isinstance(self._table, IohTable):
+            fitness, collision = self._table.value(vector), 0.0
+        else:
+            fitness, collision = evaluate_entry(self._table, path)
+        if fitness < swarms.best_fitness[row]:
+            swarms.best_fitness[row], swarms.best_collision[row] = fitness, collision
+            swarms.best_position[row] = path[1:]
+        if collision <= FEASIBILITY_TOLERANCE and fitness < swarms.feasible_fitness[row]:
+            swarms.feasible_fitness[row] = fitness
+            swarms.feasible_position[row] = path[1:]
+        return fitness, collision
 
     def _filled(self, vector: Floats) -> Floats:
         """Return the scratch path (C + 1,) with this decision vector (D,)."""

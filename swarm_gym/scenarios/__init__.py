@@ -2,7 +2,7 @@
 
 A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
 `GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function;
-`BbobScenario` is one of the benchmark BBOB.
+`BbobScenario` is one of the benchmark BBOB, `IohScenario` one that the package `ioh` keeps.
 The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
 is a fixed map and the iteration after which it replaces the one before.
 
@@ -24,6 +24,7 @@ from swarm_gym.scenarios.dynamic.scenario import (
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.ioh_scenario import IohScenario
 from swarm_gym.scenarios.raster import rasterised
 from swarm_gym.scenarios.registry import (
     FAMILIES,
@@ -50,6 +51,7 @@ __all__ = [
     "FunctionScenario",
     "GridMap",
     "GridScenario",
+    "IohScenario",
     "MapScenario",
     "Move",
     "Obstacle",

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.own_code import OwnCodeError, is_own, own
-from swarm_gym.scenarios import function_family, random_fields, rooms_and_caves
+from swarm_gym.scenarios import function_family, ioh_scenario, random_fields, rooms_and_caves
 from swarm_gym.scenarios.bbob.scenario import BbobScenario
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic import fields as dynamic_fields
@@ -30,6 +30,7 @@ FAMILIES: dict[str, Family] = {
     "den400d": moa.FAMILY,
     "ros": ros_map.FAMILY,
     "function": function_family.FAMILY,
+    ioh_scenario.NAME: ioh_scenario.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.FAMILY,
@@ -144,5 +145,6 @@ _OTHERS: dict[type, str] = {
     GridScenario: "a grid map",
     FunctionScenario: "a test function",
     BbobScenario: "a test function",
+    ioh_scenario.IohScenario: "a test function",
     DynamicScenario: "a map that changes; choose one of its `worlds`",
 }

@@ -119,6 +119,7 @@ SCENARIO_FAMILIES = {
         "function:bohachevsky-2", "function:rastrigin-10-shifted:0-4", "function:bbob-15-10-3",
         "function:bbob-15-10-1-15",
     ),
+    "ioh": ("ioh:bbob-8-5-1", "ioh:sbox-8-5-1-3", "ioh:cec2022-1001-10-1"),
     "block": ("block:500",),
     "open": ("open:500",),
     "routes": ("routes:turtlebot3", "routes:playground-A-C"),
@@ -131,9 +132,10 @@ SCENARIO_FAMILIES = {
 }  # fmt: skip
 SCENARIO_EXPORTS = (
     "AnyScenario", "Appear", "BbobScenario", "Circle", "Disappear", "Drive", "DynamicScenario", "Event",
-    "FAMILIES", "FunctionScenario", "GridMap", "GridScenario", "MapScenario", "Move", "Obstacle", "Point",
-    "Polygon", "SCENARIOS", "Scenario", "StaticScenario", "World", "drive_of", "expand_name", "make_scenario",
-    "make_scenarios", "rasterised", "require_analytic", "sample_names", "world_at", "worlds_of",
+    "FAMILIES", "FunctionScenario", "GridMap", "GridScenario", "IohScenario", "MapScenario", "Move",
+    "Obstacle", "Point", "Polygon", "SCENARIOS", "Scenario", "StaticScenario", "World", "drive_of",
+    "expand_name", "make_scenario", "make_scenarios", "rasterised", "require_analytic", "sample_names",
+    "world_at", "worlds_of",
 )  # fmt: skip
 # By controller family, its parameters.
 CONTROLLER_FAMILIES = {
@@ -212,7 +214,7 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
-    "adapters", "optimizers", "optimizers-cells",
+    "adapters", "optimizers", "optimizers-cells", "bbob",
 )  # fmt: skip
 COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study", "optimizers-study",
@@ -223,6 +225,7 @@ TABLE_NAMES = (
     "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "robots", "brand-yu-counts",
     "brand-yu-grids", "corridors", "claims",
     "newcomers-optimizers", "optimizers", "gains", "budgets", "areas",
+    "bbob-groups", "bbob-rules",
 )  # fmt: skip
 FIGURE_NAMES = (
     "snapshots", "collision", "cases", "maps", "functions", "routes", "brand-yu-ways", "brand-yu-grids",
@@ -231,7 +234,7 @@ FIGURE_NAMES = (
 )  # fmt: skip
 DOCUMENT_NAMES = (
     "results", "study", "study-tables", "moa", "iafsa", "brand-yu", "dynamic", "newcomers", "scaling",
-    "adapters", "optimizers", "scores",
+    "adapters", "optimizers", "scores", "bbob",
 )  # fmt: skip
 DATABASE = {
     "configuration": ("key", "value"),

@@ -1,5 +1,6 @@
 """The scripts of docs/recipes.md run as they stand there."""
 
+import importlib
 import re
 from pathlib import Path
 
@@ -12,7 +13,7 @@ pytest.importorskip("torch", reason="needs the extra `study`")
 
 
 def test_every_script_of_the_page_is_tried():
-    assert sorted(SCRIPTS) == ["ppo.py", "tune.py"]
+    assert sorted(SCRIPTS) == ["ppo.py", "rllib_ppo.py", "tune.py"]
     assert PAGE.count("```python") == len(SCRIPTS)
 
 
@@ -35,3 +36,20 @@ def test_optuna_tunes_the_numbers_of_the_schedule(capsys):
     ).groups()
     assert 0.0 < float(best) <= float(paper)
     assert name.count("=") == 3
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_rllib_trains_on_an_environment(capsys):
+    try:
+        importlib.import_module("ray.rllib.algorithms.ppo")
+    except ImportError:
+        pytest.skip("needs ray[rllib], in an environment of its own: see docs/recipes.md")
+    names = {}
+    try:
+        exec(SCRIPTS["rllib_ppo.py"], names)
+    finally:
+        importlib.import_module("ray").shutdown()
+    lines = re.findall(r"^training (\d): (\d+) episodes, return (.*)$", capsys.readouterr().out, re.MULTILINE)
+    assert [(int(number), int(episodes)) for number, episodes, _ in lines] == [(0, 20), (1, 20)]
+    assert np.isfinite([float(found) for _, _, found in lines]).all()

@@ -75,8 +75,10 @@ def test_entries_are_listed_renamed_and_dropped(tmp_path):
     filled(path, "first").close()
     filled(path, "second", seeds=1).close()
     lines = carry_out(List(path))
-    assert len(lines) == 3
-    assert all("runs on 1 scenarios, commit" in line for line in lines)
+    assert lines[0].split() == ["digest", "runs", "scenarios", "commits", "name"]
+    assert {line.split()[-1]: int(line.split()[1]) for line in lines[1:]} == names_of(path)
+    end = lines[0].index("scenarios") + len("scenarios")
+    assert [line[end - 2 : end + 1] for line in lines[1:]] == [" 1 "] * 3  # numbers end where their head does
     (kept,) = [name for name in names_of(path) if is_aside(name)]
     carry_out(Rename(path, kept, "mine, first training"))
     assert names_of(path) == {NAME: 1, "fixed:60": 3, "mine, first training": 3}
@@ -119,7 +121,7 @@ def test_the_command_lists_and_refuses(tmp_path):
     filled(path, "first").close()
     command = [sys.executable, "-m", "experiments.entries"]
     found = subprocess.run([*command, "list", str(path)], capture_output=True, text=True, check=True)
-    assert found.stdout.count("\n") == 2
+    assert found.stdout.count("\n") == 3
     refused = subprocess.run(
         [*command, "drop", str(path), "nobody"], capture_output=True, text=True, check=False
     )

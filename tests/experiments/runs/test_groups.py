@@ -41,6 +41,7 @@ def test_a_policy_that_is_no_training_seed_is_not_pooled_with_any(alone):
 def test_scenarios_of_a_set_belong_together():
     scenarios = ("case1", "random-fields:test:0", "random-fields:denser:7", "random-fields:test:11", "case2")
     scenarios += ("dynamic:case1-gate@20", "dynamic:case1-gate@71", "dynamic:rooms:0-block@5")
+    scenarios += ("function:bbob-8-5-1", "function:bbob-8-5-12", "function:bbob-8-2-1", "function:booth-2")
     scenarios += ("dynamic:case1-gate@20-drive@4,every=2,distance=3",)
     assert scenario_sets(scenarios) == {
         "case1": ("case1",),
@@ -49,6 +50,9 @@ def test_scenarios_of_a_set_belong_together():
         "case2": ("case2",),
         "dynamic:case1-gate": ("dynamic:case1-gate@20", "dynamic:case1-gate@71"),
         "dynamic:rooms:0-block": ("dynamic:rooms:0-block@5",),
+        "function:bbob-8-5": ("function:bbob-8-5-1", "function:bbob-8-5-12"),
+        "function:bbob-8-2": ("function:bbob-8-2-1",),
+        "function:booth-2": ("function:booth-2",),
         "dynamic:case1-gate-drive@4,every=2,distance=3": scenarios[-1:],
     }
 

@@ -42,6 +42,21 @@ def test_the_first_example_prints_what_was_found(library, capsys):
     assert 0.0 < float(gap) < 1.0
 
 
+@pytest.mark.parametrize("library", [pytest.param("ioh", marks=missing("ioh", "benchmarks"))])
+@pytest.mark.parametrize("other", [pytest.param("pymoo", marks=missing("pymoo"))])
+def test_the_example_of_ioh_prints_one_count_twice_and_logs_the_run(
+    library, other, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(next(block for block in BLOCKS if "import ioh" in block), names)
+    names["problem"].detach_logger()
+    best, evaluations, counted = capsys.readouterr().out.split()
+    assert float(best) > 0.0
+    assert 80 < int(evaluations) == int(counted)
+    assert list((tmp_path / "ioh_logs").rglob("*.dat"))
+
+
 @pytest.mark.parametrize("library", [pytest.param("dacbench", marks=missing("dacbench", "dacbench"))])
 @pytest.mark.filterwarnings("ignore")
 def test_the_example_of_dacbench_prints_three_returns(library, capsys):
