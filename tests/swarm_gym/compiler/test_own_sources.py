@@ -1,4 +1,4 @@
-"""What is compiled for classes of users is compiled anew when their sources change."""
+"""Code that is compiled for classes of users is compiled anew when their sources change."""
 
 import shutil
 import subprocess
