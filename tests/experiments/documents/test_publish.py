@@ -134,6 +134,7 @@ def test_documents_are_published_by_name():
     assert list(DOCUMENTS) == [
         "results",
         "adapters",
+        "bbob",
         "brand-yu",
         "dynamic",
         "iafsa",
