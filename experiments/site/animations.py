@@ -14,7 +14,7 @@ from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLE
 # Few members: their lines are what makes a file large.
 SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:10", 0, 40
 # Size of the map in pixels, without the margins around it; pictures per second.
-WIDTH, HEIGHT, FPS = 300, 180, 8
+WIDTH, HEIGHT, FPS = 260, 156, 8
 
 
 def write_animation(optimizer: str, path: Path) -> None:

@@ -49,7 +49,8 @@ PAGE = """\
 
 ![A run of {name} on {animated_on}](animations/{name}.gif)
 
-*One run on `{animated_on}` with {controller}, one picture for each iteration: an example, no measurement.*
+*One run on `{animated_on}` with {controller}, one picture for each iteration: an example, no measurement.
+Black is the best path so far; blue members are free, orange ones collide.*
 
 ```python
 import gymnasium
