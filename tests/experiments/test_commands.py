@@ -21,7 +21,7 @@ TARGETS = (
     "help", "install", "browser", "study", "study-full", "test", "test-slow", "test-supply", "test-lowest",
     "test-newest", "fuzz", "check", "format", "benchmark", "benchmark-peers", "benchmark-scaling",
     "docs", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
-    "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling",
+    "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-bbob", "docs-scaling",
     "docs-gallery", "clean",
 )  # fmt: skip
 
