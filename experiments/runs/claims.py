@@ -8,6 +8,15 @@ An entry of the file:
     group = "learned:three-cases/*@1"
     rival = "spsfa-tip"
 
+A sentence may be about several subjects, each of which has a group of its own:
+
+    [[claim]]
+    sentence = "PPO has a smaller objective than the rules as printed."
+    about = ["fish-swarm", "particle-swarm"]
+    suite = "optimizers"
+    group = "{about}+learned:optimizers-{about}/*@1"
+    rival = "{about}+spsfa-tip"
+
 `experiments.tables.group_claims` checks them against stored runs.
 """
 
@@ -41,6 +50,8 @@ class GroupClaim:
         price: price of 100,000 evaluations in the objective.
         sets: sets of scenarios, or single scenarios, that the sentence is about; by default all sets, and
             their union.
+        about: subject of the sentence, where it is said of several; empty otherwise. In a file, a list of
+            subjects stands for a claim of each, and `{about}` in group and rival for the subject.
     """
 
     sentence: str
@@ -52,6 +63,7 @@ class GroupClaim:
     limit: float = 0.0
     price: float = 1.0
     sets: tuple[str, ...] = ()
+    about: str = ""
 
     def __post_init__(self) -> None:
         if self.metric not in MEASURES:
@@ -95,9 +107,24 @@ def _read(entry: dict[str, Any], where: str) -> list[GroupClaim]:
     values = {**entry, **({"sets": tuple(entry["sets"])} if "sets" in entry else {})}
     named = values.pop("suite", [])
     suites = [named] if isinstance(named, str) else named
+    subjects = values.pop("about", [""])
+    if not (isinstance(subjects, list) and all(isinstance(subject, str) for subject in subjects)):
+        raise ClaimFileError(f"{where}: about has to be a list of subjects, got {shown(subjects)}")
     if not suites:
         raise ClaimFileError(f"{where}: suite is missing, a name or a list of names")
     try:
-        return [GroupClaim(**values, suite=suite) for suite in suites]
+        return [
+            GroupClaim(**_for_subject(values, subject), suite=suite)
+            for suite in suites
+            for subject in subjects
+        ]
     except (TypeError, ValueError) as error:
         raise ClaimFileError(f"{where}: {error}") from error
+
+
+def _for_subject(values: dict[str, Any], subject: str) -> dict[str, Any]:
+    """Return the values of a claim with the subject in place of `{about}` in the names of groups."""
+    named: dict[str, Any] = {
+        key: values[key].replace("{about}", subject) for key in ("group", "rival") if key in values
+    }
+    return {**values, **named, "about": subject}

@@ -7,7 +7,7 @@ from experiments.runs.measures import MEASURES
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import Interval, interval, mean_difference, mean_of_present, means
-from experiments.tables.cell import MISSING, Entry, number, number_in, verdict
+from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, verdict
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Table
 
@@ -17,21 +17,57 @@ CAPTION = (
     "the factor that the sentence names, or the limit; their difference [95 % interval over training seeds, "
     "scenarios of a set and seeds]. A sentence holds where the whole interval is below 0"
 )
+ABOUT_SUBJECTS = (
+    "Sentences that compare, a column for each subject: the mean of the measure minus that of the rival "
+    "[95 % interval over training seeds, scenarios of a set and seeds]. A sentence holds where the whole "
+    "interval is below 0; where it does not, the cell says **no**"
+)
 
 
 def group_claim_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Return a table of the suite's claims about groups that were run; none if there are none."""
+    """Return a table of the suite's claims about groups that were run; none if there are none.
+
+    It has a column for each subject if the claims have subjects, and a row for each claim otherwise.
+    """
     known = {*outcomes.groups, *suite.yardsticks, ""}
     claims = [claim for claim in suite.claims if claim.group in outcomes.groups and claim.rival in known]
+    if claims and all(claim.about for claim in claims):
+        return [_by_subject(claims, suite, outcomes)]
     rows = [
         _row(claim, suite, outcomes, scenario_set)
         for claim in claims
         for scenario_set in claim.sets or outcomes.sets
         if scenario_set in {*outcomes.sets, *outcomes.scenarios}
     ]
+    return [Table("claims", _caption(CAPTION, claims), COLUMNS, rows)] if rows else []
+
+
+def _caption(first: str, claims: list[GroupClaim]) -> str:
+    """Return a caption that says what the measures of the claims are."""
     measures = dict.fromkeys(claim.metric for claim in claims)
-    caption = "; ".join([CAPTION, *(MEASURES[name].said for name in measures)])
-    return [Table("claims", caption, COLUMNS, rows)] if rows else []
+    return "; ".join([first, *(MEASURES[name].said for name in measures)])
+
+
+def _by_subject(claims: list[GroupClaim], suite: Suite, outcomes: Outcomes) -> Table:
+    """Return a table with a row for each sentence and set of scenarios, and a column for each subject."""
+    subjects = tuple(dict.fromkeys(claim.about for claim in claims))
+    cells: dict[tuple[str, str], dict[str, Entry]] = {}
+    for claim in claims:
+        for scenario_set in claim.sets or outcomes.sets:
+            if scenario_set in {*outcomes.sets, *outcomes.scenarios}:
+                row = cells.setdefault((claim.sentence, scenario_set), {})
+                row[claim.about] = _difference(claim, suite, outcomes, scenario_set)
+    rows = [(*names, *(row.get(subject, MISSING) for subject in subjects)) for names, row in cells.items()]
+    return Table("claims", _caption(ABOUT_SUBJECTS, claims), ("claim", "scenarios", *subjects), rows)
+
+
+def _difference(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str) -> Entry:
+    """Return the difference that a claim is about, marked where the claim does not hold."""
+    mine, theirs, ends = check_claim(claim, suite, outcomes, scenario_set)
+    if math.isnan(mine - theirs):
+        return MISSING
+    cell = number_in(mine - theirs, ends, f"+{MEASURES[claim.metric].form}")
+    return cell if ends[1] < 0.0 else Cell(f"**no** {cell.template}", cell.numbers)
 
 
 def check_claim(

@@ -214,7 +214,7 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
-    "adapters", "optimizers", "optimizers-cells", "bbob",
+    "adapters", "optimizers", "optimizers-grids", "optimizers-cells", "bbob",
 )  # fmt: skip
 COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study", "optimizers-study",

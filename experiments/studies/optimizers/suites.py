@@ -13,6 +13,7 @@ from experiments.studies.controllers import CASES, training_seeds
 
 CLAIMS = Path(__file__).parent / "claims.toml"
 NEVER_USED = 70_000  # first test seed; no earlier table has used it or those after it
+LATER_SEEDS = 71_000  # first test seed of grid maps and of policies that drive other optimizers
 TRAINING_SEEDS = 5
 
 ON_CASES = (
@@ -21,6 +22,10 @@ ON_CASES = (
 )  # fmt: skip
 ON_CELLS = ("ant-colony", "glowworm")
 NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base, since they take long
+# Of rooms:0 to rooms:7 and caves:0 to caves:7, those on which 60 members of particle swarms, elite genetic
+# algorithms, multivariate optimization and HAAFSA end with a free path in each of six validation runs. On the
+# others the penalty of paths that are not free decides all means.
+GRIDS = ("rooms:1", "rooms:7", "caves:5")
 BLOCKS = ("block:30", "block:50", "block:80")
 
 SIZES = ("fixed:20", "fixed:60", "fixed:100")
@@ -28,6 +33,9 @@ RULES = "spsfa-tip"
 FIREFLY = "firefly"
 FIREFLIES_LEARNED = training_seeds("learned:three-cases-extended-ppo", TRAINING_SEEDS, 1)
 FIREFLIES_BLIND = training_seeds("open-loop:three-cases-extended-long", TRAINING_SEEDS, 1)
+BASE_OF_SIZES = "fixed:60"  # what policies that decide size and phi only correct
+DRIVEN = (*ON_CASES, FIREFLY)  # optimizers that policies of each other drive
+FOR_ALL = training_seeds("learned:optimizers-all", TRAINING_SEEDS, 1)
 
 
 def base(optimizer: str) -> str:
@@ -52,6 +60,11 @@ def blinded(optimizer: str) -> tuple[str, ...]:
     return training_seeds(f"blinded:optimizers-{optimizer}", TRAINING_SEEDS, 1)
 
 
+def of_sizes(optimizer: str) -> tuple[str, ...]:
+    """Return the names of the policies of an optimizer that decide size and phi only, told price 1."""
+    return training_seeds(f"learned:optimizers-{optimizer}-sizes", TRAINING_SEEDS, 1)
+
+
 def _family(optimizer: str) -> Family:
     entrants = (*SIZES, RULES, base(optimizer), *blind(optimizer), *policies(optimizer))
     return Family(optimizer, tuple(f"{optimizer}+{name}" for name in entrants))
@@ -67,38 +80,71 @@ def _suite(
     name: str,
     families: tuple[Family, ...],
     scenarios: tuple[str, ...],
-    figures: tuple[str, ...] = (),
-    optimizer: str = FIREFLY,
-    **options: Any,
+    alone: tuple[str, ...] = (),
+    **changes: Any,
 ) -> Suite:
-    own = [family.name for family in families if family is not FIREFLIES]
-    alone = tuple(f"{optimizer}+{policy}" for optimizer in own for policy in blinded(optimizer))
+    """Return a suite of families; `alone` are entrants that belong to none of their fronts."""
     return Suite(
-        name=name,
-        controllers=(*controllers_of(families), *alone),
-        scenarios=scenarios,
-        num_seeds=50,
-        baseline=f"{families[0].name}+{RULES}",
-        first_seed=NEVER_USED,
-        optimizer=optimizer,
-        options=options,
-        families=families,
-        reference=(1_000_000.0, 1.0),
-        tables=("optimizers", "gains", "budgets", "areas", "claims"),
-        figures=figures,
-        claims=claims_of(CLAIMS, name),
+        **{
+            "name": name,
+            "controllers": (*controllers_of(families), *alone),
+            "scenarios": scenarios,
+            "num_seeds": 50,
+            "baseline": f"{families[0].name}+{RULES}",
+            "first_seed": NEVER_USED,
+            "families": families,
+            "reference": (1_000_000.0, 1.0),
+            "tables": ("optimizers", "gains", "budgets", "areas", "claims"),
+            "figures": (),
+            "claims": claims_of(CLAIMS, name),
+            **changes,
+        }
     )
 
 
-ON_THE_CASES = _suite(
-    "optimizers", (*(_family(name) for name in ON_CASES), FIREFLIES), CASES, ("fronts", "policies")
+def _blinded_of(optimizers: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{optimizer}+{policy}" for optimizer in optimizers for policy in blinded(optimizer))
+
+
+def _transfer(name: str, driven: tuple[str, ...], scenarios: tuple[str, ...], **changes: Any) -> Suite:
+    """Return a suite in which policies of size and phi drive the optimizers `driven`."""
+    policies_of_sizes = [policy for trained_on in DRIVEN for policy in of_sizes(trained_on)]
+    names = (BASE_OF_SIZES, RULES, *policies_of_sizes, *FOR_ALL)
+    return Suite(
+        name=name,
+        controllers=tuple(f"{optimizer}+{controller}" for optimizer in driven for controller in names),
+        scenarios=scenarios,
+        num_seeds=10,
+        baseline=f"{driven[0]}+{RULES}",
+        first_seed=LATER_SEEDS,
+        tables=("transfer", "one-for-all", "claims"),
+        figures=(),
+        claims=claims_of(CLAIMS, name),
+        **changes,
+    )
+
+
+_FAMILIES = (*(_family(name) for name in ON_CASES), FIREFLIES)
+ON_CELLS_ONLY: dict[str, Any] = {"optimizer": ON_CELLS[0], "options": {"encoding": "walk"}}
+
+ON_THE_CASES = _suite("optimizers", _FAMILIES, CASES, _blinded_of(ON_CASES), figures=("fronts", "policies"))
+ON_THE_GRIDS = _suite(
+    "optimizers-grids",
+    _FAMILIES,
+    GRIDS,
+    num_seeds=10,
+    first_seed=LATER_SEEDS,
+    options={"encoding": "bezier"},
 )
 ON_THE_CELLS = _suite(
     "optimizers-cells",
     tuple(_family(name) for name in ON_CELLS),
     BLOCKS,
-    optimizer=ON_CELLS[0],
-    encoding="walk",
+    _blinded_of(ON_CELLS),
+    **ON_CELLS_ONLY,
 )
-SUITES = (ON_THE_CASES, ON_THE_CELLS)
+TRANSFER = _transfer("optimizers-transfer", DRIVEN, CASES)
+TRANSFER_ON_CELLS = _transfer("optimizers-transfer-cells", ON_CELLS, BLOCKS, **ON_CELLS_ONLY)
+
+SUITES = (ON_THE_CASES, ON_THE_GRIDS, ON_THE_CELLS)
 COLLECTIONS = {"optimizers-study": tuple(suite.name for suite in SUITES)}

@@ -3,18 +3,17 @@
 from dataclasses import replace
 
 from experiments.runs.labels import label
-from experiments.runs.outcomes import Outcomes, Sample
+from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Family, Suite
-from experiments.statistics import mean_difference
+from experiments.studies.optimizers.objectives import PRICE, mean_objective, minus
 from experiments.studies.optimizers.suites import RULES, SIZES, base
+from experiments.studies.optimizers.transfer_tables import one_for_all_tables, transfer_tables
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, percent
-from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import document_of_suite
 from experiments.tables.front import family_hypervolume
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, ControllerName
 
-PRICE = 1.0  # of 100,000 evaluations, in per cent of the optimum
 BUDGETS = (2_000, 10_000, 50_000, 200_000)
 NAMES = {
     **{name: f"{ControllerName.parse(name).argument} members" for name in SIZES},
@@ -26,15 +25,19 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table for each set of scenarios: a row for each optimizer, a column for each controller."""
     caption = (
         "Mean gap in per cent of the optimum, at mean evaluations in thousands, over all tuning and training "
-        "seeds, scenarios and seeds. The base is the blind schedule that PPO corrects; the other blind "
-        "schedules go on from it with as many steps as PPO"
+        "seeds, scenarios and seeds. Blind schedules took as many steps as PPO; where none did, the base "
+        "that PPO corrects stands there"
     )
-    columns = ("scenarios", "optimizer", *NAMES.values(), "base", "blind schedules", "PPO")
+    columns = ("scenarios", "optimizer", *NAMES.values(), "blind schedule", "PPO")
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
-            groups = [_group(family, outcomes, name) for name in (*NAMES, base(family.name))]
-            groups += [seeds_of(family, outcomes, kind) for kind in ("open-loop", "learned")]
+            blind = seeds_of(family, outcomes, "open-loop") or _group(family, outcomes, base(family.name))
+            groups = (
+                *(_group(family, outcomes, name) for name in NAMES),
+                blind,
+                seeds_of(family, outcomes, "learned"),
+            )
             rows.append(
                 (scenario_set, family.name, *(_cell(outcomes, group, scenario_set) for group in groups))
             )
@@ -46,11 +49,11 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     caption = (
         f"Objective at price {PRICE:g}: mean gap in per cent plus evaluations / 100,000. Policies by PPO, "
         "then their objective minus that of the best of three fixed sizes, of the rules as printed, of the "
-        "base that they correct, of the blind schedules with as many steps, and of the policies themselves "
+        "base that they correct, of the blind schedules, and of the policies themselves "
         "blinded: with every input but the clock replaced by its mean course [95 % interval over tuning and "
         "training seeds, scenarios and seeds]. Negative is a smaller objective"
     )
-    columns = ("scenarios", "optimizer", "PPO", "best fixed size", "minus it", "minus the rules",
+    columns = ("scenarios", "optimizer", "PPO", "minus the best fixed size", "minus the rules",
                "minus the base", "minus blind schedules", "minus itself blinded")  # fmt: skip
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
@@ -60,24 +63,23 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             if learned is None or not sizes:
                 continue
             mine = outcomes.sample(learned, scenario_set)
-            best = min(sizes, key=lambda group: _objective(outcomes.sample(group, scenario_set)))
+            best = min(sizes, key=lambda group: mean_objective(outcomes.sample(group, scenario_set)))
             rivals = (
-                best,
                 _group(family, outcomes, RULES),
                 _group(family, outcomes, base(family.name)),
                 seeds_of(family, outcomes, "open-loop"),
                 _blinded(learned, outcomes),
             )
             differences = [
-                MISSING if rival is None else _minus(mine, outcomes.sample(rival, scenario_set))
+                MISSING if rival is None else minus(mine, outcomes.sample(rival, scenario_set))
                 for rival in rivals
             ]
             rows.append(
                 (
                     scenario_set,
                     family.name,
-                    number(_objective(mine), ".2f"),
-                    NAMES[str(ControllerName.parse(best).controller)],
+                    number(mean_objective(mine), ".2f"),
+                    _with_words(minus(mine, outcomes.sample(best, scenario_set)), best),
                     *differences,
                 )
             )
@@ -156,10 +158,6 @@ def seeds_of(family: Family, outcomes: Outcomes, kind: str) -> str | None:
     return None
 
 
-def _objective(sample: Sample) -> float:
-    return float(sample.objective(PRICE).mean())
-
-
 def _cell(outcomes: Outcomes, group: str | None, scenario_set: str) -> Entry:
     if group is None:
         return MISSING
@@ -168,11 +166,9 @@ def _cell(outcomes: Outcomes, group: str | None, scenario_set: str) -> Entry:
     return Cell("{value:.2f} at {evaluations:k.1f}k", numbers)
 
 
-def _minus(mine: Sample, theirs: Sample) -> Entry:
-    """Return the difference of two objectives, with its interval."""
-    ours, others = mine.objective(PRICE), theirs.objective(PRICE)
-    difference, ends = mean_difference(ours, others, mine.draws(), theirs.draws(RIVAL_STREAM))
-    return number_in(difference, ends, "+.2f")
+def _with_words(cell: Cell, entrant: str) -> Cell:
+    """Return the cell followed by the words for a controller in parentheses."""
+    return Cell(f"{cell.template} ({NAMES[str(ControllerName.parse(entrant).controller)]})", cell.numbers)
 
 
 TABLES = {
@@ -180,5 +176,7 @@ TABLES = {
     "gains": gain_tables,
     "budgets": budget_tables,
     "areas": area_tables,
+    "transfer": transfer_tables,
+    "one-for-all": one_for_all_tables,
 }
 DOCUMENTS = {"optimizers": document_of_suite("docs/optimizers.md", "optimizers-study")}

@@ -114,6 +114,26 @@ def test_a_claim_of_several_suites_is_one_of_each(tmp_path):
     assert [one.suite for one in load_claims(tmp_path / "claims.toml")] == ["b", "c"]
 
 
+def test_a_claim_about_several_subjects_is_one_of_each(tmp_path):
+    text = "[[claim]]\nsentence='less'\nabout=['a', 'b']\nsuite='c'\ngroup='{about}+d'\nrival='{about}+e'"
+    (tmp_path / "claims.toml").write_text(text)
+    found = load_claims(tmp_path / "claims.toml")
+    assert [(one.about, one.group, one.rival) for one in found] == [("a", "a+d", "a+e"), ("b", "b+d", "b+e")]
+    assert {one.sentence for one in found} == {"less"}
+
+
+def test_claims_about_subjects_have_a_column_for_each():
+    one, other = claim(rival=OTHER, about="sixty"), claim(group=OTHER, rival=ONE, about="eighty")
+    first, second, _ = check(GAPS, one, other)
+    assert (first["claim"], first["scenarios"], second["scenarios"]) == ("it is less", "case1", "case2")
+    assert first["sixty"].startswith("-1.33 [-")
+    assert first["eighty"].startswith("**no** +1.33 [+")
+    (row,) = check(
+        GAPS, dataclasses.replace(one, sets=("case1",)), dataclasses.replace(other, sets=("all",))
+    )[:1]
+    assert row["eighty"] == "–"
+
+
 def test_training_seeds_of_both_groups_are_drawn():
     """The luck of a training widens the interval: two seeds that differ much say little."""
     rng = np.random.default_rng(0)
@@ -139,6 +159,7 @@ def test_there_is_no_table_without_claims():
         ),
         ("[[claim]]\nsentence = 'a'", "claim 1: suite is missing"),
         ("[[claim]]\nsentence = 'a'\nsuite = 'b'", "claim 1: .*missing.*group"),
+        ("[[claim]]\nabout = 'a'\nsuite = 'b'", "claim 1: about has to be a list of subjects, got 'a'"),
         ("[[claim]]\nsentence='a'\nsuite='b'\ngroup='c'", "claim 1: .*either a rival or a limit"),
         ("[[claim]]\nsentence='a'\nsuite='b'\ngroup='c'\nrival='d'\nlimit=1", "either a rival or a limit"),
         (

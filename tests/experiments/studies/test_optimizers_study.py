@@ -9,16 +9,23 @@ import pytest
 from experiments.runs.groups import group_controllers
 from experiments.studies.optimizers.figures import draw_fronts
 from experiments.studies.optimizers.suites import (
+    BASE_OF_SIZES,
+    DRIVEN,
+    LATER_SEEDS,
     NEVER_USED,
     ON_CASES,
     ON_CELLS,
     ON_THE_CASES,
     ON_THE_CELLS,
+    ON_THE_GRIDS,
+    RULES,
     SIZES,
-    SUITES,
+    TRANSFER,
+    TRANSFER_ON_CELLS,
     base,
     blind,
     blinded,
+    of_sizes,
     policies,
 )
 from experiments.studies.optimizers.tables import (
@@ -27,6 +34,7 @@ from experiments.studies.optimizers.tables import (
     gain_tables,
     optimizer_tables,
 )
+from experiments.studies.optimizers.transfer_tables import ALL, one_for_all_tables, transfer_tables
 from experiments.tables.front import family_hypervolume
 from helpers.stored_runs import cells_of, outcomes_of
 from swarm_gym.controllers import make_controller
@@ -40,7 +48,14 @@ SWARM = "particle-swarm"
 
 def gaps(rng, seeds=6):
     """Gaps of all controllers of particle swarms on two cases: smaller for later ones."""
-    entrants = [*SIZES, "spsfa-tip", base(SWARM), *blind(SWARM), *blinded(SWARM), *policies(SWARM)]
+    entrants = [
+        *SIZES,
+        "spsfa-tip",
+        base(SWARM),
+        *blind(SWARM),
+        *blinded(SWARM),
+        *policies(SWARM),
+    ]
     return {
         (f"{SWARM}+{name}", case): rng.uniform(0.5, 1.0, seeds) / (1 + order)
         for order, name in enumerate(entrants)
@@ -54,11 +69,21 @@ def mean_gap(found, names, cases):
 
 def test_every_optimizer_but_fireflies_is_a_family_of_one_suite():
     assert {*ON_CASES, *ON_CELLS} == set(OPTIMIZERS) - {"firefly"}
-    for suite in SUITES:
-        assert suite.first_seed == NEVER_USED
+    for suite, first_seed in (
+        (ON_THE_CASES, NEVER_USED), (ON_THE_CELLS, NEVER_USED), (ON_THE_GRIDS, LATER_SEEDS)
+    ):  # fmt: skip
+        assert suite.first_seed == first_seed
         for family in suite.families:
             assert all(name.startswith(f"{family.name}+") for name in family.controllers)
             assert len(group_controllers(family.controllers)) in (6, 7)
+
+
+def test_every_policy_of_size_and_phi_drives_every_optimizer():
+    for suite, optimizers in ((TRANSFER, DRIVEN), (TRANSFER_ON_CELLS, ON_CELLS)):
+        assert suite.first_seed == LATER_SEEDS
+        for optimizer in optimizers:
+            for trained_on in DRIVEN:
+                assert {f"{optimizer}+{policy}" for policy in of_sizes(trained_on)} <= {*suite.controllers}
 
 
 @pytest.mark.parametrize("optimizer", [*ON_CASES, *ON_CELLS])
@@ -72,11 +97,23 @@ def test_the_table_has_a_row_for_each_optimizer_and_set():
     rows = cells_of(optimizer_tables(ON_THE_CASES, outcomes_of(found)), "optimizers")
     row = next(row for row in rows if row["optimizer"] == SWARM and row["scenarios"] == "case2")
     assert row["60 members"].startswith(f"{mean_gap(found, ['fixed:60'], ['case2']):.2f} at ")
-    assert row["base"].startswith(f"{mean_gap(found, [base(SWARM)], ['case2']):.2f} at ")
-    assert row["blind schedules"].startswith(f"{mean_gap(found, blind(SWARM), ['case2']):.2f} at ")
+    assert row["blind schedule"].startswith(f"{mean_gap(found, blind(SWARM), ['case2']):.2f} at ")
     assert row["PPO"].startswith(f"{mean_gap(found, policies(SWARM), ['case2']):.2f} at ")
     missing = next(row for row in rows if row["optimizer"] == "multivariate")
-    assert {missing[column] for column in ("60 members", "base", "PPO")} == {"–"}
+    assert {missing[column] for column in ("60 members", "PPO")} == {"–"}
+
+
+def test_the_base_stands_where_no_blind_schedule_took_as_many_steps():
+    found = {("ant-colony+" + base("ant-colony"), "block:30"): [0.1, 0.3]}
+    outcomes = outcomes_of({("ant-colony+fixed:60", "case1"): [0.2, 0.2], **{
+        (name, "case1"): gaps for (name, _), gaps in found.items()
+    }})  # fmt: skip
+    row = next(
+        row
+        for row in cells_of(optimizer_tables(ON_THE_CELLS, outcomes), "optimizers")
+        if row["optimizer"] == "ant-colony"
+    )
+    assert row["blind schedule"].startswith("20.00 at ")
 
 
 def test_gains_are_differences_of_objectives_with_the_sign_of_the_policies():
@@ -87,9 +124,9 @@ def test_gains_are_differences_of_objectives_with_the_sign_of_the_policies():
     row = next(row for row in cells_of(tables, "gains") if row["scenarios"] == "all")
     mine = outcomes.sample(f"{SWARM}+learned:optimizers-{SWARM}/*@1", "all").objective(1.0).mean()
     assert row["PPO"] == f"{mine:.2f}"
-    assert row["best fixed size"] == "100 members"
+    assert row["minus the best fixed size"].endswith(" (100 members)")
     for column, group in {
-        "minus it": "fixed:100",
+        "minus the best fixed size": "fixed:100",
         "minus the rules": "spsfa-tip",
         "minus the base": base(SWARM),
         "minus blind schedules": f"open-loop:optimizers-{SWARM}/*@1",
@@ -133,6 +170,45 @@ def test_an_area_is_that_of_all_controllers_of_the_optimizer():
     assert row["optimizer"] == SWARM == family.name
     assert row["case2"].startswith(f"{area:.3f} [")
     assert area > 0.0
+
+
+def driven_gaps(rng):
+    """Gaps of particle swarms and fish on one case, under policies of size and phi."""
+    names = [BASE_OF_SIZES, RULES, *of_sizes(SWARM), *of_sizes("fish-swarm")]
+    names += [ALL.replace("*", str(k)) for k in range(2)]
+    return {
+        (f"{optimizer}+{name}", "case1"): rng.uniform(0.1, 0.9, 4)
+        for optimizer in (SWARM, "fish-swarm")
+        for name in names
+    }
+
+
+def test_transfer_is_an_objective_in_per_cent_of_that_of_60_members():
+    outcomes = outcomes_of(driven_gaps(np.random.default_rng(6)))
+    tables = transfer_tables(TRANSFER, outcomes)
+    assert len(tables[0].columns) == 1 + len(DRIVEN)
+    rows = cells_of(tables, "transfer")
+    assert [row["optimizer"] for row in rows] == [SWARM, "fish-swarm"]
+    mine, members = (
+        outcomes.sample(f"fish-swarm+{name}", "case1").objective(1.0).mean()
+        for name in (f"learned:optimizers-{SWARM}-sizes/*@1", BASE_OF_SIZES)
+    )
+    assert rows[1][SWARM] == f"{100.0 * mine / members:.0f} %"
+    assert rows[1]["multivariate"] == "–"
+
+
+def test_one_policy_for_all_stands_beside_the_optimizers_own():
+    outcomes = outcomes_of(driven_gaps(np.random.default_rng(7)))
+    tables = one_for_all_tables(TRANSFER, outcomes)
+    assert len(tables[0].columns) <= 9
+    first, second = cells_of(tables, "one-for-all")
+    assert (first["optimizer"], second["optimizer"]) == (SWARM, "fish-swarm")
+    own, shared = (
+        outcomes.sample(f"{SWARM}+{name}", "case1").objective(1.0).mean()
+        for name in (f"learned:optimizers-{SWARM}-sizes/*@1", ALL)
+    )
+    assert (first["own policy"], first["one for eight"]) == (f"{own:.2f}", f"{shared:.2f}")
+    assert first["minus own policy"].startswith(f"{shared - own:+.2f} [")
 
 
 def test_suites_on_cells_are_of_optimizers_that_walk():

@@ -1,0 +1,79 @@
+"""Tables of policies of size and phi that drive other optimizers than the one they were trained on."""
+
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.suite import Suite
+from experiments.studies.optimizers.objectives import difference_of, mean_objective
+from experiments.studies.optimizers.suites import BASE_OF_SIZES, DRIVEN, RULES
+from experiments.tables.cell import MISSING, Entry, number, share
+from experiments.tables.table import Table
+from swarm_gym.controllers.names import ControllerName
+
+ALL = "learned:optimizers-all/*@1"
+
+
+def transfer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of policies trained on one optimizer: a row for each optimizer that they drive."""
+    caption = (
+        "Objective at price 1 of policies that decide size and phi, in per cent of the objective of 60 "
+        "members, which these policies correct. A column for each optimizer that they were trained on, a row "
+        "for each that they drive; means over all training seeds, scenarios and seeds"
+    )
+    rows: list[tuple[Entry, ...]] = []
+    for optimizer in driven(suite):
+        base = f"{optimizer}+{BASE_OF_SIZES}"
+        groups = [f"{optimizer}+learned:optimizers-{trained_on}-sizes/*@1" for trained_on in DRIVEN]
+        if base in outcomes.groups and outcomes.groups.keys() & set(groups):
+            rows.append((optimizer, *(_share_of(outcomes, group, base) for group in groups)))
+    return [Table("transfer", caption, ("optimizer", *DRIVEN), rows)]
+
+
+def one_for_all_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
+    """Return a table of one policy for all optimizers, beside policies for one: a row for each optimizer."""
+    caption = (
+        "Objective at price 1 of policies that decide size and phi: of 60 members, of the rules as printed, "
+        "of policies trained on the optimizer alone, and of one policy trained on eight optimizers. "
+        "Differences with 95 % intervals over training "
+        "seeds, scenarios and seeds; negative is a smaller objective"
+    )
+    columns = ("optimizer", "60 members", "rules", "own policy", "one for eight", "minus 60 members",
+               "minus the rules", "minus own policy")  # fmt: skip
+    whole = list(outcomes.sets)[-1]  # their union, if there are several
+    rows: list[tuple[Entry, ...]] = []
+    for optimizer in driven(suite):
+        base, rules, own, shared = (
+            f"{optimizer}+{name}"
+            for name in (BASE_OF_SIZES, RULES, f"learned:optimizers-{optimizer}-sizes/*@1", ALL)
+        )
+        if shared not in outcomes.groups:
+            continue
+        rows.append(
+            (
+                optimizer,
+                *(_objective(outcomes, group, whole) for group in (base, rules, own, shared)),
+                difference_of(outcomes, shared, base, whole),
+                difference_of(outcomes, shared, rules, whole),
+                difference_of(outcomes, shared, own, whole),
+            )
+        )
+    return [Table("one-for-all", caption, columns, rows)]
+
+
+def driven(suite: Suite) -> tuple[str, ...]:
+    """Return the optimizers that the suite's entrants drive, in order."""
+    named = (ControllerName.parse(entrant).optimizer for entrant in suite.controllers)
+    return tuple(dict.fromkeys(name or suite.optimizer for name in named))
+
+
+def _objective(outcomes: Outcomes, group: str, scenario_set: str) -> Entry:
+    if group not in outcomes.groups:
+        return MISSING
+    return number(mean_objective(outcomes.sample(group, scenario_set)), ".2f")
+
+
+def _share_of(outcomes: Outcomes, group: str, base: str) -> Entry:
+    """Return the objective of a group as a share of that of the base, over all scenarios."""
+    if group not in outcomes.groups:
+        return MISSING
+    whole = list(outcomes.sets)[-1]
+    mine, theirs = (mean_objective(outcomes.sample(name, whole)) for name in (group, base))
+    return share(mine / theirs, ".0f")
