@@ -214,7 +214,8 @@ SUITE_NAMES = (
     "brand-yu-grids", "dynamic", "newcomers", "newcomers-fields", "newcomers-ablation",
     "newcomers-optimizers",
     "newcomers-harmonics", "newcomers-harmonics-fields", "newcomers-stomp", "newcomers-stomp-fields",
-    "adapters", "optimizers", "optimizers-grids", "optimizers-cells", "bbob",
+    "adapters", "optimizers", "optimizers-grids", "optimizers-cells", "optimizers-transfer",
+    "optimizers-transfer-cells", "bbob",
 )  # fmt: skip
 COLLECTION_NAMES = (
     "iafsa-paper", "brand-yu", "newcomers-study", "dynamic-study", "optimizers-study",
@@ -224,7 +225,7 @@ TABLE_NAMES = (
     "near-optimum", "free-paths", "parameters", "moa", "iafsa-functions", "iafsa-convergence",
     "iafsa-shifted", "iafsa-routes", "recovery", "over-time", "seeing", "robots", "brand-yu-counts",
     "brand-yu-grids", "corridors", "claims",
-    "newcomers-optimizers", "optimizers", "gains", "budgets", "areas",
+    "newcomers-optimizers", "optimizers", "gains", "budgets", "areas", "transfer", "one-for-all",
     "bbob-groups", "bbob-rules",
 )  # fmt: skip
 FIGURE_NAMES = (

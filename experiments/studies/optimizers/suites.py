@@ -114,7 +114,7 @@ def _transfer(name: str, driven: tuple[str, ...], scenarios: tuple[str, ...], **
         name=name,
         controllers=tuple(f"{optimizer}+{controller}" for optimizer in driven for controller in names),
         scenarios=scenarios,
-        num_seeds=10,
+        num_seeds=5,
         baseline=f"{driven[0]}+{RULES}",
         first_seed=LATER_SEEDS,
         tables=("transfer", "one-for-all", "claims"),
@@ -146,5 +146,5 @@ ON_THE_CELLS = _suite(
 TRANSFER = _transfer("optimizers-transfer", DRIVEN, CASES)
 TRANSFER_ON_CELLS = _transfer("optimizers-transfer-cells", ON_CELLS, BLOCKS, **ON_CELLS_ONLY)
 
-SUITES = (ON_THE_CASES, ON_THE_GRIDS, ON_THE_CELLS)
+SUITES = (ON_THE_CASES, ON_THE_GRIDS, ON_THE_CELLS, TRANSFER, TRANSFER_ON_CELLS)
 COLLECTIONS = {"optimizers-study": tuple(suite.name for suite in SUITES)}
