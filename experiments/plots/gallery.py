@@ -36,22 +36,25 @@ OPTIONS: tuple[dict[str, Any], ...] = ({"encoding": "bezier"}, {})
 TEXT = """\
 # Gallery
 
-Every optimizer on one map of every family, as `env.render()` draws them: the swarm after {iterations}
-iterations; where something happens on the map, {after_event} iterations after that. Controller
-`{controller}`, seed {seed}, default parameters.
+This page shows every optimizer on one map of every family, as `env.render()` draws it. After it
+you can read such a picture of your own runs. A picture shows the swarm after {iterations}
+iterations; on a map with an event, {after_event} iterations after the event. All runs have the
+controller `{controller}`, seed {seed} and default parameters.
 
-Black is the best path so far, blue are feasible members, orange, dashed or as rings, colliding ones. Points
-on maps are where walks have come to; points on functions are members in the plane of the first two
-components. Paths on grid maps are Bezier curves where the optimizer can have them.
+The best path so far is black. Feasible members are blue. Colliding members are orange, dashed or
+rings. Points on maps are the positions that walks have reached. Points on functions are members
+in the plane of the first two components. Paths on grid maps are Bezier curves if the optimizer
+supports them.
 
-These are pictures of one run each, with parameters that nobody chose for these maps: they show what
-happens, not which optimizer is better. `make docs-gallery` writes this page from the registries of
-optimizers and scenarios. Not here, since their maps are files: {with_files}; [scenarios.md](scenarios.md)
-says where to get them.
+Each picture is of one run, with parameters that nobody chose for its map. So the pictures show
+how swarms move, and do not rank the optimizers. `make docs-gallery` writes this page from the
+registries of optimizers and scenarios. These families are missing, since their maps are files or
+their functions belong to another library: {with_files};
+[scenarios.md](scenarios.md) says where to get them.
 
 {table}
 
-What there is no picture of, as the library says it:
+Combinations without a picture, and the message of the library:
 
 {refusals}
 """
