@@ -14,6 +14,7 @@ from experiments.studies.controllers import training_seeds
 from experiments.studies.dynamic.suites import NEVER_USED as OF_CHANGES
 from experiments.studies.learned.suites import NEVER_USED as NEWEST
 from experiments.studies.newcomers.suites import NEVER_USED
+from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import BLINDED, ControllerName
@@ -143,6 +144,8 @@ def test_suites_run_on_test_seeds(suite):
         assert first == OF_CHANGES
     elif suite.name in ("optimizers", "optimizers-cells"):
         assert first == OF_OPTIMIZERS
+    elif suite.name.startswith("optimizers-"):
+        assert first == LATER_OF_OPTIMIZERS
     elif suite.name not in ("paper", "parameters"):  # on seeds that nothing was chosen by
         assert first == FRESH_SEEDS
 
