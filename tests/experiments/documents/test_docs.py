@@ -37,3 +37,11 @@ def test_the_cluster_is_described_as_ray_wants_it():
     (extras,) = re.findall(r"--editable '\.\[(.*)\]'", "\n".join(cluster["setup_commands"]))
     known = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     assert set(extras.split(",")) <= set(known)
+
+
+def test_readings_name_files_that_exist():
+    named = set(re.findall(r"`([\w/]+\.py)`", (ROOT / "docs/readings.md").read_text(encoding="utf-8")))
+    packages = ("swarm_gym", "agents", "experiments")
+    files = [path.as_posix() for package in packages for path in (ROOT / package).rglob("*.py")]
+    assert named
+    assert [name for name in named if not any(file.endswith(f"/{name}") for file in files)] == []
