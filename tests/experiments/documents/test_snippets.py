@@ -1,5 +1,6 @@
 """The code and commands in README.md and docs/guide.md work as they stand there."""
 
+import os
 import re
 import shlex
 import subprocess
@@ -44,6 +45,27 @@ def test_the_command_that_plans_a_path_writes_one(tmp_path):
     assert program == ".venv/bin/python"
     subprocess.run([sys.executable, *arguments], cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "path.csv").read_text().startswith("x,y\n")
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_readme_work_one_after_the_other(tmp_path):
+    """All but those of make, which the project's own checks run; a training takes minutes."""
+    text = "\n".join(blocks("README.md", "")).replace("\\\n", " ")
+    lines = [line for line in text.splitlines() if line.startswith(".venv/bin/python")]
+    assert len(lines) >= 4
+    for line in lines:
+        _, *arguments = shlex.split(line, comments=True)
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"{line}\n{done.stderr[-2000:]}"
+    assert (tmp_path / "results/mine/paper/report.html").is_file()
 
 
 def test_the_readme_is_short():
