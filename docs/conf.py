@@ -51,8 +51,6 @@ extensions = [
     "sphinx_design",
 ]
 exclude_patterns = ["_build"]
-# A list may name a page that is absent. A page that is in no list is an error all the same.
-suppress_warnings = ["toc.not_readable"]
 
 myst_enable_extensions = ["attrs_inline", "colon_fence"]
 myst_heading_anchors = 4

@@ -22,3 +22,13 @@ def adapted():
         for library, classes in ADAPTED.items()
         for cls in classes
     ]
+
+
+def episode_of(env, controller):
+    """Run one episode with seed 0 to its end; return the first best fitness and the last info."""
+    controller.reset(1, 0)
+    observation, info = env.reset(seed=0)
+    first, ended = info["best_fitness"], False
+    while not ended:
+        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+    return first, info

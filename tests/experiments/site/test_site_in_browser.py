@@ -4,7 +4,6 @@ Needs the extra `docs`, and Chromium (`make browser`) for the pages in a browser
 `make docs` runs them.
 """
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -22,8 +21,6 @@ for library in ("sphinx", "furo", "myst_nb", "sphinx_design", "sphinx_copybutton
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run")
 WIDTHS, SCHEMES = (1400, 390), ("light", "dark")
 TUTORIALS = sorted(path.stem for path in ROOT.glob("docs/tutorials/*.md") if path.stem != "index")
 LOOKED_AT = (
@@ -41,7 +38,7 @@ def site(tmp_path_factory):
     with FileLock(folder.with_suffix(".lock")):
         if not (folder / "done").exists():
             # Without a kernel, Sphinx takes shell commands in notebooks for Python.
-            unlike = ("nb_execution_mode=off", "suppress_warnings=toc.not_readable,misc.highlighting_failure")
+            unlike = ("nb_execution_mode=off", "suppress_warnings=misc.highlighting_failure")
             options = [word for setting in unlike for word in ("-D", setting)]
             places = ["-d", folder.with_suffix(".doctrees"), "docs", folder]
             built = subprocess.run(
@@ -56,15 +53,10 @@ def site(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def browser():
-    sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright, of the extra dev")
-    with sync_api.sync_playwright() as playwright:
-        own = playwright.chromium.executable_path
-        found = next(filter(None, map(shutil.which, NAMES)), own if Path(own).exists() else None)
-        if found is None:
-            pytest.skip("no Chromium is installed; see `make browser`")
-        launched = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+    from helpers.browsers import chromium  # skips the test without Playwright
+
+    with chromium() as launched:
         yield launched
-        launched.close()
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from helpers.adapted import ADAPTED, adapted, missing
+from helpers.adapted import ADAPTED, adapted, episode_of, missing
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError
@@ -92,11 +92,7 @@ def test_the_repair_degree_frees_members(name):
 def test_controllers_of_the_project_drive_it(name, controller):
     made = make_controller(controller)
     env = SwarmEnv(name, scenario="case2", iterations=3, **made.env_options())
-    made.reset(1, 0)
-    observation, info = env.reset(seed=0)
-    first, ended = info["best_fitness"], False
-    while not ended:
-        observation, _, ended, _, info = env.step(made.act(observation[None])[0])
+    first, info = episode_of(env, made)
     assert info["best_fitness"] < first
     assert info["evaluations"] > 60
     assert info["optimality_gap"] > 0.0

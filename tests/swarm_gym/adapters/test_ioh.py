@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from helpers.adapted import adapted
+from helpers.adapted import adapted, episode_of
 from helpers.libraries import RandomSteps
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
@@ -150,11 +150,7 @@ def test_controllers_of_the_project_decide_on_it(controller):
     made = make_controller(controller)
     options = {"scenario": "ioh:bbob-1-5-2", "iterations": 20, "max_evaluations": 600, **made.env_options()}
     env = SwarmEnv("helpers.libraries:RandomSteps", **options)
-    made.reset(1, 0)
-    observation, info = env.reset(seed=0)
-    first, ended = info["best_fitness"], False
-    while not ended:
-        observation, _, ended, _, info = env.step(made.act(observation[None])[0])
+    first, info = episode_of(env, made)
     assert info["best_fitness"] < first
     assert 20 < info["evaluations"] <= 600
 
