@@ -28,15 +28,26 @@ about new members (see `swarm_gym.sources`):
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, NoReturn
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import (
+    Array,
+    Constant,
+    applied,
+    as_numpy,
+    at_least,
+    at_most,
+    floats,
+    integers,
+    with_columns,
+)
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.optimizers.parameter import replaced
 from swarm_gym.own_code import find
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
@@ -45,7 +56,9 @@ from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
 Floats = NDArray[np.float64]
 
 # Smallest and largest values of decisions on new members, each (3,).
-_LEAST_OF_SOURCES, _MOST_OF_SOURCES = np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS])
+_LEAST_OF_SOURCES, _MOST_OF_SOURCES = map(
+    Constant, np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS])
+)
 
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
@@ -135,13 +148,13 @@ class Paced(Scale):
             raise SettingError(
                 "paced actions depend on the remaining evaluations: encode them with a simulation"
             )
-        return np.log(values / self._lasting(simulation)) / np.log(PACE_SPREAD)
+        return simulation.xp.log(values / self._lasting(simulation)) / float(np.log(PACE_SPREAD))
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
         return self._lasting(simulation) * PACE_SPREAD**numbers
 
     def _lasting(self, simulation: Simulation) -> Floats:
-        return simulation.optimizer.affordable_size(simulation.pace())
+        return applied(simulation.optimizer.affordable_size, simulation.xp, simulation.pace())
 
 
 class Action:
@@ -169,8 +182,18 @@ class Action:
         self.labels = tuple(scales)
         self.scales = tuple(scales.values())
         self._parameters, self._defaults = list(parameters), [*parameters.values(), *sources]
+        fields = optimizer.parameter_class._fields  # type: ignore[attr-defined]
+        self._columns = [fields.index(name) for name in parameters]
         self._dtype = dtype
         self._smallest, self._largest = settings.min_population_size, settings.max_population_size
+
+    @cached_property
+    def _low(self) -> Constant:
+        return Constant(self.space.low)
+
+    @cached_property
+    def _high(self) -> Constant:
+        return Constant(self.space.high)
 
     @cached_property
     def space(self) -> Box:  # noqa: D102
@@ -204,7 +227,7 @@ class Action:
         space = self.space
         return np.clip(np.stack(numbers, axis=1), space.low, space.high).astype(self._dtype)
 
-    def decode(self, actions: object, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
+    def decode(self, actions: object, chosen: Array, simulation: Simulation) -> Decisions:
         """Return the decisions that actions (B, k) ask for; sizes are rounded to the nearest integer.
 
         Only the chosen rows, (B,), have to be valid.
@@ -212,56 +235,101 @@ class Action:
         Raises:
             ActionError: for a wrong type or shape, or a number that is not finite or out of bounds.
         """
-        values = self._read(actions, chosen)
+        numbers, wrong = self.read(actions, chosen, simulation)
+        if wrong.any():
+            self.refuse(numbers, wrong)
+        return self.decide(numbers, chosen, simulation)
+
+    def read(self, actions: object, chosen: Array, simulation: Simulation) -> tuple[Array, Array]:
+        """Return the numbers of actions, (B, k) float64, and which chosen rows are not in the space, (B,).
+
+        Args:
+            actions: (B, k) numbers: what NumPy makes an array of, or an array of the simulation's library.
+            chosen: (B,) rows that have to be valid.
+            simulation: simulation of the B swarms.
+
+        Raises:
+            ActionError: for a wrong type or shape.
+        """
+        xp, device, shape = simulation.xp, simulation.device, self.space.shape
+        given = self._as_array(actions, simulation)
+        if given.shape != (len(chosen), *shape):
+            raise ActionError(
+                f"an action must have shape {shape} ({', '.join(self.labels)}), one per swarm, "
+                f"{len(chosen)} in all; got {tuple(given.shape)}"
+            )
+        with np.errstate(over="ignore"):  # becomes infinite, which is refused
+            numbers = floats(xp, given)
+        low, high = self._low.on(xp, device), self._high.on(xp, device)
+        valid = (numbers >= low) & (numbers <= high)  # False for NaN
+        return numbers, chosen & ~valid.all(axis=1)
+
+    def refuse(self, numbers: Array, wrong: Array) -> NoReturn:
+        """Raise an error about the first row that is wrong.
+
+        Args:
+            numbers: (B, k) numbers of actions.
+            wrong: (B,) rows that are not in the space, at least one.
+
+        Raises:
+            ActionError: naming the swarm, the decision, its bounds and the number.
+        """
+        row = int(np.argmax(as_numpy(wrong)))
+        action, space = as_numpy(numbers[row]), self.space
+        number = int(np.argmin((action >= space.low) & (action <= space.high)))
+        low, high = float(space.low[number]), float(space.high[number])
+        raise ActionError(
+            f"action {action.tolist()} of swarm {row} is not in the {self.name!r} action space "
+            f"({', '.join(self.labels)}): {self.labels[number]} must lie in [{low:g}, {high:g}], got "
+            f"{float(action[number])}"
+        )
+
+    def decide(self, numbers: Array, chosen: Array, simulation: Simulation) -> Decisions:
+        """Return the decisions that numbers of actions, (B, k), ask for, see `decode`.
+
+        Rows that are not chosen may hold anything.
+        """
+        xp, device = simulation.xp, simulation.device
+        values = xp.where(chosen[:, None], numbers, self._low.on(xp, device))
         decided = [
             scale.decode(column, simulation) for scale, column in zip(self.scales, values.T, strict=True)
         ]
-        within = np.minimum(np.maximum(decided[0], self._smallest), self._largest)
+        within = at_most(xp, at_least(xp, decided[0], self._smallest), self._largest)
         parameters, sources = simulation.parameters, simulation.sources
         first_source = 2 + len(self._parameters)
         if self._parameters:
-            new = dict(zip(self._parameters, decided[2:first_source], strict=True))
-            parameters = replaced(simulation.optimizer.parameter_class, parameters, new)
+            new = dict(zip(self._columns, decided[2:first_source], strict=True))
+            parameters = with_columns(xp, parameters, new)
         if len(decided) > first_source:
-            sources = np.stack(decided[first_source:], axis=1)
+            least, most = _LEAST_OF_SOURCES.on(xp, device), _MOST_OF_SOURCES.on(xp, device)
             # Scales round: a number of -1 or 1 may stand for slightly more than its bound.
-            sources = np.clip(sources, _LEAST_OF_SOURCES, _MOST_OF_SOURCES)
+            sources = xp.clip(xp.stack(decided[first_source:], axis=1), least, most)
         return Decisions(
-            np.floor(within + 0.5).astype(np.int64),
-            np.minimum(np.maximum(decided[1], 0.0), 1.0),
+            integers(xp, xp.floor(within + 0.5)),
+            at_most(xp, at_least(xp, decided[1], 0.0), 1.0),
             parameters,
             sources,
         )
 
-    def _read(self, actions: object, chosen: NDArray[np.bool_]) -> Floats:
-        space = self.space
-        try:
-            given = np.asarray(actions)
-        except Exception as error:  # an object that converts itself to an array can raise anything
-            raise ActionError(f"an action must be numbers, got {shown(actions)}") from error
-        if given.dtype.kind not in "fiu":
+    def _as_array(self, actions: object, simulation: Simulation) -> Array:
+        """Return actions as an array of numbers, of the simulation's library and on its device.
+
+        Raises:
+            ActionError: if they are no numbers.
+        """
+        xp = simulation.xp
+        given: Any = actions
+        if xp is np or not isinstance(actions, type(simulation.iteration)):
+            try:
+                given = np.asarray(actions)
+            except Exception as error:  # an object that converts itself to an array can raise anything
+                raise ActionError(f"an action must be numbers, got {shown(actions)}") from error
+            if given.dtype.kind not in "fiu":
+                raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
+            return simulation.place(given)
+        if not xp.isdtype(given.dtype, ("real floating", "integral")):
             raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
-        if given.shape != (len(chosen), *space.shape):
-            raise ActionError(
-                f"an action must have shape {space.shape} ({', '.join(self.labels)}), one per swarm, "
-                f"{len(chosen)} in all; got {given.shape}"
-            )
-        with np.errstate(over="ignore"):  # becomes infinite, which is refused below
-            values = given.astype(np.float64)
-        valid = (values >= space.low) & (values <= space.high)  # False for NaN
-        if not valid.all():
-            wrong = chosen & ~valid.all(axis=1)
-            if wrong.any():
-                row = int(np.argmax(wrong))
-                number = int(np.argmin(valid[row]))
-                low, high = float(space.low[number]), float(space.high[number])
-                raise ActionError(
-                    f"action {values[row].tolist()} of swarm {row} is not in the {self.name!r} action space "
-                    f"({', '.join(self.labels)}): {self.labels[number]} must lie in [{low:g}, {high:g}], got "
-                    f"{float(values[row, number])}"
-                )
-            values = np.where(chosen[:, None], values, space.low)
-        return values
+        return xp.asarray(given, device=simulation.device)
 
 
 @dataclass(frozen=True)

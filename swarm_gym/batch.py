@@ -12,8 +12,9 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
+from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
 from swarm_gym.clearance import clearance_of
-from swarm_gym.errors import StepOrderError
+from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -51,6 +52,7 @@ class SwarmBatch:
         options: Mapping[str, Any],
         num_swarms: int,
         num_threads: int | None = None,
+        simulation_class: type[Simulation] = Simulation,
     ):
         optimizer_class = get_optimizer(optimizer)
         self._optimizer = optimizer
@@ -58,7 +60,7 @@ class SwarmBatch:
         self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
-        self.simulation = Simulation(
+        self.simulation = simulation_class(
             optimizer_class, self.settings, num_swarms, num_threads, self._observation.arrival_window
         )
         if self.settings.reward in NEED_AN_OPTIMUM:
@@ -68,6 +70,7 @@ class SwarmBatch:
         )
         self.action_space: Box = self._action.space
         self.observation_space: Box = self._observation.space(self.simulation)
+        self._low, self._high = Constant(self.observation_space.low), Constant(self.observation_space.high)
 
     def reset(
         self,
@@ -82,7 +85,7 @@ class SwarmBatch:
             generators: one generator per swarm.
             options: options of `reset`, see `Simulation.reset`.
         """
-        seeds = [episode_seed(generators[row]) for row in np.flatnonzero(chosen)]
+        seeds = [episode_seed(generators[row]) for row in np.flatnonzero(as_numpy(chosen))]
         self.simulation.reset(chosen, seeds, options)
 
     def step(self, chosen: Flags, actions: object) -> tuple[Floats, Flags]:
@@ -100,13 +103,17 @@ class SwarmBatch:
             StepOrderError: if no episode of a chosen swarm is under way.
         """
         simulation = self.simulation
-        idle = chosen & ~simulation.running
-        if idle.any():
-            started = simulation.swarms.size[idle] > 0
-            reason = "the episode has ended" if started.all() else "there was no reset yet"
-            raise StepOrderError(f"step of swarm {int(np.argmax(idle))}: {reason}; call reset() first")
-        decisions = self._action.decode(actions, chosen, simulation)
-        evaluations = simulation.swarms.evaluations.copy()
+        xp, idle = simulation.xp, chosen & ~simulation.running
+        try:
+            numbers, wrong = self._action.read(actions, chosen, simulation)
+        except ActionError:
+            self._refuse_idle(idle)
+            raise
+        if (idle | wrong).any():  # one question, since the answer waits for a GPU
+            self._refuse_idle(idle)
+            self._action.refuse(numbers, wrong)
+        decisions = self._action.decide(numbers, chosen, simulation)
+        evaluations = copy_of(xp, simulation.swarms.evaluations)
         gap_before = simulation.gap()
         gap_after = simulation.step(chosen, decisions)
         ended = chosen & ~simulation.running
@@ -120,39 +127,63 @@ class SwarmBatch:
                 ended,
                 simulation.offline_weight(),
                 simulation.optimality_gap,
+                xp,
             )
         )
-        return np.where(chosen, reward, 0.0), ended
+        return xp.where(chosen, reward, 0.0), ended
 
-    def observe(self) -> NDArray:
+    def _refuse_idle(self, idle: Array) -> None:
+        """Raise an error if any of the swarms, (B,), is to take a step although no episode is under way.
+
+        Raises:
+            StepOrderError: naming the first one, and whether there was an episode before.
+        """
+        waiting = np.flatnonzero(as_numpy(idle))
+        if waiting.size:
+            started = as_numpy(self.simulation.swarms.size)[waiting] > 0
+            reason = "the episode has ended" if started.all() else "there was no reset yet"
+            raise StepOrderError(f"step of swarm {waiting[0]}: {reason}; call reset() first") from None
+
+    def observe(self) -> Array:
         """Return the observations of all swarms, (B, k), a new array."""
-        space = self.observation_space
-        return np.minimum(np.maximum(self._observation.observe(self.simulation), space.low), space.high)
+        simulation = self.simulation
+        xp, device = simulation.xp, simulation.device
+        found = self._observation.observe(simulation)
+        return xp.minimum(xp.maximum(found, self._low.on(xp, device)), self._high.on(xp, device))
+
+    def numbers(self) -> dict[str, Array]:
+        """Return the infos on all swarms that are plain numbers of the state: new arrays (B,).
+
+        These are arrays of the simulation's library; nothing waits for a GPU.
+        """
+        simulation, swarms, xp = self.simulation, self.simulation.swarms, self.simulation.xp
+        return {
+            "best_fitness": copy_of(xp, swarms.best_fitness),
+            "best_collision": copy_of(xp, swarms.best_collision),
+            "feasible": swarms.best_collision <= FEASIBILITY_TOLERANCE,
+            "feasible_fitness": simulation.paths.feasible_fitness(),
+            "evaluations": copy_of(xp, swarms.evaluations),
+            "population_size": copy_of(xp, swarms.size),
+            "feasible_share": copy_of(xp, swarms.summary[:, FEASIBLE_SHARE]),
+            "repair_degree": simulation.history[simulation.rows, simulation.iteration, 2],
+        }
 
     def info(self) -> dict[str, NDArray]:
-        """Return infos on all swarms: new arrays whose first axis has length B.
+        """Return infos on all swarms: new NumPy arrays whose first axis has length B.
 
         `robot`, (B, 2), and `driven`, (B,), are there if robots drive. Entries in `SOMETIMES` are NaN for
         swarms that do not have them: `optimality_gap` where the optimum is unknown or the episode goes on.
+        Call `numbers` instead where copies from a GPU would take too long.
         """
-        simulation, swarms = self.simulation, self.simulation.swarms
-        rows = np.arange(simulation.num_swarms)
-        robots = simulation.robots
+        simulation, robots = self.simulation, self.simulation.robots
         where = {} if robots is None else {"robot": robots.places.copy(), "driven": robots.driven.copy()}
         repaired = self._repaired() if self.settings.final_repair else {}
         feasible_paths = simulation.paths.feasible()
         return {
-            "best_fitness": swarms.best_fitness.copy(),
-            "best_collision": swarms.best_collision.copy(),
+            **{name: as_numpy(values) for name, values in self.numbers().items()},
             "best_path": simulation.paths.best(),
-            "feasible": swarms.best_collision <= FEASIBILITY_TOLERANCE,
-            "feasible_fitness": simulation.paths.feasible_fitness(),
             "feasible_path": feasible_paths,
-            "evaluations": swarms.evaluations.copy(),
-            "population_size": swarms.size.copy(),
-            "feasible_share": swarms.summary[:, FEASIBLE_SHARE].copy(),
-            "repair_degree": simulation.history[rows, simulation.iteration, 2],
-            "scenario": self._scenario_names[swarms.problem],
+            "scenario": self._scenario_names[as_numpy(simulation.swarms.problem)],
             **self._made_for(),
             **where,
             **self._measured(feasible_paths),
@@ -171,7 +202,7 @@ class SwarmBatch:
         """Return length and clearance of the best feasible paths of episodes that have ended, else NaN."""
         simulation = self.simulation
         lengths, clearances = np.full((2, simulation.num_swarms), np.nan)
-        for row in np.flatnonzero(~simulation.running & is_there(paths)).tolist():
+        for row in np.flatnonzero(~as_numpy(simulation.running) & is_there(paths)).tolist():
             problem = simulation.problem_of(row)
             if isinstance(problem, MapProblem):
                 lengths[row] = length_of(paths[row])
@@ -180,17 +211,17 @@ class SwarmBatch:
 
     def _final_gaps(self) -> NDArray[np.float64]:
         """Return (B,) the optimality gaps of the swarms whose episodes have ended, else NaN."""
-        running = self.simulation.running
+        running = as_numpy(self.simulation.running)
         if running.all():
             return np.full(len(running), np.nan)
-        return np.where(running, np.nan, self.simulation.optimality_gap())
+        return np.where(running, np.nan, as_numpy(self.simulation.optimality_gap()))
 
     def _repaired(self) -> dict[str, NDArray]:
         """Return the final repairs of the best paths; NaN where the episode goes on or none was found."""
         simulation = self.simulation
         paths = np.full_like(simulation.paths.best(), np.nan)
         lengths, evaluations = np.full((2, len(paths)), np.nan)
-        for row in np.flatnonzero(~simulation.running & (simulation.swarms.size > 0)).tolist():
+        for row in np.flatnonzero(as_numpy(~simulation.running & (simulation.swarms.size > 0))).tolist():
             problem = simulation.problem_of(row)
             assert isinstance(problem, MapProblem)
             found = final_repair(problem, simulation.paths.best_of(row))

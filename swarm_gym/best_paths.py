@@ -2,6 +2,8 @@
 
 The paper's fitness trades a little collision for a little length, so the best path by fitness often grazes
 obstacles. The best feasible one is kept beside it.
+
+Paths are NumPy arrays. If the state of the swarms is tensors, the numbers of paths are copied from these.
 """
 
 from functools import cached_property
@@ -9,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array, as_numpy, namespace_of
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.worlds import Worlds
@@ -38,36 +41,39 @@ class BestPaths:
 
     def best_of(self, row: int) -> Floats:
         """Return (k, 2) the best path of a swarm by fitness; a walk ends when it has reached the target."""
-        number = self._swarms.problem[row]
+        number = int(self._swarms.problem[row])
         if self._are_walks:
-            return self._swarms.best_path(row, self._targets[number])
-        return self._worlds.problems[number].points(self._swarms.best_position[row, : self._dimension])
+            return np.vstack([as_numpy(self._swarms.best_walk_points(row)), self._targets[number]])
+        vector = as_numpy(self._swarms.best_position[row, : self._dimension])
+        return self._worlds.problems[number].points(vector)
 
     def feasible(self) -> Floats:
         """Return (B, k, 2) best feasible paths, as `best` does; NaN where there is none."""
         paths = self._walks() if self._are_walks else self._points(self._swarms.feasible_position)
-        paths[np.isnan(self.feasible_fitness())] = np.nan
+        paths[np.isnan(as_numpy(self.feasible_fitness()))] = np.nan
         return paths
 
-    def feasible_fitness(self) -> Floats:
+    def feasible_fitness(self) -> Array:
         """Return (B,) fitness of the best feasible paths; NaN where there is none.
 
         An event on the map forgets all paths but those of members and the best one by fitness.
         """
-        swarms = self._swarms
+        swarms, xp = self._swarms, namespace_of(self._swarms.problem)
         if self._are_walks:
-            return np.where(swarms.best_collision <= FEASIBILITY_TOLERANCE, swarms.best_fitness, np.nan)
-        return np.where(np.isfinite(swarms.feasible_fitness), swarms.feasible_fitness, np.nan)
+            return xp.where(swarms.best_collision <= FEASIBILITY_TOLERANCE, swarms.best_fitness, np.nan)
+        return xp.where(xp.isfinite(swarms.feasible_fitness), swarms.feasible_fitness, np.nan)
 
-    def _points(self, positions: Floats) -> Floats:
-        return self._worlds.points(positions[:, : self._dimension], self._swarms.problem)
+    def _points(self, positions: Array) -> Floats:
+        return self._worlds.points(as_numpy(positions)[:, : self._dimension], as_numpy(self._swarms.problem))
 
     def _walks(self) -> Floats:
-        swarms = self._swarms
-        num_points = swarms.walk.shape[1]
-        paths = np.repeat(self._targets[swarms.problem][:, None], num_points + 1, axis=1)
-        walked = np.arange(num_points) < swarms.best_walk[:, None]
-        paths[:, :-1][walked] = swarms.walk[walked]
+        problem, walk, best_walk = map(
+            as_numpy, (self._swarms.problem, self._swarms.walk, self._swarms.best_walk)
+        )
+        num_points = walk.shape[1]
+        paths = np.repeat(self._targets[problem][:, None], num_points + 1, axis=1)
+        walked = np.arange(num_points) < best_walk[:, None]
+        paths[:, :-1][walked] = walk[walked]
         return paths
 
     @cached_property

@@ -1,7 +1,8 @@
 """Features of swarms: numbers by which a controller sees them, with their bounds.
 
 `swarm_gym.observation` makes layouts of them. Features other than those of the paper are scaled by fixed
-numbers, so there are no running statistics to store.
+numbers, so there are no running statistics to store. Features work on the arrays of any library, see
+`swarm_gym.arrays`; those that need paths work on NumPy arrays only.
 """
 
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array, at_least, divided, floats
 from swarm_gym.corridors import KnownCorridors
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.population import (
@@ -61,7 +63,7 @@ def _summary(column: int) -> Callable[[Simulation], Floats]:
 
 
 def _log_scaled(column: int) -> Callable[[Simulation], Floats]:
-    return lambda simulation: np.log1p(simulation.swarms.summary[:, column]) / 8.0
+    return lambda simulation: simulation.xp.log1p(simulation.swarms.summary[:, column]) / 8.0
 
 
 def _log_bound(simulation: Simulation) -> float:
@@ -77,12 +79,18 @@ def _log_extent(simulation: Simulation) -> float:
     return float(np.log1p(max(extents))) / 8.0
 
 
+def _clock(simulation: Simulation, iterations: Array) -> Array:
+    """Return log(1 + iterations), relative to that of all iterations of an episode."""
+    xp = simulation.xp
+    return xp.log1p(floats(xp, iterations)) / float(np.log1p(simulation.settings.iterations))
+
+
 def _log_progress(simulation: Simulation) -> Floats:
     """Return (B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
-    rows, then = np.arange(simulation.num_swarms), np.maximum(simulation.iteration - RECENT, 0)
-    before = simulation.gap_of(simulation.history[rows, then, _BEST])
+    xp, then = simulation.xp, at_least(simulation.xp, simulation.iteration - RECENT, 0)
+    before = simulation.gap_of(simulation.history[simulation.rows, then, _BEST])
     now = simulation.gap()
-    return np.log(np.divide(before, now, out=np.ones_like(now), where=np.isfinite(now)))
+    return xp.log(divided(xp, before, now, xp.isfinite(now), 1.0))
 
 
 def _log_relative_fitness(simulation: Simulation) -> Floats:
@@ -92,14 +100,14 @@ def _log_relative_fitness(simulation: Simulation) -> Floats:
     """
     numbers = simulation.swarms.problem
     bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
-    return np.log((simulation.swarms.best_fitness + (unit - bound)) / unit)
+    return simulation.xp.log((simulation.swarms.best_fitness + (unit - bound)) / unit)
 
 
 def _spent(simulation: Simulation) -> Floats:
     """Return (B,) the fraction of the evaluation budget that is spent; 0 without a budget."""
     if simulation.settings.max_evaluations is None:
-        return np.zeros(simulation.num_swarms)
-    return simulation.swarms.evaluations / simulation.settings.max_evaluations
+        return simulation.full(0.0)
+    return floats(simulation.xp, simulation.swarms.evaluations) / simulation.settings.max_evaluations
 
 
 def _log_best_smooth(simulation: Simulation) -> Floats:
@@ -107,16 +115,18 @@ def _log_best_smooth(simulation: Simulation) -> Floats:
 
     It is 4 without such a newcomer.
     """
-    newcomer = simulation.gap_of(simulation.swarms.arrivals[:, BEST_SMOOTH].min(axis=1))
-    ratio = np.full(simulation.num_swarms, np.exp(NO_GOOD_NEWCOMER))
-    np.divide(newcomer, simulation.gap(), out=ratio, where=np.isfinite(newcomer))
-    return np.clip(np.log(ratio), 0.0, NO_GOOD_NEWCOMER)
+    xp = simulation.xp
+    newcomer = simulation.gap_of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
+    none = float(np.exp(NO_GOOD_NEWCOMER))
+    ratio = divided(xp, newcomer, simulation.gap(), xp.isfinite(newcomer), none)
+    return xp.clip(xp.log(ratio), 0.0, NO_GOOD_NEWCOMER)
 
 
 def _became_best(simulation: Simulation) -> Floats:
     """Return (B,) x / (1 + x) of the number of newcomers of the last `RECENT` iterations that became best."""
-    counts = simulation.swarms.arrivals[:, BECAME_BEST].sum(axis=1)
-    counts[simulation.swarms.size == 0] = 0.0  # nothing has been recorded before the first reset
+    xp, swarms = simulation.xp, simulation.swarms
+    # Nothing has been recorded before the first reset.
+    counts = xp.where(swarms.size == 0, 0.0, xp.sum(swarms.arrivals[:, BECAME_BEST], axis=1))
     return counts / (1.0 + counts)
 
 
@@ -141,51 +151,70 @@ def _last_rise(simulation: Simulation) -> tuple[NDArray[np.int64], Floats]:
 
     The best fitness so far rises by events on the map only. Without a rise these are 0 and 1.
     """
-    best = simulation.history[:, :, _BEST]
-    rows, last = np.arange(len(best)), best.shape[1] - 1
+    xp, rows, best = simulation.xp, simulation.rows, simulation.history[:, :, _BEST]
     rose = best[:, 1:] > best[:, :-1] * (1.0 + 1e-9)  # False where nothing is recorded yet
-    when = np.where(rose.any(axis=1), last - np.argmax(rose[:, ::-1], axis=1), 0)
-    before, after = best[rows, np.maximum(when - 1, 0)], best[rows, when]
-    return when, np.divide(after, before, out=np.ones(len(best)), where=when > 0)
+    iterations = xp.arange(1, best.shape[1], device=simulation.device)
+    when = xp.max(xp.where(rose, iterations, 0), axis=1)
+    before, after = best[rows, at_least(xp, when - 1, 0)], best[rows, when]
+    return when, divided(xp, after, before, when > 0, 1.0)
 
 
 def _log_since_rise(simulation: Simulation) -> Floats:
     when, _ = _last_rise(simulation)
-    return np.log1p(simulation.iteration - when) / np.log1p(simulation.settings.iterations)
+    return _clock(simulation, simulation.iteration - when)
 
 
 def _log_rise(simulation: Simulation) -> Floats:
     _, ratio = _last_rise(simulation)
-    return np.log(ratio)
+    return simulation.xp.log(ratio)
 
 
 def _log_collision_ratio(simulation: Simulation, iteration: NDArray[np.int64] | int) -> Floats:
     """Return (B,) log((1 + E(P)) / (1 + E(P) after that iteration)) / 8; nan before the first reset."""
-    before = simulation.history[np.arange(simulation.num_swarms), iteration, _COLLISION]
-    return np.log((1.0 + simulation.swarms.summary[:, POPULATION_COLLISION]) / (1.0 + before)) / 8.0
+    before = simulation.history[simulation.rows, iteration, _COLLISION]
+    now = simulation.swarms.summary[:, POPULATION_COLLISION]
+    return simulation.xp.log((1.0 + now) / (1.0 + before)) / 8.0
 
 
 def _log_jump(simulation: Simulation) -> Floats:
     """Return (B,) the log ratio of E(P) to that one iteration before; 0 before the first iteration."""
-    return np.nan_to_num(_log_collision_ratio(simulation, np.maximum(simulation.iteration - 1, 0)))
+    xp = simulation.xp
+    jump = _log_collision_ratio(simulation, at_least(xp, simulation.iteration - 1, 0))
+    return xp.where(xp.isnan(jump), 0.0, jump)
 
 
 def _log_since_event(simulation: Simulation) -> Floats:
     """Return (B,) log(1 + iterations since the last event) / log(1 + those of an episode)."""
-    since = simulation.iteration - simulation.worlds.begins[simulation.swarms.problem]
-    return np.log1p(since) / np.log1p(simulation.settings.iterations)
+    return _clock(simulation, simulation.iteration - simulation.worlds.begins[simulation.swarms.problem])
 
 
 def _log_until_event(simulation: Simulation) -> Floats:
     """Return (B,) log(1 + iterations until the next event) / log(1 + those of an episode); 1 without one."""
     coming = simulation.worlds.next_event[simulation.swarms.problem]
     length = simulation.settings.iterations
-    until = np.where(coming > 0, coming - simulation.iteration, length)
-    return np.log1p(until) / np.log1p(length)
+    return _clock(simulation, simulation.xp.where(coming > 0, coming - simulation.iteration, length))
+
+
+def _log_size(simulation: Simulation) -> Floats:
+    xp = simulation.xp
+    return xp.log1p(floats(xp, simulation.swarms.size)) / float(
+        np.log1p(simulation.settings.max_population_size)
+    )
+
+
+def _spent_of_reference(simulation: Simulation) -> Floats:
+    """Return (B,) x / (1 + x) of the evaluations, relative to `Settings.reference_evaluations`."""
+    spent = floats(simulation.xp, simulation.swarms.evaluations)
+    return spent / (spent + simulation.settings.reference_evaluations)
+
+
+def _log_price(simulation: Simulation) -> Floats:
+    xp = simulation.xp
+    return xp.log10(at_least(xp, simulation.price, 1e-4) / 0.1) / 3.0
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:
-    return lambda simulation: np.full(simulation.num_swarms, float(simulation.optimizer.name == name))
+    return lambda simulation: simulation.full(float(simulation.optimizer.name == name))
 
 
 def _one(_: Simulation) -> float:
@@ -196,19 +225,21 @@ PAPER = (
     Feature("population collision E(P)", _summary(POPULATION_COLLISION), _collision_bound),
     Feature("mean collision", _summary(MEAN_COLLISION), _collision_bound),
     Feature("standard deviation of the collision", _summary(COLLISION_DEVIATION), _collision_bound),
-    Feature("iteration", lambda s: s.iteration.astype(np.float64), lambda s: s.settings.iterations),
+    Feature("iteration", lambda s: floats(s.xp, s.iteration), lambda s: s.settings.iterations),
 )
 SCALED = (
     Feature("log(1 + E(P)) / 8", _log_scaled(POPULATION_COLLISION), _log_bound),
     Feature("log(1 + mean collision) / 8", _log_scaled(MEAN_COLLISION), _log_bound),
     Feature("log(1 + standard deviation of the collision) / 8", _log_scaled(COLLISION_DEVIATION), _log_bound),
-    Feature("share of the iterations done", lambda s: s.iteration / s.settings.iterations, _one),
+    Feature(
+        "share of the iterations done", lambda s: floats(s.xp, s.iteration) / s.settings.iterations, _one
+    ),
 )
 EXTENDED = (
     *SCALED,
     Feature(
         "log population size, relative to that of the largest",
-        lambda s: np.log1p(s.swarms.size) / np.log1p(s.settings.max_population_size),
+        _log_size,
         _one,
     ),
     Feature("feasible share", _summary(FEASIBLE_SHARE), _one),
@@ -221,7 +252,7 @@ EXTENDED = (
     ),
     Feature(
         "evaluations / reference evaluations, as x / (1 + x)",
-        lambda s: s.swarms.evaluations / (s.swarms.evaluations + s.settings.reference_evaluations),
+        _spent_of_reference,
         _one,
     ),
 )
@@ -229,7 +260,7 @@ RICH = (
     *EXTENDED,
     Feature(
         "log(1 + iteration), relative to that of the last",
-        lambda s: np.log1p(s.iteration) / np.log1p(s.settings.iterations),
+        lambda s: _clock(s, s.iteration),
         _one,
     ),
     Feature(
@@ -244,7 +275,7 @@ PRICED = (
     *RICH,
     Feature(
         "log10(price / 0.1) / 3",
-        lambda s: np.log10(np.maximum(s.price, 1e-4) / 0.1) / 3.0,
+        _log_price,
         lambda _: 4.0,
         low=-1.0,
     ),

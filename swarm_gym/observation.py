@@ -23,7 +23,8 @@ joined by `+`, such as `paper+rich`, stand for several layouts one after the oth
 `corridors` needs members that are whole paths on a map, so it refuses walks and test functions. Environments
 record newcomers only for this layout. A newcomer is drawn from the source of new members: by growth, by
 immigration, or by the search of `Multivariate` anywhere on the map. After an event on a map, it still counts
-with the fitness that it had when it was new. `swarm_gym.corridors` says what corridors are.
+with the fitness that it had when it was new. `swarm_gym.corridors` says what corridors are. A simulation
+whose state is tensors, see `swarm_gym.arrays`, refuses this layout.
 """
 
 from collections.abc import Callable
@@ -32,8 +33,8 @@ from functools import cached_property
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array
 from swarm_gym.corridors import require_paths
 from swarm_gym.errors import SettingError
 from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, NAMED, PAPER, PRICED, RICH, SCALED, TOLD, Feature
@@ -77,14 +78,17 @@ class Observation:
         high = np.array([feature.high(simulation) for feature in self.features], dtype=self.dtype)
         return Box(low, high, dtype=self.dtype)
 
-    def observe(self, simulation: Simulation) -> NDArray:
+    def observe(self, simulation: Simulation) -> Array:
         """Return new observations (B, number of features), up to rounding inside the bounds.
+
+        They are an array of the simulation's library, on its device.
 
         Raises:
             SettingError: if the simulation cannot be observed by this layout.
         """
         self._require(simulation)
-        out = np.empty((simulation.num_swarms, len(self.features)), dtype=self.dtype)
+        xp, shape = simulation.xp, (simulation.num_swarms, len(self.features))
+        out = xp.empty(shape, dtype=getattr(xp, self.dtype.__name__), device=simulation.device)
         for column, feature in enumerate(self.features):
             out[:, column] = feature.values(simulation)
         return out
@@ -98,6 +102,11 @@ class Observation:
         asked = f"observation {self.name!r}"
         if self._needs_paths:
             require_paths(asked, simulation.problems[0])
+            if simulation.xp is not np:
+                raise SettingError(
+                    f"{asked} needs a simulation on NumPy arrays, got one on tensors; choose a layout that "
+                    "counts no corridors"
+                )
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):
             raise SettingError(

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Namespace
 from swarm_gym.own_code import find
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,8 @@ class Transition(NamedTuple):
             map, or since the beginning where there is none; 0 before the event.
         optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
             call it.
+        xp: namespace of the arrays, whose functions rewards use: the module `numpy`, or that of tensors, see
+            `swarm_gym.arrays`.
     """
 
     initial_gap: Floats
@@ -47,6 +50,7 @@ class Transition(NamedTuple):
     ended: NDArray[np.bool_]
     offline_weight: Floats
     optimality_gap: Callable[[], Floats]
+    xp: Namespace = np
 
 
 Reward = Callable[[Transition], Floats]
@@ -54,7 +58,8 @@ Reward = Callable[[Transition], Floats]
 
 def progress(transition: Transition) -> Floats:
     """Return log(gap before / gap after) - cost: progress on a logarithmic scale minus the price paid."""
-    return np.log(transition.gap_before / transition.gap_after) - transition.cost
+    xp = transition.xp
+    return xp.log(transition.gap_before / transition.gap_after) - transition.cost
 
 
 def final(transition: Transition) -> Floats:
@@ -62,8 +67,9 @@ def final(transition: Transition) -> Floats:
 
     Over an episode the sum is that of `progress`.
     """
-    gain = np.log(transition.initial_gap / transition.gap_after)
-    return np.where(transition.ended, gain, 0.0) - transition.cost
+    xp = transition.xp
+    gain = xp.log(transition.initial_gap / transition.gap_after)
+    return xp.where(transition.ended, gain, 0.0) - transition.cost
 
 
 def optimality(transition: Transition) -> Floats:
@@ -72,7 +78,8 @@ def optimality(transition: Transition) -> Floats:
     This is the measure that studies report. Unlike a logarithm, it weighs a rare failure by its size. For a
     test function it is a hundred times the best value.
     """
-    return np.where(transition.ended, -100.0 * transition.optimality_gap(), 0.0) - transition.cost
+    percent = -100.0 * transition.optimality_gap()
+    return transition.xp.where(transition.ended, percent, 0.0) - transition.cost
 
 
 def offline_error(transition: Transition) -> Floats:
@@ -93,7 +100,8 @@ def final_gap(transition: Transition) -> Floats:
 
     Gaps are in map units, so rewards of several episodes on one scenario are comparable.
     """
-    return np.where(transition.ended, -np.log(transition.gap_after), 0.0) - transition.cost
+    xp = transition.xp
+    return xp.where(transition.ended, -xp.log(transition.gap_after), 0.0) - transition.cost
 
 
 REWARDS: dict[str, Reward] = {

@@ -1,20 +1,25 @@
-"""Episodes of an optimizer: many swarms at once, on one or several problems."""
+"""Episodes of an optimizer: many swarms at once, on one or several problems.
+
+Everything here but the compiled kernels works on the arrays of any library, see `swarm_gym.arrays`. What a
+subclass with other arrays defines is listed at `Simulation`.
+"""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array, Namespace, as_numpy, assign, at_least, divided, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.compiler.random_stream import seed_stream
+from swarm_gym.compiler.random_stream import STREAM_SHAPE, seed_stream
+from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import POPULATION_COLLISION, Swarms
 from swarm_gym.problem import Problem
-from swarm_gym.reference import gap_to_optimum
 from swarm_gym.reset_options import Beginning, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
@@ -52,7 +57,14 @@ class Simulation:
     The result of a swarm depends only on its seed and decisions: not on B, the other swarms or the number of
     threads. All public arrays have B as their first axis and are changed in place.
 
+    A subclass keeps this state in tensors if it sets `xp` and `device`, and runs kernels on them: it defines
+    `begin`, `advance` and `re_evaluate`. It may also define `make_swarms` and `place`. Nothing in `step` asks
+    for the value of a tensor.
+
     Attributes:
+        xp: namespace of the arrays: the module `numpy`, or `swarm_gym.arrays.tensors()` in a subclass.
+        device: device of the arrays, as the library of the arrays names it.
+        rows: (B,) numbers of the swarms, 0 to B - 1.
         worlds: problems of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and
             `optima` are its attributes, too.
         robots: robots that drive during planning; None if no robot does.
@@ -71,6 +83,9 @@ class Simulation:
         price: (B,) cost of `reference_evaluations` evaluations in this episode.
     """
 
+    xp: ClassVar[Namespace] = np
+    device: Any = "cpu"
+
     def __init__(
         self,
         optimizer: type[Optimizer],
@@ -88,34 +103,60 @@ class Simulation:
         self.settings = settings
         self.num_threads = num_threads or most
         self.worlds = Worlds(settings, num_swarms)
+        self._anything_happens = self.worlds.ever_change
+        self.worlds.place(self.place)
         self.problems, self.optima = self.worlds.problems, self.worlds.optima
         self.lower_bounds, self.gap_units = self.worlds.lower_bounds, self.worlds.gap_units
         self.dimension = self.problems[0].dimension
-        capacity = settings.max_population_size
-        self.swarms = Swarms.allocate(
+        self.swarms = self.make_swarms(num_swarms, arrival_window)
+        self.paths = BestPaths(self.swarms, self.worlds)
+        self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
+        self.sources = self.place(np.tile(settings.new_members.decisions, (num_swarms, 1)))
+        self.swarms.iterations[:] = settings.iterations
+        self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
+        if self.robots is not None:
+            self._refuse_robots_on_tensors()
+            self._anything_happens = True
+        self.parameters = self.place(optimizer.stacked_parameters(settings.knobs, num_swarms))
+        self.iteration = self.swarms.iteration
+        self.rows = self.place(np.arange(num_swarms))
+        self.running = self.place(np.zeros(num_swarms, dtype=np.bool_))
+        decided = SOURCE_DECISIONS if settings.decides_sources else ()
+        self.columns = (*HISTORY, *optimizer.parameters, *decided)
+        self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
+        self.initial_gap = self.place(np.ones(num_swarms))
+        self.price = self.place(np.zeros(num_swarms))
+
+    def full(self, value: float) -> Floats:
+        """Return (B,) this value for each swarm."""
+        return self.xp.full(self.num_swarms, value, dtype=self.xp.float64, device=self.device)
+
+    def make_swarms(self, num_swarms: int, arrival_window: int) -> Swarms:
+        """Return the state of this many empty swarms, in the arrays of this simulation.
+
+        Args:
+            num_swarms: number of swarms, B.
+            arrival_window: number of iterations whose new members are recorded.
+        """
+        optimizer, capacity, tables = self.optimizer, self.settings.max_population_size, self.worlds.tables
+        swarms = Swarms.allocate(
             num_swarms,
             capacity,
             self.dimension,
             optimizer.memory_columns(self.dimension),
             optimizer.num_registers(capacity),
-            optimizer.field_size(self.worlds.tables),
-            optimizer.walk_points(self.worlds.tables, settings.iterations),
+            optimizer.field_size(tables),
+            optimizer.walk_points(tables, self.settings.iterations),
             arrival_window,
         )
-        self.paths = BestPaths(self.swarms, self.worlds)
-        self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
-        self.sources = np.tile(settings.new_members.decisions, (num_swarms, 1))
-        self.swarms.iterations[:] = settings.iterations
-        self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
-        self._anything_happens = self.worlds.ever_change or self.robots is not None
-        self.parameters = optimizer.stacked_parameters(settings.knobs, num_swarms)
-        self.iteration = self.swarms.iteration
-        self.running = np.zeros(num_swarms, dtype=np.bool_)
-        decided = SOURCE_DECISIONS if settings.decides_sources else ()
-        self.columns = (*HISTORY, *optimizer.parameters, *decided)
-        self.history = np.zeros((num_swarms, settings.iterations + 1, len(self.columns)))
-        self.initial_gap = np.ones(num_swarms)
-        self.price = np.zeros(num_swarms)
+        return Swarms._make(map(self.place, swarms))
+
+    def place(self, array: NDArray) -> Array:
+        """Return a NumPy array as an array of this simulation, on its device.
+
+        Words of random streams, uint64, become int64 with the same bits in tensors.
+        """
+        return placed(self.xp, array, self.device)
 
     @property
     def num_swarms(self) -> int:
@@ -131,7 +172,7 @@ class Simulation:
         """Begin new episodes in the chosen swarms.
 
         Args:
-            chosen: (B,) swarms that begin an episode.
+            chosen: (B,) swarms that begin an episode, an array of NumPy or of this simulation.
             seeds: one seed per chosen swarm; it determines the scenario and all random numbers.
             options: `scenario` (the name of one of this environment's), `initial_population_size`,
                 `smooth_share` and `amplitude` of the first population, or `initial_population` (decision
@@ -142,31 +183,48 @@ class Simulation:
             SettingError: for a value that an option cannot have.
         """
         size, population, scenario, source = self.read_options(options)
-        swarms, rows = self.swarms, np.flatnonzero(chosen)
+        swarms, numbers = self.swarms, np.flatnonzero(as_numpy(chosen))
         budget = self.settings.max_evaluations
-        for row, seed in zip(rows, seeds, strict=True):
+        problem = np.empty(len(numbers), dtype=np.int64)
+        price = np.empty(len(numbers))
+        stream = np.empty((len(numbers), *STREAM_SHAPE), dtype=np.uint64)
+        for k, seed in zip(range(len(numbers)), seeds, strict=True):
             scenario_seed, stream_seed = seed.spawn(2)
             generator = np.random.default_rng(scenario_seed)
             draw = generator.integers(len(self.worlds.first))
-            swarms.problem[row] = self.worlds.first[draw if scenario is None else scenario]
-            self.price[row] = self.settings.draw_price(generator)
-            swarms.stream[row] = seed_stream(stream_seed)
+            problem[k] = self.worlds.first[draw if scenario is None else scenario]
+            price[k] = self.settings.draw_price(generator)
+            stream[k] = seed_stream(stream_seed)
+        place, rows = self.place, self.place(numbers)
+        swarms.problem[rows], swarms.stream[rows] = place(problem), place(stream)
+        self.price[rows] = place(price)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
-        sizes = np.full(self.num_swarms, size, dtype=np.int64)
-        given = population is not None
-        if given:
-            swarms.positions[rows, :size, : self.dimension] = population
-        swarms.source[rows, :KIND_OF_BENDS] = source.decisions
+        if population is not None:
+            swarms.positions[rows, :size, : self.dimension] = place(population)
+        swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions))
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
-        self.optimizer.initialise(
-            swarms, self.worlds.tables, chosen, sizes, self.settings.mean_weight, given, self.parameters
-        )
+        chosen = place(as_numpy(chosen))
+        self.begin(chosen, size, population is not None)
         self.running[rows] = True
         self.history[rows] = np.nan
-        self._record(rows, np.zeros(self.num_swarms), self.parameters)
+        self._record(chosen, 0.0, self.parameters)
         self.initial_gap[rows] = self.gap()[rows]
+
+    def begin(self, chosen: Flags, size: int, given: bool) -> None:
+        """Begin the chosen swarms with first populations of this size, by the compiled kernels.
+
+        Args:
+            chosen: (B,) swarms to begin; `reset` has written their problems, streams, budgets and sources.
+            size: size of the populations.
+            given: whether the first `size` positions of each swarm are its population, which is else drawn.
+        """
+        sizes = np.full(self.num_swarms, size, dtype=np.int64)
+        mean_weight, parameters = self.settings.mean_weight, self.parameters
+        self.optimizer.initialise(
+            self.swarms, self.worlds.tables, chosen, sizes, mean_weight, given, parameters
+        )
 
     def step(self, chosen: Flags, decisions: Decisions) -> Floats:
         """Advance the chosen swarms by one iteration as decided, and apply the events that follow it.
@@ -174,20 +232,24 @@ class Simulation:
         Returns:
             (B,) the gap after the iteration, before any event.
         """
+        assign(self.xp, self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, chosen[:, None])
         self.advance(chosen, decisions)
-        rows = np.flatnonzero(chosen)
-        self.iteration[rows] += 1
+        self.iteration += chosen
         reached, ended = self.gap(), self._ended()
         if self._anything_happens:
             self._let_happen(chosen & ~ended)
             ended = self._ended()
-        self._record(rows, decisions.repair_degrees, decisions.parameters)
-        self.running[rows] = ~ended[rows]
+        self._record(chosen, decisions.repair_degrees, decisions.parameters)
+        self.running &= ~(chosen & ended)
         return reached
 
     def advance(self, chosen: Flags, decisions: Decisions) -> None:
-        """Run the compiled part of a step."""
-        np.copyto(self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, where=chosen[:, None])
+        """Advance the chosen swarms by one iteration, by the compiled kernels.
+
+        Args:
+            chosen: (B,) swarms to advance; `step` has written their sources and counts the iteration.
+            decisions: decisions on all swarms; those on other swarms than the chosen may be anything.
+        """
         self.optimizer.step(
             self.swarms,
             self.worlds.tables,
@@ -206,7 +268,7 @@ class Simulation:
         if self.robots is not None:
             changed = self.robots.enter_next_worlds(changed)
         else:
-            self.swarms.problem[changed] += 1
+            self.swarms.problem[...] += changed
         self._re_evaluate(changed, before)
         if self.robots is not None:
             before = self.gap()
@@ -219,16 +281,22 @@ class Simulation:
             changed: (B,) swarms whose problems have changed.
             before: (B,) gaps before the change.
         """
-        if changed.any():
-            mean_weight, num_threads = self.settings.mean_weight, self.num_threads
-            self.optimizer.re_evaluate(self.swarms, self.worlds.tables, changed, mean_weight, num_threads)
-            self.initial_gap[changed] *= self.gap()[changed] / before[changed]
+        if self.xp is np and not changed.any():
+            return  # kernels on tensors get no swarm to evaluate instead, so that nothing waits for a GPU
+        self.re_evaluate(changed)
+        self.initial_gap *= divided(self.xp, self.gap(), before, changed, 1.0)
+
+    def re_evaluate(self, changed: Flags) -> None:
+        """Evaluate the memory of these swarms, (B,), again, by the compiled kernels; there may be none."""
+        mean_weight, num_threads = self.settings.mean_weight, self.num_threads
+        self.optimizer.re_evaluate(self.swarms, self.worlds.tables, changed, mean_weight, num_threads)
 
     def _ended(self) -> Flags:
         return (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
 
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i, a copy of swarm rows[i]: state, random stream and record."""
+        rows = self.place(as_numpy(rows))
         state = (self.running, self.history, self.initial_gap, self.price)
         for array in (*self.swarms, *state):
             array[...] = array[rows]
@@ -237,8 +305,8 @@ class Simulation:
 
     def pace(self) -> Floats:
         """Return (B,) evaluations per remaining iteration if the budget is spread evenly over them."""
-        left = np.maximum(self.settings.iterations - self.iteration, 1)
-        return (self.swarms.budget - self.swarms.evaluations) / left
+        left = at_least(self.xp, self.settings.iterations - self.iteration, 1)
+        return floats(self.xp, self.swarms.budget - self.swarms.evaluations) / left
 
     def offline_weight(self) -> Floats:
         """Return (B,) share of the last iteration in averages since the first event, see `reward`.
@@ -246,10 +314,11 @@ class Simulation:
         An episode that ends early, for lack of a budget, stays as it is: its last iteration has the weight of
         those that are left out.
         """
-        first = np.maximum(self.worlds.first_event[self.swarms.problem], 1)
-        length = self.settings.iterations
-        left = length - np.maximum(self.iteration, first) + 1
-        return np.where(self.running, self.iteration >= first, left) / (length - first + 1)
+        xp, length = self.xp, self.settings.iterations
+        first = at_least(xp, self.worlds.first_event[self.swarms.problem], 1)
+        left = length - xp.maximum(self.iteration, first) + 1
+        share = xp.where(self.running, self.iteration >= first, left)
+        return floats(xp, share) / (length - first + 1)
 
     def gap(self) -> Floats:
         """Return (B,) best fitness so far minus the lower bound; positive, so that it has a logarithm."""
@@ -258,7 +327,7 @@ class Simulation:
     def gap_of(self, fitness: Floats) -> Floats:
         """Return (B,) gaps of other fitness values (B,): fitness minus the lower bound, kept positive."""
         bound, unit = self.lower_bounds[self.swarms.problem], self.gap_units[self.swarms.problem]
-        return np.maximum(fitness - bound, 1e-9 * unit)
+        return self.xp.maximum(fitness - bound, 1e-9 * unit)
 
     def optimality_gap(self) -> Floats:
         """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
@@ -267,7 +336,9 @@ class Simulation:
         known is computed when it is first asked for, if that takes less than about a second.
         """
         self.worlds.compute_optima()
-        return gap_to_optimum(self.swarms.best_fitness, self.optima[self.swarms.problem])
+        optimum = self.optima[self.swarms.problem]
+        unit = self.xp.where(optimum == 0.0, 1.0, optimum)
+        return (self.swarms.best_fitness - optimum) / unit
 
     def positions(self, row: int) -> Floats:
         """Return the positions of the living members of a swarm, (size, dimension), a view."""
@@ -284,7 +355,7 @@ class Simulation:
         """
         if self.robots is not None:
             return np.array(self.robots.trajectories[row]).reshape(-1, 2)
-        return self.swarms.walk[row, : self.swarms.walked[row]].copy()
+        return as_numpy(self.swarms.walk[row, : self.swarms.walked[row]]).copy()
 
     def problem_of(self, row: int) -> Problem:
         """Return the problem that a swarm works on."""
@@ -299,9 +370,11 @@ class Simulation:
         """
         return read_reset_options(options, self.settings, self.optimizer, self.worlds)
 
-    def _record(self, rows: Integers, repair_degrees: Floats, parameters: Floats) -> None:
+    def _record(self, chosen: Flags, repair_degrees: Floats | float, parameters: Floats) -> None:
+        """Write the present state of the chosen swarms, (B,), into `history`."""
         swarms = self.swarms
-        record = np.empty((self.num_swarms, len(self.columns)))
+        old = self.history[self.rows, self.iteration]
+        record = self.xp.empty_like(old)
         record[:, 0] = swarms.summary[:, POPULATION_COLLISION]
         record[:, 1] = swarms.size
         record[:, 2] = repair_degrees
@@ -312,4 +385,16 @@ class Simulation:
         last = len(HISTORY) + parameters.shape[1]
         record[:, len(HISTORY) : last] = parameters
         record[:, last:] = swarms.source[:, : len(self.columns) - last]
-        self.history[rows, self.iteration[rows]] = record[rows]
+        self.history[self.rows, self.iteration] = self.xp.where(chosen[:, None], record, old)
+
+    def _refuse_robots_on_tensors(self) -> None:
+        """Raise an error if robots shall drive, which they do on NumPy arrays only.
+
+        Raises:
+            SettingError: naming the first scenario.
+        """
+        if self.xp is not np:
+            raise SettingError(
+                f"scenario {self.settings.scenarios[0].name!r} has a robot that drives, which needs a "
+                f"simulation on NumPy arrays, got one on tensors; choose a scenario without a drive"
+            )

@@ -1,8 +1,11 @@
 """The problems that the swarms of a simulation work on, stacked in arrays for the kernels."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array, as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.problem import MapProblem, Problem
 from swarm_gym.problem.tables import put, stack
@@ -11,6 +14,9 @@ from swarm_gym.scenarios import drive_of
 from swarm_gym.settings import Settings
 
 Floats = NDArray[np.float64]
+
+# Attributes of `Worlds` that the arithmetic of many swarms reads, in the arrays of the simulation.
+CONSTANTS = ("next_event", "begins", "first_event", "lower_bounds", "gap_units", "optima")
 
 
 class Worlds:
@@ -54,6 +60,11 @@ class Worlds:
         scenario = np.cumsum(begins == 0) - 1
         return np.append(self.next_event[self.first][scenario], np.zeros(num_spare, dtype=np.int64))
 
+    def place(self, place: Callable[[NDArray], Array]) -> None:
+        """Replace the arrays named in `CONSTANTS` by what a function makes of them, such as tensors."""
+        for name in CONSTANTS:
+            setattr(self, name, place(getattr(self, name)))
+
     @property
     def ever_change(self) -> bool:
         """True if any of the scenarios changes during an episode."""
@@ -82,9 +93,10 @@ class Worlds:
         """Compute the optima that are not known if that is quick; do nothing when called again."""
         if not self._asked:
             self._asked = True
-            unknown = np.flatnonzero(np.isnan(self.optima[: self.num_worlds]))
-            if unknown.size:
-                self.optima[unknown] = quick_optima([self.problems[number] for number in unknown])
+            unknown = np.flatnonzero(np.isnan(as_numpy(self.optima[: self.num_worlds]))).tolist()
+            found = quick_optima([self.problems[number] for number in unknown]) if unknown else []
+            for number, optimum in zip(unknown, found, strict=True):
+                self.optima[number] = optimum
 
     def require_optima(self, purpose: str) -> None:
         """Raise an error if the optimum of a scenario is not known and computing it takes long.
@@ -98,7 +110,7 @@ class Worlds:
                 "choose a scenario without a drive"
             )
         self.compute_optima()
-        for problem, optimum in zip(self.problems, self.optima, strict=True):
+        for problem, optimum in zip(self.problems, as_numpy(self.optima), strict=True):
             if np.isnan(optimum):
                 raise SettingError(
                     f"{purpose} needs the optimum of scenario {problem.scenario.name!r}, which is not known; "
