@@ -38,7 +38,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
-    benchmark benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-scores \
+    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-scores \
     docs-gallery dist clean
 
 help: ## show this list
@@ -68,8 +68,9 @@ study-full: $(INSTALLED) ## run all suites of the study into results/study; OFFL
 test: $(INSTALLED) ## run the tests
 	$(call test_in,$(VENV))
 
-test-slow: $(INSTALLED) ## run the tests that take minutes, and those of all kernels with the JIT off and with bounds checks on
+test-slow: $(INSTALLED) ## run the tests that take minutes; of kernels also with the JIT off, with bounds checks, and for GPUs in a simulator
 	$(call test_in,$(VENV)) -m slow
+	NUMBA_ENABLE_CUDASIM=1 $(BIN)/python -m pytest $(SPREAD) -m '' tests/swarm_gym/gpu
 	$(BIN)/python -m pytest $(SPREAD) -m fuzzed --hypothesis-profile=thorough
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(SPREAD) $(KERNEL_TESTS)
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m swarm_gym.warm_up
@@ -117,6 +118,9 @@ benchmark: $(INSTALLED) ## measure speed on a quiet machine, write results/bench
 benchmark-peers: .venv-peers/.installed ## measure other libraries beside it, in an environment of their own
 	.venv-peers/bin/python -m swarm_gym.warm_up
 	.venv-peers/bin/python -m experiments.speed.peers
+
+benchmark-gpu: $(INSTALLED) ## measure speed on a GPU beside the CPU: results/benchmark-gpu; needs the extra gpu
+	$(BIN)/python -m experiments.benchmark_gpu
 
 benchmark-scaling: $(INSTALLED) ## measure what Ray adds on logical nodes, and predict clusters: results/scaling (15 minutes)
 	$(BIN)/python -m experiments.scaling

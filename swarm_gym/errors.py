@@ -57,6 +57,10 @@ class StepOrderError(SwarmGymError, RuntimeError):
     """A call of `step` when no episode is under way."""
 
 
+class DeviceError(SwarmGymError, RuntimeError):
+    """A kernel that has failed on a GPU."""
+
+
 class MissingExtraError(SwarmGymError, ImportError):
     """A library that is needed but missing; an extra of this package installs it."""
 

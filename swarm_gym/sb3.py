@@ -7,6 +7,7 @@
     model.learn(100_000)
 
 All swarms stay in one native vector, so that stepping them costs what it costs without stable-baselines3.
+Swarms on a GPU (`device="cuda"`) are copied to the memory of the host at every step.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -40,8 +42,9 @@ def make_vec(
         num_envs: number of swarms.
         seed: seed of the first swarm's first episode, from which those of the others count up.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
-        options: options of `swarm_gym.settings.Settings` and parameters of the optimizer, by name. By default
-            observations are `scaled` and actions `normalised`, as policies of neural networks expect.
+        options: options of `SwarmVectorEnv`, such as `device`, of `swarm_gym.settings.Settings` and
+            parameters of the optimizer, by name. By default observations are `scaled` and actions
+            `normalised`, as policies of neural networks expect.
 
     Raises:
         UnknownNameError: for an option, optimizer, scenario, layout or reward that does not exist.
@@ -88,7 +91,7 @@ class NativeVecEnv(VecEnv):
         self._reset_seeds()
         self._returns[:] = 0.0
         self._lengths[:] = 0
-        return observations
+        return as_numpy(observations)
 
     def step_async(self, actions: NDArray) -> None:
         """Keep the actions for `step_wait`."""
@@ -96,7 +99,8 @@ class NativeVecEnv(VecEnv):
 
     def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
         """Advance all swarms; infos of ended episodes have `episode` and `terminal_observation`."""
-        observations, rewards, terminated, truncated, infos = self.env.step(self._actions)
+        *found, infos = self.env.step(self._actions)
+        observations, rewards, terminated, truncated = map(as_numpy, found)
         dones = terminated | truncated
         rewards = self._rewarded(rewards, dones)
         self._returns += rewards
@@ -106,7 +110,7 @@ class NativeVecEnv(VecEnv):
             final = infos["final_info"]
             by_env[row] = self._ended(
                 int(row),
-                infos["final_obs"][row],
+                as_numpy(infos["final_obs"][row]),
                 final["best_fitness"][row],
                 final["evaluations"][row],
                 truncated=bool(truncated[row] and not terminated[row]),

@@ -9,11 +9,15 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Array, as_numpy, copy_of
 from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
+from swarm_gym.simulation import Simulation
 
 Flags = NDArray[np.bool_]
+
+DEVICES = ("cpu", "cuda")
 
 
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
@@ -27,20 +31,26 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         observations, infos = envs.reset(seed=0)
         observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
 
+    On the device "cuda", swarms live on a GPU. Observations, rewards and flags are tensors of torch there,
+    and so may actions be. Infos of a step are numbers only, in tensors, too; paths are in `final_info` alone.
+    `final_obs` is one tensor with a row for each swarm.
+
     Args:
         num_envs: number of swarms B.
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
         autoreset_mode: an `AutoresetMode` or its value; it decides when a swarm begins the next episode after
             its episode ended.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
+        device: "cpu", or "cuda" for a GPU; the extra `gpu` installs what that needs.
         render_mode: must be None; to see a swarm, render a `SwarmEnv` with the same seed.
         max_episode_steps: must be None; the option `iterations` ends an episode.
         options: options of `swarm_gym.settings.Settings` and parameters of the optimizer, by name.
 
     Raises:
-        UnknownNameError: for an option, optimizer, scenario, layout, reward or autoreset mode that does not
-            exist.
-        SettingError: for a value that an option cannot have.
+        UnknownNameError: for an option, optimizer, scenario, layout, reward, device or autoreset mode that
+            does not exist.
+        SettingError: for a value that an option cannot have, or an option that a GPU has no kernels for.
+        MissingExtraError: for the device "cuda" where numba-cuda or torch is not installed.
         ScenarioError: for the name of a scenario that is malformed, or whose map is missing.
     """
 
@@ -51,6 +61,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
+        device: str = "cpu",
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
         **options: Any,
@@ -69,11 +80,11 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         except ValueError as error:
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
-        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads)
+        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads, _simulation_on(device))
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
-        self._ended = np.zeros(num_envs, dtype=np.bool_)
+        self._ended: Array = self.simulation.place(np.zeros(num_envs, dtype=np.bool_))
         self.single_action_space = self._batch.action_space
         self.single_observation_space = self._batch.observation_space
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -122,10 +133,10 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         ]
         self._generators = generators
         self._batch.reset(chosen, self._generators, options)
-        self._ended[chosen] = False
+        self._ended &= self.simulation.place(~chosen)
         return self._batch.observe(), self._infos(chosen)
 
-    def step(self, actions: NDArray) -> tuple[NDArray, NDArray, Flags, Flags, dict[str, Any]]:
+    def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Advance every swarm by one iteration; swarms whose episode has ended follow the autoreset mode.
 
         Args:
@@ -140,30 +151,35 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             StepOrderError: before the first `reset`, or after the end of an episode without autoreset.
         """
         next_step = self._autoreset_mode == AutoresetMode.NEXT_STEP
-        restarting = self._ended.copy() if next_step else np.zeros(self.num_envs, dtype=np.bool_)
+        nobody = self._ended & False
+        restarting = copy_of(self.simulation.xp, self._ended) if next_step else nobody
         rewards, terminated = self._batch.step(~restarting, actions)
         infos: dict[str, Any] = {}
         if self._autoreset_mode == AutoresetMode.SAME_STEP and terminated.any():
             restarting = terminated
-            final = self._batch.observe()
-            final_obs = np.full(self.num_envs, None, dtype=object)
-            for row in np.flatnonzero(terminated):
-                final_obs[row] = final[row].copy()
-            infos = {
-                "final_obs": final_obs,
-                "_final_obs": terminated.copy(),
-                "final_info": self._infos(terminated),
-                "_final_info": terminated.copy(),
-            }
+            infos = self._final_infos(terminated)
         if restarting.any():
-            self._batch.reset(restarting, self._generators, None)
-        self._ended = ~self._batch.simulation.running
-        everyone = np.ones(self.num_envs, dtype=np.bool_)
-        truncated = np.zeros(self.num_envs, dtype=np.bool_)
-        infos = {**self._infos(everyone), **infos}
-        return self._batch.observe(), rewards, terminated, truncated, infos
+            self._batch.reset(as_numpy(restarting), self._generators, None)
+        self._ended = ~self.simulation.running
+        infos = {**self._infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
+        return self._batch.observe(), rewards, terminated, nobody, infos
 
-    def step_running(self, actions: NDArray, chosen: Flags | None = None) -> tuple[NDArray, NDArray, Flags]:
+    def _final_infos(self, terminated: Array) -> dict[str, Any]:
+        """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
+        final, rows = self._batch.observe(), as_numpy(terminated).copy()
+        if isinstance(final, np.ndarray):
+            by_swarm = np.full(self.num_envs, None, dtype=object)
+            for row in np.flatnonzero(rows):
+                by_swarm[row] = final[row].copy()
+            final = by_swarm
+        return {
+            "final_obs": final,
+            "_final_obs": rows.copy(),
+            "final_info": self._whole_infos(rows),
+            "_final_info": rows.copy(),
+        }
+
+    def step_running(self, actions: Array, chosen: Array | None = None) -> tuple[Array, Array, Array]:
         """Advance the swarms whose episode is under way, so that whole episodes run side by side.
 
         Args:
@@ -182,9 +198,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         stepping = ~self._ended if chosen is None else chosen & ~self._ended
         rewards, terminated = self._batch.step(stepping, actions)
         self._ended |= terminated
-        return self._batch.observe(), rewards, self._ended.copy()
+        return self._batch.observe(), rewards, copy_of(self.simulation.xp, self._ended)
 
-    def copy_swarms(self, rows: NDArray[np.int64]) -> NDArray:
+    def copy_swarms(self, rows: Array) -> Array:
         """Make swarm i, for every i, a copy of swarm rows[i], to continue differently from the same state.
 
         Copies develop identically, down to their random numbers, as long as their actions are identical. The
@@ -197,10 +213,19 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             Observations, shape (B, k).
         """
         self.simulation.copy_rows(rows)
-        self._ended = self._ended[rows]
+        self._ended = self._ended[self.simulation.place(as_numpy(rows))]
         return self._batch.observe()
 
     def _infos(self, rows: Flags) -> dict[str, Any]:
+        """Return the infos of these swarms, on a GPU only those that are numbers of its memory."""
+        if self.simulation.xp is np:
+            return self._whole_infos(rows)
+        there, infos = self.simulation.place(rows), {}
+        for name, values in self._batch.numbers().items():
+            infos[name], infos[f"_{name}"] = values, there
+        return infos
+
+    def _whole_infos(self, rows: Flags) -> dict[str, Any]:
         """Return the infos of these swarms; entries of the others are zero or None, and masked."""
         infos: dict[str, Any] = {}
         everyone = bool(rows.all())
@@ -236,6 +261,17 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if len(seed) != self.num_envs:
             raise SettingError(f"seed: expected {self.num_envs} seeds, one per swarm, got {len(seed)}")
         return list(seed)
+
+
+def _simulation_on(device: str) -> type[Simulation]:
+    """Return the class of simulations on a device."""
+    if device not in DEVICES:
+        raise UnknownNameError("device", device, DEVICES)
+    if device == "cpu":
+        return Simulation
+    from swarm_gym.gpu.simulation import DeviceSimulation
+
+    return DeviceSimulation
 
 
 def _make_generator(seed: int) -> np.random.Generator:

@@ -100,13 +100,14 @@ def _processor() -> str:
     return names[0] if names else platform.processor()
 
 
-def write_measurements(file: Path, groups: dict[str, list[Measurement]]) -> None:
-    """Store groups of measurements and the machine as JSON."""
+def write_measurements(file: Path, groups: dict[str, list[Measurement]]) -> dict[str, Any]:
+    """Store groups of measurements and the machine as JSON; return the machine."""
     content = {
-        "machine": machine(),
+        "machine": (found := machine()),
         "groups": {name: [vars(m) for m in measurements] for name, measurements in groups.items()},
     }
     write_atomically(file, json.dumps(content, indent=1) + "\n")
+    return found
 
 
 def read_measurements(file: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:

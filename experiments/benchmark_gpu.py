@@ -1,0 +1,69 @@
+"""Measure speed on a GPU, beside the CPU: `python -m experiments.benchmark_gpu --help`.
+
+Keep the machine quiet meanwhile. Every number is the median of repeated runs, with the smallest and the
+largest beside it.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+from tqdm import tqdm
+
+from experiments.speed import gpu
+from experiments.speed.measurement import measure, write_measurements
+from experiments.speed.page import describe, table
+from swarm_gym.command import command
+from swarm_gym.errors import SettingError
+from swarm_gym.files import write_atomically
+
+
+@dataclass(frozen=True)
+class GpuBenchmarkConfig:
+    """Options of the benchmark."""
+
+    output: Path = Path("results/benchmark-gpu")
+    """Folder for benchmark.json and a page with the table."""
+    repeats: int = 5
+    """Number of runs for each number that has a range."""
+
+
+def main() -> None:
+    """Measure, then print and store the table."""
+    config = tyro.cli(GpuBenchmarkConfig, description=__doc__)
+    with command():
+        name = _gpu()
+        plan = list(gpu.quantities())
+        measured = []
+        with tqdm(plan, unit="figure", desc="benchmark") as bar:
+            for quantity in bar:
+                bar.set_postfix_str(quantity.name)
+                measured.append(measure(quantity, config.repeats))
+        measured += gpu.summary(measured)
+        file = config.output / "benchmark.json"
+        machine = write_measurements(file, {"gpu": measured})
+        page = config.output / "README.md"
+        parts = ["# Benchmark on a GPU", f"{name}; {describe(machine)}", table("gpu", measured).markdown()]
+        write_atomically(page, "\n\n".join(parts))
+    print(page.read_text(encoding="utf-8"))
+    print(f"written: {page}")
+
+
+def _gpu() -> str:
+    """Return the name of the GPU.
+
+    Raises:
+        SettingError: if there is none; rates of the simulator say nothing about one.
+    """
+    from swarm_gym.gpu.state import torch_device
+    from swarm_gym.gpu.warps import IS_SIMULATED
+
+    if IS_SIMULATED:
+        raise SettingError("NUMBA_ENABLE_CUDASIM=1 simulates a GPU, whose speed says nothing: unset it")
+    import torch
+
+    return torch.cuda.get_device_name(torch_device())
+
+
+if __name__ == "__main__":
+    main()

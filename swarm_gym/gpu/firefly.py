@@ -1,0 +1,64 @@
+"""The firefly algorithm on the device; `swarm_gym.optimizers.firefly` says what it does and cites it."""
+
+import math
+from typing import Any
+
+from swarm_gym.gpu.population import (
+    PopulationKernels,
+    ProblemKernels,
+    Tally,
+    num_rounds,
+    store_member,
+)
+from swarm_gym.gpu.random_stream import Stream, draw
+from swarm_gym.gpu.warps import kernel, maximum, minimum, total
+from swarm_gym.optimizers.firefly import FireflyParameters
+from swarm_gym.population import Swarms
+
+_COLUMN = FireflyParameters(*range(len(FireflyParameters._fields)))  # of the parameters of a swarm
+
+
+def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
+    """Return the function that advances a swarm by one iteration on a kind of problem."""
+    repair, evaluate_path = problem.repair, population.evaluate_path
+    noise_column, attractiveness_column = _COLUMN.noise, _COLUMN.attractiveness
+    absorption_column = _COLUMN.absorption
+
+    @kernel
+    def iterate(
+        parameters: Any,
+        swarms: Swarms,
+        b: int,
+        tables: Any,
+        p: int,
+        lane: int,
+        size: int,
+        repair_degree: float,
+        stream: Stream,
+        tally: Tally,
+    ) -> tuple[Stream, Tally]:
+        """Advance swarm `b` by one iteration; end early if the evaluation budget is spent."""
+        width = parameters[b, noise_column]
+        attractiveness, absorption = parameters[b, attractiveness_column], parameters[b, absorption_column]
+        lower, upper, budget = tables.lower[p, lane], tables.upper[p, lane], swarms.budget[b]
+        rounds = num_rounds(tables, p)
+        for i in range(size):
+            place = swarms.positions[b, i, lane]
+            fitness, collision = swarms.fitness[b, i], swarms.collision[b, i]
+            for j in range(size):
+                if j != i and swarms.fitness[b, j] < fitness:
+                    if tally.evaluations >= budget:
+                        break
+                    number, stream = draw(stream, lane, rounds)
+                    difference = swarms.positions[b, j, lane] - place
+                    decay = math.exp(-absorption * total(difference * difference))
+                    attraction = attractiveness * decay  # eq. 13, 14
+                    moved = place + attraction * difference + width * (number - 0.5)  # eq. 15
+                    place = minimum(maximum(moved, lower), upper)
+                    if repair_degree > 0.0:
+                        place = repair(tables, p, lane, place, repair_degree)
+                    fitness, collision, tally = evaluate_path(swarms, b, tables, p, lane, place, tally)
+            store_member(swarms, b, lane, i, place, fitness, collision)
+        return stream, tally
+
+    return iterate

@@ -1,0 +1,88 @@
+"""Decorators of kernels, and what the lanes of a warp exchange, by the instructions of a GPU."""
+
+from collections.abc import Callable
+from typing import Any
+
+from swarm_gym.errors import MissingExtraError
+
+try:
+    import numba_cuda  # noqa: F401  # Numba's own CUDA target is deprecated
+    from numba import cuda
+except ImportError as error:
+    raise MissingExtraError('device="cuda"', "numba-cuda", "gpu") from error
+
+EVERY_LANE = 0xFFFFFFFF
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function that only functions on the device call."""
+    return cuda.jit(device=True, forceinline=True)(function)
+
+
+def entry(function: Callable[..., None]) -> Any:
+    """Compile a function that the host launches."""
+    return cuda.jit(function)
+
+
+def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any, ...]) -> None:
+    """Run an entry on the device, with one warp for each swarm."""
+    function[num_swarms, num_lanes](*arguments)
+
+
+@kernel
+def lane_number() -> int:
+    """Return the number of this lane, 0 to 31."""
+    return cuda.threadIdx.x
+
+
+@kernel
+def swarm_number() -> int:
+    """Return the number of the swarm that this warp works on."""
+    return cuda.blockIdx.x
+
+
+@kernel
+def from_lane(value: float, lane: int) -> float:
+    """Return the number of another lane."""
+    return cuda.shfl_sync(EVERY_LANE, value, lane)
+
+
+@kernel
+def total(value: float) -> float:
+    """Return the sum over all lanes, in the order of sums on the CPU.
+
+    These add the blocks of eight, then `swarm_gym.compiler.simd.total` adds by halves.
+    """
+    lane = cuda.threadIdx.x & 7
+    found = cuda.shfl_sync(EVERY_LANE, value, lane) + cuda.shfl_sync(EVERY_LANE, value, lane + 8)
+    found = found + cuda.shfl_sync(EVERY_LANE, value, lane + 16)
+    found = found + cuda.shfl_sync(EVERY_LANE, value, lane + 24)
+    found = found + cuda.shfl_xor_sync(EVERY_LANE, found, 4)
+    found = found + cuda.shfl_xor_sync(EVERY_LANE, found, 2)
+    return found + cuda.shfl_xor_sync(EVERY_LANE, found, 1)
+
+
+@kernel
+def largest(value: float) -> float:
+    """Return the largest number of all lanes."""
+    for distance in (16, 8, 4, 2, 1):
+        value = max(value, cuda.shfl_xor_sync(EVERY_LANE, value, distance))
+    return value
+
+
+@kernel
+def ballot(flag: bool) -> int:
+    """Return an integer whose bit k says whether the flag of lane k is true."""
+    return cuda.ballot_sync(EVERY_LANE, flag)
+
+
+@kernel
+def lowest_bit(word: int) -> int:
+    """Return the number of the lowest bit that is set, -1 for 0."""
+    return cuda.ffs(word) - 1
+
+
+@kernel
+def wait() -> None:
+    """Let all lanes see what the others have written."""
+    cuda.syncwarp()

@@ -1,0 +1,139 @@
+"""Episodes of many swarms on a GPU: the simulation whose state stays on the device."""
+
+from typing import Any
+
+import numpy as np
+import torch
+
+from swarm_gym.arrays import tensors
+from swarm_gym.errors import DeviceError, SettingError
+from swarm_gym.gpu.loop import OPTIMIZERS, PROBLEMS, Entries, entries_for
+from swarm_gym.gpu.state import (
+    allocate,
+    as_kernels_see,
+    bytes_of,
+    require_memory,
+    tables_with_lanes,
+    torch_device,
+)
+from swarm_gym.gpu.warps import NUM_LANES, launch
+from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.population import Swarms
+from swarm_gym.problem.padding import columns
+from swarm_gym.settings import Settings
+from swarm_gym.simulation import HISTORY, Decisions, Simulation
+
+
+class DeviceSimulation(Simulation):
+    """A simulation whose swarms live on a GPU, one warp each; see `swarm_gym.simulation.Simulation`.
+
+    Its arrays are tensors on that GPU. A swarm has the random numbers that it has on the CPU. Results differ
+    in the last digits, since a GPU rounds `a * b + c` once and has functions of its own.
+
+    Raises:
+        SettingError: for an optimizer, a kind of map, an event or a length of decision vectors that has no
+            kernels on the device, for more swarms than fit into its memory, or if there is no GPU.
+    """
+
+    xp = tensors()
+
+    def __init__(
+        self,
+        optimizer: type[Optimizer],
+        settings: Settings,
+        num_swarms: int,
+        num_threads: int | None = None,
+        arrival_window: int = 0,
+    ):
+        self.device = torch_device()
+        _refuse_what_has_no_kernels(optimizer, settings)
+        memory = _memory_columns(optimizer)
+        decided = len(HISTORY) + len(optimizer.parameters) + 3
+        needed = bytes_of(num_swarms, settings.max_population_size, memory, decided, settings.iterations)
+        require_memory(needed, num_swarms)
+        super().__init__(optimizer, settings, num_swarms, num_threads, arrival_window)
+        tables = self.worlds.tables
+        self._entries: Entries = entries_for(optimizer.name, type(tables))  # type: ignore[arg-type]
+        placed = type(tables)._make(map(self.place, tables_with_lanes(tables)))
+        self._tables = as_kernels_see(placed)
+        self._seen = as_kernels_see(self.swarms)
+        # Tensors that kernels read, so that no argument has to be made for a launch.
+        self._sizes = self.place(np.zeros(num_swarms, dtype=np.int64))
+        self._degrees = self.place(np.zeros(num_swarms))
+        self._chosen = self.place(np.zeros(num_swarms, dtype=np.bool_))
+        self._decided = self.parameters.clone()
+
+    def make_swarms(self, num_swarms: int, arrival_window: int) -> Swarms:
+        """Return the state of this many empty swarms on the device."""
+        capacity = self.settings.max_population_size
+        swarms = allocate(num_swarms, capacity, _memory_columns(self.optimizer), arrival_window)
+        return Swarms._make(map(self.place, swarms))
+
+    def begin(self, chosen: Any, size: int, given: bool) -> None:
+        """Begin the chosen swarms with first populations of this size."""
+        self._sizes.fill_(size)
+        self._launch(self._entries.begin, chosen, self.parameters, given)
+
+    def advance(self, chosen: Any, decisions: Decisions) -> None:
+        """Advance the chosen swarms by one iteration."""
+        self._sizes.copy_(decisions.sizes)
+        self._degrees.copy_(decisions.repair_degrees)
+        self._launch(self._entries.step, chosen, decisions.parameters, self._degrees)
+
+    def re_evaluate(self, chosen: Any) -> None:
+        """Evaluate anew what the chosen swarms remember, since their problems have changed."""
+        self._launch(self._entries.re_evaluate, chosen, self.parameters, False)
+
+    def _launch(self, entry: Any, chosen: Any, parameters: Any, last: Any) -> None:
+        """Run an entry for the chosen swarms, and wait for it.
+
+        Raises:
+            DeviceError: naming the swarm and the iteration whose state is not a number afterwards, or the
+                iteration in which the kernel did not run to its end.
+        """
+        self._chosen.copy_(chosen)
+        self._decided.copy_(parameters)
+        seen = [as_kernels_see(one) for one in (self._chosen, self._sizes, self._decided)]
+        last = as_kernels_see(last) if isinstance(last, torch.Tensor) else last
+        weight = self.settings.mean_weight
+        try:
+            launch(entry, self.num_swarms, self._seen, self._tables, *seen, weight, last)
+            # What a position, a fitness or a collision that is no number leaves behind.
+            lost = self._chosen & self.xp.isnan(self.swarms.summary).any(axis=1)
+            failed = bool(lost.any())
+        except Exception as error:
+            raise DeviceError(
+                f"a kernel for {self.num_swarms} swarms of {self.optimizer.name!r} did not run to its "
+                f"end: {error}"
+            ) from error
+        if failed:
+            b = int(lost.nonzero()[0])
+            raise DeviceError(
+                f"a kernel of {self.optimizer.name!r} failed on swarm {b} in iteration "
+                f"{int(self.iteration[b]) + 1}: its members are no numbers any more"
+            )
+
+
+def _memory_columns(optimizer: type[Optimizer]) -> int:
+    """Return the numbers that an optimizer stores for a member whose position has a component per lane."""
+    return optimizer.memory_columns(NUM_LANES - 1)
+
+
+def _refuse_what_has_no_kernels(optimizer: type[Optimizer], settings: Settings) -> None:
+    if optimizer.name not in OPTIMIZERS:
+        raise SettingError(
+            f'device "cuda": optimizer {optimizer.name!r} runs on the CPU only; on a GPU there are '
+            f"{', '.join(OPTIMIZERS)}"
+        )
+    problem = settings.problems()[0]
+    kind = type(problem.table)
+    if kind not in PROBLEMS:
+        raise SettingError(
+            f'device "cuda": scenario {problem.scenario.name!r} with encoding {settings.encoding!r} runs on '
+            "the CPU only; on a GPU there are waypoints on maps of circles and polygons, and test functions"
+        )
+    if columns(problem.dimension) > NUM_LANES:
+        raise SettingError(
+            f'device "cuda": decision vectors of length {problem.dimension} do not fit into the '
+            f"{NUM_LANES} lanes of a warp; at most {NUM_LANES - 1}"
+        )

@@ -1,0 +1,119 @@
+"""The state of swarms on a device, and how kernels see it.
+
+Arrays are tensors of torch, so that networks read observations and rewards where they are. Kernels read the
+same memory. In the simulator of numba-cuda, the device is the memory of the host.
+"""
+
+import os
+from typing import Any
+
+import numpy as np
+import torch
+from numba import cuda
+
+from swarm_gym.errors import SettingError
+from swarm_gym.gpu.warps import IS_SIMULATED, NUM_LANES
+from swarm_gym.population import Swarms
+
+_BLOCK = 8  # segments that share tiles of obstacles
+_NUM_BLOCKS = NUM_LANES // _BLOCK
+
+
+def torch_device() -> torch.device:
+    """Return the device of tensors that kernels can work on.
+
+    Raises:
+        SettingError: if there is no GPU that torch and CUDA can use, and no simulator either.
+    """
+    if IS_SIMULATED:
+        return torch.device("cpu")
+    if not torch.cuda.is_available():
+        raise SettingError(
+            'device "cuda": torch finds no GPU here; NUMBA_ENABLE_CUDASIM=1, set before Python starts, runs '
+            "the kernels in a simulator, a million times slower"
+        )
+    return torch.device("cuda", torch.cuda.current_device())
+
+
+def as_kernels_see(arrays: Any) -> Any:
+    """Return tensors, a NamedTuple or one, as arrays of kernels on the same memory.
+
+    Words of random streams, the field `stream`, are unsigned there; torch has them as signed integers.
+    """
+    if isinstance(arrays, tuple):
+        seen = {name: as_kernels_see(one) for name, one in arrays._asdict().items()}  # type: ignore[attr-defined]
+        if "stream" in seen:
+            seen["stream"] = seen["stream"].view(np.uint64)
+        return type(arrays)(**seen)
+    return arrays.numpy() if IS_SIMULATED else cuda.as_cuda_array(arrays)
+
+
+def with_lanes(array: np.ndarray, fill: float = 0.0) -> np.ndarray:
+    """Return an array whose last axis has one entry for each lane; those beyond its length are `fill`."""
+    out = np.full((*array.shape[:-1], NUM_LANES), fill, dtype=array.dtype)
+    out[..., : array.shape[-1]] = array
+    return out
+
+
+def tables_with_lanes(tables: Any) -> Any:
+    """Return stacked problem tables whose arrays over components or segments have one entry for each lane.
+
+    The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do.
+    """
+    fields = tables._asdict()
+    for name, array in fields.items():
+        if name == "squared_spacing":
+            fields[name] = with_lanes(array, np.finfo(np.float64).tiny)
+        elif name == "first_tile":  # blocks beyond the last one have no tiles
+            more = np.repeat(array[:, -1:], _NUM_BLOCKS + 1 - array.shape[1], axis=1)
+            fields[name] = np.concatenate([array, more], axis=1)
+        elif name in _OVER_COMPONENTS:
+            fields[name] = with_lanes(array)
+    return type(tables)(**fields)
+
+
+_OVER_COMPONENTS = (
+    "lower", "upper", "initial_lower", "initial_upper", "middle", "across", "modes", "optimum",
+)  # fmt: skip
+
+
+def allocate(num_swarms: int, capacity: int, memory_columns: int, arrival_window: int) -> Swarms:
+    """Return empty swarms as NumPy arrays with a column for each lane.
+
+    Each swarm has a register for each member, in which kernels note who stays when it shrinks.
+    """
+    return Swarms.allocate(
+        num_swarms,
+        capacity,
+        NUM_LANES - 1,
+        memory_columns,
+        num_registers=capacity,
+        arrival_window=arrival_window,
+    )
+
+
+def require_memory(needed: int, num_swarms: int) -> None:
+    """Raise an error if arrays of this many bytes do not fit into the free memory of the device.
+
+    Raises:
+        SettingError: naming both numbers, before anything is allocated.
+    """
+    free = _free_memory()
+    if needed > free:
+        raise SettingError(
+            f"num_envs: {num_swarms} swarms need {needed / 2**30:.1f} GiB, but only {free / 2**30:.1f} GiB "
+            'of memory are free on device "cuda"; take fewer swarms, or a smaller max_population_size'
+        )
+
+
+def bytes_of(num_swarms: int, capacity: int, memory_columns: int, history_columns: int, length: int) -> int:
+    """Return about how many bytes the state of swarms takes, with their record of `length` iterations."""
+    per_member = NUM_LANES + 2 + memory_columns + 1  # position, fitness and collision, memory, register
+    per_swarm = capacity * per_member + 2 * NUM_LANES + 100
+    return 8 * num_swarms * (per_swarm + (length + 1) * history_columns)
+
+
+def _free_memory() -> int:
+    if IS_SIMULATED:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_AVPHYS_PAGES")
+    return int(torch.cuda.mem_get_info()[0])

@@ -1,0 +1,43 @@
+"""Decorators of kernels on a GPU, and what the lanes of a warp exchange.
+
+One warp, 32 lanes, works on one swarm, and a block is one warp. Lane k holds component k of a position and
+segment k of a path, so that arrays over components have 32 columns on the device.
+
+The functions are those of `hardware`, or with `NUMBA_ENABLE_CUDASIM=1` those of `simulator`.
+"""
+
+from types import ModuleType
+from typing import Any
+
+import numba
+
+NUM_LANES = 32
+IS_SIMULATED = bool(numba.config.ENABLE_CUDASIM)
+
+_functions: ModuleType
+if IS_SIMULATED:
+    from swarm_gym.gpu import simulator as _functions
+else:
+    from swarm_gym.gpu import hardware as _functions
+
+kernel, entry = _functions.kernel, _functions.entry
+lane_number, swarm_number, wait = _functions.lane_number, _functions.swarm_number, _functions.wait
+from_lane, total, largest = _functions.from_lane, _functions.total, _functions.largest
+ballot, lowest_bit = _functions.ballot, _functions.lowest_bit
+
+
+def launch(function: Any, num_swarms: int, *arguments: Any) -> None:
+    """Run an entry on the device, with one warp for each swarm."""
+    _functions.launch(function, num_swarms, NUM_LANES, arguments)
+
+
+@kernel
+def maximum(a: float, b: float) -> float:
+    """Return the larger of two numbers; `b` where they are equal or cannot be compared, as on the CPU."""
+    return a if a > b else b
+
+
+@kernel
+def minimum(a: float, b: float) -> float:
+    """Return the smaller of two numbers; `b` where they are equal or cannot be compared, as on the CPU."""
+    return a if a < b else b

@@ -1,0 +1,205 @@
+"""Waypoint paths among circles and convex polygons on the device: cost, repair and bends.
+
+The same formulas in the same order as `swarm_gym.problem.analytic` and `swarm_gym.problem.geometry.bends`,
+which say what they mean; here lane k has segment k and the waypoint at its right end. `place` is the offset
+of that waypoint; the last segment ends at the target, whose offset is 0.
+"""
+
+import math
+
+from swarm_gym.gpu.warps import (
+    NUM_LANES,
+    ballot,
+    from_lane,
+    kernel,
+    largest,
+    lowest_bit,
+    maximum,
+    minimum,
+    total,
+)
+from swarm_gym.problem.analytic.table import (
+    BEGIN_CHORD,
+    BEGIN_SHARE,
+    CENTRE_SHARE,
+    CENTRE_Y,
+    CORNER_BOTTOM,
+    CORNER_ROWS,
+    CORNER_SHARE,
+    CORNER_TOP,
+    END_CHORD,
+    END_SHARE,
+    HIGHEST_SINE,
+    LOWEST_SINE,
+    PRESENCE,
+    RADIUS_SHARE,
+    WaypointTable,
+)
+from swarm_gym.problem.geometry.bends import (
+    FIRST_COEFFICIENT,
+    HARMONICS,
+    LARGEST_OFFSET,
+    NUM_HARMONICS,
+    NUM_MODES,
+)
+
+_BLOCK = 8  # segments that share tiles of obstacles
+
+
+@kernel
+def left_end(place: float, lane: int) -> float:
+    """Return the offset at the left end of this lane's segment: that of the waypoint before."""
+    before = from_lane(place, (lane - 1) % NUM_LANES)
+    return 0.0 if lane == 0 else before
+
+
+@kernel
+def circle_shifts(
+    tables: WaypointTable, p: int, row: int, column: int, left: float, rise: float, length: float
+) -> tuple[float, float]:
+    """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`."""
+    from_centre = left - tables.rows[p, row + CENTRE_Y, column]
+    begin = from_centre + rise * tables.rows[p, row + BEGIN_SHARE, column]
+    end = from_centre + rise * tables.rows[p, row + END_SHARE, column]
+    middle = from_centre + rise * tables.rows[p, row + CENTRE_SHARE, column]
+    begin_chord = tables.rows[p, row + BEGIN_CHORD, column]
+    end_chord = tables.rows[p, row + END_CHORD, column]
+    up = maximum(begin_chord - begin, end_chord - end)
+    down = maximum(begin_chord + begin, end_chord + end)
+    tangent = length * tables.rows[p, row + RADIUS_SHARE, column]
+    lowest = length * tables.rows[p, row + LOWEST_SINE, column]
+    highest = length * tables.rows[p, row + HIGHEST_SINE, column]
+    if rise > lowest and rise < highest:
+        up = tangent - middle
+    fall = 0.0 - rise
+    if fall > lowest and fall < highest:
+        down = tangent + middle
+    return up, down
+
+
+@kernel
+def polygon_shifts(
+    tables: WaypointTable, p: int, row: int, num_corners: int, column: int, left: float, rise: float
+) -> tuple[float, float]:
+    """Return the shifts that clear a convex polygon, see `swarm_gym.problem.analytic.collision`."""
+    height = left + rise * tables.rows[p, row + CORNER_SHARE, column]
+    up = tables.rows[p, row + CORNER_TOP, column] - height
+    down = height - tables.rows[p, row + CORNER_BOTTOM, column]
+    for corner in range(row + CORNER_ROWS, row + num_corners * CORNER_ROWS, CORNER_ROWS):
+        height = left + rise * tables.rows[p, corner + CORNER_SHARE, column]
+        up = maximum(up, tables.rows[p, corner + CORNER_TOP, column] - height)
+        down = maximum(down, height - tables.rows[p, corner + CORNER_BOTTOM, column])
+    return up, down
+
+
+@kernel
+def clearing_shifts(
+    tables: WaypointTable, p: int, tile: int, column: int, left: float, rise: float, length: float
+) -> tuple[float, float]:
+    """Return the shifts that clear the obstacle of a tile over one segment."""
+    row, num_corners = tables.first_row[p, tile], tables.num_corners[p, tile]
+    if num_corners > 0:
+        return polygon_shifts(tables, p, row, num_corners, column, left, rise)
+    return circle_shifts(tables, p, row, column, left, rise, length)
+
+
+@kernel
+def smaller_shifts(
+    tables: WaypointTable, p: int, lane: int, left: float, rise: float, length: float
+) -> float:
+    """Return the sum of the smaller shifts of this lane's segment over all obstacles in contact."""
+    block, column = lane // _BLOCK, lane % _BLOCK
+    shifts = 0.0
+    for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
+        up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
+        shifts = shifts + maximum(minimum(up, down), 0.0)
+    return shifts
+
+
+@kernel
+def evaluate(tables: WaypointTable, p: int, lane: int, place: float) -> tuple[float, float]:
+    """Return fitness and degree of collision of the path whose offsets the lanes hold, for problem `p`."""
+    left = left_end(place, lane)
+    rise = place - left
+    length = math.sqrt(tables.squared_spacing[p, lane] + rise * rise)
+    cleared = smaller_shifts(tables, p, lane, left, rise, length) / length
+    collision = total(cleared) * tables.spacing[p]
+    weight = tables.length_weight[p]
+    return weight * total(length) + (1.0 - weight) * collision, collision
+
+
+@kernel
+def repair_segment(
+    tables: WaypointTable, p: int, segment: int, left: float, right: float, repair_degree: float
+) -> tuple[float, float]:
+    """Return the ends of one segment after it was pushed out of one obstacle after the other."""
+    block, column = segment // _BLOCK, segment % _BLOCK
+    for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
+        if tables.rows[p, tables.first_row[p, tile] + PRESENCE, column] == -math.inf:
+            continue
+        rise = right - left
+        length = math.sqrt(tables.squared_spacing[p, segment] + rise * rise)
+        up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
+        if up > 0.0 and down > 0.0:
+            shift = repair_degree * (up if up <= down else -down)
+            if segment > 0:
+                lower, upper = tables.lower[p, segment - 1], tables.upper[p, segment - 1]
+                left = min(max(left + shift, lower), upper)
+            right = min(max(right + shift, tables.lower[p, segment]), tables.upper[p, segment])
+    return left, right
+
+
+@kernel
+def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree: float) -> float:
+    """Return the offset of this lane after the repair of all segments, from the start on.
+
+    All lanes find the segments in contact at once. These are repaired one after the other, by all lanes
+    alike, since a segment that moves takes the left end of the next one along.
+    """
+    left = left_end(place, lane)
+    rise = place - left
+    length = math.sqrt(tables.squared_spacing[p, lane] + rise * rise)
+    contacts = ballot(smaller_shifts(tables, p, lane, left, rise, length) > 0.0)
+    segment = lowest_bit(contacts)
+    while 0 <= segment < NUM_LANES:
+        before = from_lane(place, segment)
+        from_left = from_lane(place, (segment - 1) % NUM_LANES)
+        from_left = 0.0 if segment == 0 else from_left
+        from_left, right = repair_segment(tables, p, segment, from_left, before, repair_degree)
+        if lane == segment:
+            place = right
+        if lane == segment - 1:
+            place = from_left
+        if right != before:
+            segment += 1  # what was found for the next segment does not hold any more
+        else:
+            later = contacts >> (segment + 1) << (segment + 1) if segment < NUM_LANES - 1 else 0
+            segment = lowest_bit(later)
+    return place
+
+
+@kernel
+def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: int, noise: float) -> float:
+    """Return the offset of this lane in a smooth bend, see `swarm_gym.problem.geometry.bends.draw_bend`.
+
+    `noise` is a number of each lane, uniform in [0, 1); that of lane 0 is not used.
+    """
+    drawn = from_lane(noise, LARGEST_OFFSET)
+    offset = 0.0
+    if kind == HARMONICS:
+        for h in range(NUM_HARMONICS):
+            weight = 2.0 * from_lane(noise, FIRST_COEFFICIENT + h) - 1.0
+            offset = offset + weight * tables.modes[p, kind, h, lane]
+    else:
+        for h in range(0, NUM_MODES, 2):  # Box-Muller
+            first, second = (
+                from_lane(noise, FIRST_COEFFICIENT + h),
+                from_lane(noise, FIRST_COEFFICIENT + h + 1),
+            )
+            radius, angle = math.sqrt(-2.0 * math.log(1.0 - first)), 2.0 * math.pi * second
+            offset = offset + radius * math.cos(angle) * tables.modes[p, kind, h, lane]
+            offset = offset + radius * math.sin(angle) * tables.modes[p, kind, h + 1, lane]
+    highest = largest(abs(offset))
+    scale = drawn * amplitude * tables.width[p] / highest if highest > 0.0 else 0.0
+    place = tables.middle[p, lane] + scale * offset * tables.across[p, lane]
+    return minimum(maximum(place, tables.lower[p, lane]), tables.upper[p, lane])
