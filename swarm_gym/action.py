@@ -235,17 +235,17 @@ class Action:
         Raises:
             ActionError: for a wrong type or shape, or a number that is not finite or out of bounds.
         """
-        numbers, wrong = self.read(actions, chosen, simulation)
+        numbers, valid = self.read(actions, simulation)
+        wrong = chosen & ~valid
         if wrong.any():
             self.refuse(numbers, wrong)
         return self.decide(numbers, chosen, simulation)
 
-    def read(self, actions: object, chosen: Array, simulation: Simulation) -> tuple[Array, Array]:
-        """Return the numbers of actions, (B, k) float64, and which chosen rows are not in the space, (B,).
+    def read(self, actions: object, simulation: Simulation) -> tuple[Array, Array]:
+        """Return the numbers of actions, (B, k) float64, and which rows are in the action space, (B,).
 
         Args:
             actions: (B, k) numbers: what NumPy makes an array of, or an array of the simulation's library.
-            chosen: (B,) rows that have to be valid.
             simulation: simulation of the B swarms.
 
         Raises:
@@ -253,16 +253,15 @@ class Action:
         """
         xp, device, shape = simulation.xp, simulation.device, self.space.shape
         given = self._as_array(actions, simulation)
-        if given.shape != (len(chosen), *shape):
+        if given.shape != (simulation.num_swarms, *shape):
             raise ActionError(
                 f"an action must have shape {shape} ({', '.join(self.labels)}), one per swarm, "
-                f"{len(chosen)} in all; got {tuple(given.shape)}"
+                f"{simulation.num_swarms} in all; got {tuple(given.shape)}"
             )
-        with np.errstate(over="ignore"):  # becomes infinite, which is refused
-            numbers = floats(xp, given)
+        numbers = floats(xp, given)
         low, high = self._low.on(xp, device), self._high.on(xp, device)
-        valid = (numbers >= low) & (numbers <= high)  # False for NaN
-        return numbers, chosen & ~valid.all(axis=1)
+        within = (numbers >= low) & (numbers <= high)  # False for NaN
+        return numbers, within.all(axis=1)
 
     def refuse(self, numbers: Array, wrong: Array) -> NoReturn:
         """Raise an error about the first row that is wrong.
@@ -326,9 +325,13 @@ class Action:
                 raise ActionError(f"an action must be numbers, got {shown(actions)}") from error
             if given.dtype.kind not in "fiu":
                 raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
+            if given.dtype == np.longdouble:
+                with np.errstate(over="ignore"):  # becomes infinite, which is no action
+                    given = given.astype(np.float64)
             return simulation.place(given)
         if not xp.isdtype(given.dtype, ("real floating", "integral")):
-            raise ActionError(f"an action must be numbers, got {given.dtype} ({shown(actions)})")
+            name = str(given.dtype).removeprefix("torch.")
+            raise ActionError(f"an action must be numbers, got {name} ({shown(actions)})")
         return xp.asarray(given, device=simulation.device)
 
 

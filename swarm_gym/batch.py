@@ -103,15 +103,16 @@ class SwarmBatch:
             StepOrderError: if no episode of a chosen swarm is under way.
         """
         simulation = self.simulation
-        xp, idle = simulation.xp, chosen & ~simulation.running
+        xp = simulation.xp
         try:
-            numbers, wrong = self._action.read(actions, chosen, simulation)
+            numbers, valid = self._action.read(actions, simulation)
         except ActionError:
-            self._refuse_idle(idle)
+            self._refuse_idle(chosen)
             raise
-        if (idle | wrong).any():  # one question, since the answer waits for a GPU
-            self._refuse_idle(idle)
-            self._action.refuse(numbers, wrong)
+        refused = chosen & ~(valid & simulation.running)
+        if refused.any():  # one question for both reasons, since the answer waits for a GPU
+            self._refuse_idle(chosen)
+            self._action.refuse(numbers, refused)
         decisions = self._action.decide(numbers, chosen, simulation)
         evaluations = copy_of(xp, simulation.swarms.evaluations)
         gap_before = simulation.gap()
@@ -132,13 +133,13 @@ class SwarmBatch:
         )
         return xp.where(chosen, reward, 0.0), ended
 
-    def _refuse_idle(self, idle: Array) -> None:
-        """Raise an error if any of the swarms, (B,), is to take a step although no episode is under way.
+    def _refuse_idle(self, chosen: Array) -> None:
+        """Raise an error if any of these swarms, (B,), is to take a step although no episode is under way.
 
         Raises:
             StepOrderError: naming the first one, and whether there was an episode before.
         """
-        waiting = np.flatnonzero(as_numpy(idle))
+        waiting = np.flatnonzero(as_numpy(chosen & ~self.simulation.running))
         if waiting.size:
             started = as_numpy(self.simulation.swarms.size)[waiting] > 0
             reason = "the episode has ended" if started.all() else "there was no reset yet"
