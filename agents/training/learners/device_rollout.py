@@ -74,6 +74,7 @@ class DeviceSwarms:
         self._env = env
         swarms: Any = env.unwrapped
         self._swarms = swarms
+        self._takes_tensors = False
         self._base = base
         self._proposal: TensorProposal | None = None
         episodes = np.arange(env.num_envs) // group_size
@@ -102,7 +103,8 @@ class DeviceSwarms:
         seed = int(generator.integers(TRAINING_START, TRAINING_STOP - groups))
         once = self._leaders == np.arange(self.num_swarms)
         seeds: Any = (seed + self._episodes).tolist()
-        self._env.reset(seed=seeds, options={"reset_mask": once})
+        begun, _ = self._env.reset(seed=seeds, options={"reset_mask": once})
+        self._takes_tensors = isinstance(begun, torch.Tensor)
         observations = self._taken(self._swarms.copy_swarms(self._leaders))
         if self._base is not None:
             self._base.reset(self.num_swarms)
@@ -148,8 +150,8 @@ class DeviceSwarms:
         return torch.as_tensor(array, device=self.device)
 
     def _given(self, actions: torch.Tensor) -> Any:
-        """Return actions as the environment takes them: NumPy arrays on the CPU, tensors elsewhere."""
-        return actions.numpy() if self.device.type == "cpu" else actions
+        """Return actions as the environment takes them, which is as it returns observations."""
+        return actions if self._takes_tensors else actions.cpu().numpy()
 
 
 @torch.no_grad()
