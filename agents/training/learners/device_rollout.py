@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from gymnasium.vector import VectorEnv
-from stable_baselines3.common.policies import ActorCriticPolicy
 
 from agents.runs.seeds import TRAINING_START, TRAINING_STOP
 from agents.training.learners.device_base import TensorBase, TensorProposal, carried_out
@@ -156,7 +155,7 @@ class DeviceSwarms:
 
 @torch.no_grad()
 def run_episode(
-    policy: ActorCriticPolicy,
+    policy: Any,
     swarms: DeviceSwarms,
     generator: np.random.Generator,
     *,
@@ -175,19 +174,29 @@ def run_episode(
     policy.set_training_mode(False)
     seen, num_steps = swarms.begin(generator, lambda observed: policy.get_distribution(observed).mode())
     length = swarms.iterations - swarms.first
-    columns: dict[str, list[torch.Tensor]] = {name: [] for name in Rollout._fields[:5]}
+
+    # Steps are copied into tensors of the rollout, since an environment may reuse those that it returns.
+    def column(*shape: int) -> torch.Tensor:
+        return torch.empty(length, swarms.num_swarms, *shape, device=swarms.device)
+
+    rollout = Rollout(
+        column(seen.shape[1]),
+        column(*policy.action_space.shape),
+        column(),
+        column() if critic else None,
+        column(),
+        swarms.returns,
+        num_steps + length * swarms.num_swarms,
+    )
     for step in range(length):
         if noise_steps != 1 and step % (noise_steps or length) == 0:
             policy.reset_noise(swarms.num_swarms)
         distribution = policy.get_distribution(seen)
         actions = distribution.get_actions()
-        columns["observations"].append(seen)
-        columns["actions"].append(actions)
-        columns["log_probs"].append(distribution.log_prob(actions))
-        if critic:
-            columns["values"].append(policy.predict_values(seen).flatten())
-        seen, rewards = swarms.step(actions)
-        columns["rewards"].append(rewards.float())
-    stacked = {name: torch.stack(parts) if parts else None for name, parts in columns.items()}
-    whole: Any = {**stacked, "returns": swarms.returns, "num_steps": num_steps + length * swarms.num_swarms}
-    return Rollout(**whole)
+        rollout.observations[step] = seen
+        rollout.actions[step] = actions
+        rollout.log_probs[step] = distribution.log_prob(actions)
+        if rollout.values is not None:
+            rollout.values[step] = policy.predict_values(seen).flatten()
+        seen, rollout.rewards[step] = swarms.step(actions)
+    return rollout

@@ -195,31 +195,38 @@ def test_swarms_of_a_group_differ_only_from_their_branch_on_and_returns_are_thos
 
 
 class OfTensors:
-    """Swarms that take and return tensors, as a vector environment on a device does."""
+    """Swarms that take and return tensors, the same ones in every step, as those on a device may do."""
 
     def __init__(self, env):
         self._env, self.num_envs, self.unwrapped = env, env.num_envs, self
         self.settings = env.unwrapped.settings
+        self._kept = {}
+
+    def _keep(self, name, array):
+        kept = self._kept.setdefault(name, torch.empty(array.shape, dtype=torch.as_tensor(array).dtype))
+        return kept.copy_(torch.as_tensor(array))
 
     def reset(self, **options):
         observations, infos = self._env.reset(**options)
-        return torch.as_tensor(observations), infos
+        return self._keep("observations", observations), infos
 
     def copy_swarms(self, rows):
-        return torch.as_tensor(self._env.unwrapped.copy_swarms(rows))
+        return self._keep("observations", self._env.unwrapped.copy_swarms(rows))
 
     def step_running(self, actions, chosen=None):
         assert isinstance(actions, torch.Tensor)
-        return tuple(map(torch.as_tensor, self._env.unwrapped.step_running(actions.numpy(), chosen)))
+        found = self._env.unwrapped.step_running(actions.numpy(), chosen)
+        return tuple(map(self._keep, ("observations", "rewards", "ended"), found))
 
 
-def test_an_environment_of_tensors_gives_the_rollout_of_one_of_arrays(tmp_path):
-    config = tiny_config(tmp_path, **{**DEVICE, **HELD})
+@pytest.mark.parametrize("base", ["open-loop:three-cases", "none"])
+def test_an_environment_of_tensors_gives_the_rollout_of_one_of_arrays(tmp_path, base):
+    config = tiny_config(tmp_path, **{**DEVICE, **HELD, "base": base, "branches": (80,), "corrected_from": 0})
     rollouts = []
     for wrap in (lambda env: env, OfTensors):
         learner = make_learner(config)
-        env, base = make_swarms(config, 4, AutoresetMode.DISABLED)
-        swarms = DeviceSwarms(wrap(env), TensorBase(base, CPU), 2, (80,), CPU)
+        env, made = make_swarms(config, 4, AutoresetMode.DISABLED)
+        swarms = DeviceSwarms(wrap(env), made and TensorBase(made, CPU), 2, (80,), CPU)
         torch.manual_seed(1)
         generator = np.random.default_rng(2)
         rollouts.append(run_episode(learner.policy, swarms, generator, critic=True, noise_steps=0))
