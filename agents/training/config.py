@@ -23,7 +23,9 @@ class TrainConfig:
     resume: bool = False
     """Resume the stopped run of that name from its last checkpoint."""
     algorithm: str = "ppo"
-    """Learning algorithm: ppo, recurrent-ppo or evolution."""
+    """Learning algorithm: ppo, device-ppo, recurrent-ppo or evolution."""
+    device: str = "cpu"
+    """Device of the swarms and of the learner's tensors, cpu or cuda; cuda is for device-ppo only."""
     threads: int = 1
     """Number of threads for the swarms. Results do not depend on it; more than one thread slows torch."""
     seed: int = 0
@@ -63,8 +65,8 @@ class TrainConfig:
     price: tuple[float, ...] = (0.17,)
     """Price of 100,000 evaluations in units of the reward, or the range that episodes draw it from."""
     group_size: int = 1
-    """Number of swarms that share seed, scenario, price and first state, for ppo only: their advantages are
-    relative to the mean of the group. It has to divide num_swarms; 1 is no groups."""
+    """Number of swarms that share seed, scenario, price and first state, for ppo and device-ppo only: their
+    advantages are relative to the mean of the group. It has to divide num_swarms; 1 is no groups."""
     branches: tuple[int, ...] = ()
     """Iterations, counted from 0, at which the swarms of a group begin to differ; each rollout draws one, and
     before it the policy decides without noise. By default corrected_from."""
@@ -85,18 +87,18 @@ class TrainConfig:
     """Natural logarithm of the initial standard deviation of actions in [-1, 1]."""
     noise_steps: int = 1
     """Number of steps that share the noise of their actions, and the advantage of the first of them; for ppo
-    only. The noise is then a random matrix on the last hidden layer (gSDE). 0 holds it for the episode, 1
-    draws noise for every step."""
+    and device-ppo only. The noise is then a random matrix on the last hidden layer (gSDE). 0 holds it for the
+    episode, 1 draws noise for every step."""
     critic: bool = True
-    """A critic estimates returns; without one, for ppo only, gae_lambda has to be 1."""
+    """A critic estimates returns; without one, for ppo and device-ppo only, gae_lambda has to be 1."""
     learning_rate: float = 3e-4
     """Step size of Adam."""
     decay_steps: int = 0
-    """Number of environment steps over which learning_rate falls linearly to 0, for ppo only; 0 keeps it. It
-    must not be below total_steps, since the steps after it would teach nothing."""
+    """Number of environment steps over which learning_rate falls linearly to 0, for ppo and device-ppo only;
+    0 keeps it. It must not be below total_steps, since the steps after it would teach nothing."""
     averaging: float = 0.0
     """Share that an update keeps of the running mean of the actor's weights, which are the policy's, for ppo
-    only; 0 takes the last weights."""
+    and device-ppo only; 0 takes the last weights."""
     batch_size: int = 640
     """Number of environment steps in a minibatch."""
     epochs: int = 10

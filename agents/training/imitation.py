@@ -61,10 +61,10 @@ def imitate(
     generator = np.random.default_rng(seed)
     parameters = [p for name, p in policy.named_parameters() if name != "log_std"]
     optimizer = torch.optim.Adam(parameters, lr=LEARNING_RATE)
-    data = [torch.as_tensor(array) for array in shown]
+    data = [torch.as_tensor(array, device=policy.device) for array in shown]
     sequences = max(BATCH_SIZE // shown.there.shape[1], LEAST_SEQUENCES)
     for _ in trange(GRADIENT_STEPS, desc="imitation", unit="step", leave=False):
-        rows = torch.as_tensor(generator.integers(0, len(shown.there), sequences))
+        rows = torch.as_tensor(generator.integers(0, len(shown.there), sequences), device=policy.device)
         seen, wanted, earned, there = (tensor[rows] for tensor in data)
         decided, value = predict(seen)
         weight = there.flatten() / there.sum()

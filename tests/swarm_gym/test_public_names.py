@@ -250,7 +250,7 @@ COMMANDS = {
     "agents.train": (
         "--action", "--address", "--algorithm", "--averaging", "--backend", "--base", "--batch-size",
         "--branch-at-events", "--branches", "--candidates", "--clip-range", "--corrected-from", "--critic",
-        "--decay-steps", "--discount", "--encoding", "--entropy-weight", "--epochs",
+        "--decay-steps", "--device", "--discount", "--encoding", "--entropy-weight", "--epochs",
         "--gae-lambda", "--group-size", "--hidden-layers", "--initial-population-size", "--iterations",
         "--jobs", "--learning-rate", "--log-std", "--lstm-size", "--max-evaluations",
         "--max-population-size", "--min-population-size", "--name", "--noise-steps", "--num-swarms",

@@ -6,6 +6,7 @@ To add one, write a subclass of `learner.Learner` and enter it in `LEARNERS`.
 from collections.abc import Callable
 
 from agents.training.config import TrainConfig
+from agents.training.learners.device_ppo import DevicePPOLearner
 from agents.training.learners.evolution import EvolutionLearner
 from agents.training.learners.group_options import require_groups
 from agents.training.learners.learner import Learner
@@ -17,6 +18,7 @@ __all__ = ["LEARNERS", "Learner", "make_learner"]
 
 LEARNERS: dict[str, Callable[[TrainConfig], Learner]] = {
     "ppo": PPOLearner,
+    "device-ppo": DevicePPOLearner,
     "recurrent-ppo": RecurrentPPOLearner,
     "evolution": EvolutionLearner,
 }

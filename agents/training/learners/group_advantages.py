@@ -60,3 +60,44 @@ class GroupBuffer(RolloutBuffer):
             parts = self.advantages.reshape(len(self.advantages), self.num_optimizers, -1)
             deviations = parts.std(axis=(0, 2), keepdims=True) + SMALLEST_DEVIATION
             self.advantages = (parts / deviations).reshape(self.advantages.shape)
+
+
+def advantages_and_returns(
+    rewards: torch.Tensor,
+    values: torch.Tensor | None,
+    *,
+    discount: float,
+    gae_lambda: float,
+    group_size: int,
+    noise_steps: int,
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """Return advantages beyond the mean of their group, and returns, of whole episodes on any device.
+
+    The definitions are those of `GroupBuffer`. Sums over a group may round differently, since torch adds in
+    another order than NumPy.
+
+    Args:
+        rewards: (steps, B) rewards; the episodes of all swarms end with the last step.
+        values: (steps, B) values of the critic; None counts them as zero.
+        discount: discount factor of rewards.
+        gae_lambda: parameter lambda of generalised advantage estimation.
+        group_size: number of swarms in a group, neighbours.
+        noise_steps: number of steps that share their noise; 0 is a whole episode.
+
+    Returns:
+        Advantages and returns, both (steps, B).
+    """
+    values = torch.zeros_like(rewards) if values is None else values
+    advantages = torch.empty_like(rewards)
+    next_value = next_advantage = torch.zeros_like(rewards[0])
+    for step in reversed(range(len(rewards))):
+        surprise = rewards[step] + discount * next_value - values[step]
+        next_advantage = advantages[step] = surprise + discount * gae_lambda * next_advantage
+        next_value = values[step]
+    returns = advantages + values
+    held = noise_steps or len(rewards)
+    drawn = torch.arange(len(rewards), device=rewards.device) // held * held
+    groups = advantages[drawn].unflatten(1, (-1, group_size))
+    if group_size > 1:
+        groups = groups - groups.mean(dim=2, keepdim=True)
+    return groups.flatten(1), returns

@@ -1,15 +1,27 @@
-"""Checks of the options that PPO alone has, before anything is made."""
+"""Checks of the options that not all algorithms have, before anything is made."""
 
 from agents.training.config import TrainConfig
 from agents.training.paired_reward import PAIRED
 from swarm_gym.action import require_same_decisions
 from swarm_gym.checks import require_integer, require_number
+from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
 
-PPO_ONLY = (
-    "also_on", "group_size", "branches", "branch_at_events", "noise_steps", "critic", "averaging",
-    "decay_steps",
-)  # fmt: skip
+DEVICES = ("cpu", "cuda")
+
+_IN_GROUPS = ("ppo", "device-ppo")
+# The algorithms that have an option; all algorithms have the others.
+ALGORITHMS_OF = {
+    "also_on": ("ppo",),
+    "averaging": _IN_GROUPS,
+    "branch_at_events": ("ppo",),
+    "branches": _IN_GROUPS,
+    "critic": _IN_GROUPS,
+    "decay_steps": _IN_GROUPS,
+    "device": ("device-ppo",),
+    "group_size": _IN_GROUPS,
+    "noise_steps": _IN_GROUPS,
+}
 LARGEST_AVERAGING = 0.9999
 
 
@@ -17,12 +29,16 @@ def require_groups(config: TrainConfig) -> None:
     """Raise an error for options that the algorithm does not have, or that exclude each other.
 
     Raises:
+        UnknownNameError: for a device that does not exist.
         ValueError: naming the option and its value.
     """
-    for name in PPO_ONLY:
+    if config.device not in DEVICES:
+        raise UnknownNameError("device", config.device, DEVICES)
+    for name, algorithms in ALGORITHMS_OF.items():
         value = getattr(config, name)
-        if config.algorithm != "ppo" and value != getattr(TrainConfig, name):
-            raise ValueError(f"{name} {value!r} is for algorithm 'ppo' only, got {config.algorithm!r}")
+        if config.algorithm not in algorithms and value != getattr(TrainConfig, name):
+            allowed = " or ".join(map(repr, algorithms))
+            raise ValueError(f"{name} {value!r} is for algorithm {allowed} only, got {config.algorithm!r}")
     require_integer("group_size", config.group_size, 1, config.num_swarms)
     require_integer("noise_steps", config.noise_steps, 0, config.iterations)
     require_number("averaging", config.averaging, 0.0, LARGEST_AVERAGING)

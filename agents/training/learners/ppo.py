@@ -129,13 +129,7 @@ class PPOLearner(Learner):
             self._mean_weights = {name: share * mean[name] + (1.0 - share) * last[name] for name in last}
 
     def _last_weights(self) -> Weights:
-        policy = self.model.policy
-        layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
-        weights = {}
-        for number, layer in enumerate([*layers, policy.action_net]):
-            weights[f"{number}.weight"] = layer.weight.detach().numpy().copy()
-            weights[f"{number}.bias"] = layer.bias.detach().numpy().copy()
-        return weights
+        return {name: tensor.numpy() for name, tensor in actor_layers(self.model.policy).items()}
 
     def state(self) -> dict[str, Any]:
         """Return networks, optimizer and counters."""
@@ -190,10 +184,10 @@ class PPOLearner(Learner):
 
     def _decayed(self, _: float) -> float:
         """Return the step size of Adam after the steps so far; the library's share is of one call only."""
-        return self.config.learning_rate * max(1.0 - self.num_steps / self.config.decay_steps, 0.0)
+        return step_size(self.config, self.num_steps)
 
     def _policy_options(self) -> dict[str, Any]:
-        return {"net_arch": list(self.config.hidden_layers), "log_std_init": self.config.log_std}
+        return policy_options(self.config)
 
     def _buffer_options(self) -> dict[str, Any]:
         """Return the options of the model about its rollouts."""
@@ -229,3 +223,24 @@ class PPOLearner(Learner):
                 sde_sample_freq=config.noise_steps or -1,
                 **self._buffer_options(),
             )
+
+
+def policy_options(config: TrainConfig) -> dict[str, Any]:
+    """Return the options of the library's policy without a memory."""
+    return {"net_arch": list(config.hidden_layers), "log_std_init": config.log_std}
+
+
+def step_size(config: TrainConfig, num_steps: int) -> float:
+    """Return the step size of Adam after some environment steps."""
+    share = 1.0 - num_steps / config.decay_steps if config.decay_steps else 1.0
+    return config.learning_rate * max(share, 0.0)
+
+
+def actor_layers(policy: Any) -> dict[str, torch.Tensor]:
+    """Return copies of the layers of a policy that compute the mean action, named as in policy files."""
+    layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
+    weights = {}
+    for number, layer in enumerate([*layers, policy.action_net]):
+        weights[f"{number}.weight"] = layer.weight.detach().clone()
+        weights[f"{number}.bias"] = layer.bias.detach().clone()
+    return weights

@@ -52,6 +52,9 @@ class Base:
         corrected_from: first iteration, counted from 0, in which corrections are added.
         max_evaluations: evaluation budget of an episode; None is no budget.
 
+    Attributes:
+        columns: number of columns that the controller observes.
+
     Raises:
         ValueError: for a controller that cannot be corrected in this layout, or needs other episodes.
     """
@@ -76,7 +79,7 @@ class Base:
         self.layout = layout
         self.corrected_from = corrected_from
         features = make_observation(controller.observation).features
-        self._columns = len(features)
+        self.columns = len(features)
         # All layouts have the iteration in this column, as a number or as a share of all iterations.
         self._unit = 1.0 if features[ITERATION].name == "iteration" else Settings.iterations
 
@@ -89,18 +92,18 @@ class Base:
 
     def propose(self, observations: NDArray) -> Proposal:
         """Return the controller's decisions, given the columns of both layouts (B, m)."""
-        actions = self.layout.encode(self.controller.act(observations[:, : self._columns]))
-        seen = np.concatenate([observations[:, self._columns :], actions], axis=1)
+        actions = self.layout.encode(self.controller.act(observations[:, : self.columns]))
+        seen = np.concatenate([observations[:, self.columns :], actions], axis=1)
         iteration = np.rint(observations[:, ITERATION] * self._unit)
         return Proposal(actions, iteration >= self.corrected_from, seen.astype(np.float32))
 
     def last(self, observation: NDArray) -> NDArray:
         """Return the policy's (k,) features at the end of an episode, where the proposal is zeros."""
         proposal = np.zeros(len(self.layout.labels))
-        return np.concatenate([observation[self._columns :], proposal]).astype(np.float32)
+        return np.concatenate([observation[self.columns :], proposal]).astype(np.float32)
 
     def observation_space(self, space: Box) -> Box:
         """Return the space of the policy's features, given the space of both layouts."""
-        low = np.concatenate([space.low[self._columns :], self.layout.space.low])
-        high = np.concatenate([space.high[self._columns :], self.layout.space.high])
+        low = np.concatenate([space.low[self.columns :], self.layout.space.low])
+        high = np.concatenate([space.high[self.columns :], self.layout.space.high])
         return Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
