@@ -9,7 +9,7 @@ try:
     import numba_cuda  # noqa: F401  # Numba's own CUDA target is deprecated
     from numba import cuda
 except ImportError as error:
-    raise MissingExtraError('device="cuda"', "numba-cuda", "gpu") from error
+    raise MissingExtraError("device 'cuda'", "numba-cuda", "gpu") from error
 
 EVERY_LANE = 0xFFFFFFFF
 

@@ -122,18 +122,18 @@ def _memory_columns(optimizer: type[Optimizer]) -> int:
 def _refuse_what_has_no_kernels(optimizer: type[Optimizer], settings: Settings) -> None:
     if optimizer.name not in OPTIMIZERS:
         raise SettingError(
-            f'device "cuda": optimizer {optimizer.name!r} runs on the CPU only; on a GPU there are '
+            f"device 'cuda': optimizer {optimizer.name!r} runs on the CPU only; on a GPU there are "
             f"{', '.join(OPTIMIZERS)}"
         )
     problem = settings.problems()[0]
     kind = type(problem.table)
     if kind not in PROBLEMS:
         raise SettingError(
-            f'device "cuda": scenario {problem.scenario.name!r} with encoding {settings.encoding!r} runs on '
+            f"device 'cuda': scenario {problem.scenario.name!r} with encoding {settings.encoding!r} runs on "
             "the CPU only; on a GPU there are waypoints on maps of circles and polygons, and test functions"
         )
     if columns(problem.dimension) > NUM_LANES:
         raise SettingError(
-            f'device "cuda": decision vectors of length {problem.dimension} do not fit into the '
+            f"device 'cuda': decision vectors of length {problem.dimension} do not fit into the "
             f"{NUM_LANES} lanes of a warp; at most {NUM_LANES - 1}"
         )

@@ -29,8 +29,8 @@ def torch_device() -> torch.device:
         return torch.device("cpu")
     if not torch.cuda.is_available():
         raise SettingError(
-            'device "cuda": torch finds no GPU here; NUMBA_ENABLE_CUDASIM=1, set before Python starts, runs '
-            "the kernels in a simulator, a million times slower"
+            "device 'cuda': torch finds no GPU here; it takes one of NVIDIA, a build of torch for CUDA and "
+            "the extra 'gpu'; NUMBA_ENABLE_CUDASIM=1, set before Python starts, simulates one, for tests"
         )
     return torch.device("cuda", torch.cuda.current_device())
 
@@ -102,7 +102,7 @@ def require_memory(needed: int, num_swarms: int) -> None:
     if needed > free:
         raise SettingError(
             f"num_envs: {num_swarms} swarms need {needed / 2**30:.1f} GiB, but only {free / 2**30:.1f} GiB "
-            'of memory are free on device "cuda"; take fewer swarms, or a smaller max_population_size'
+            "of memory are free on device 'cuda'; take fewer swarms, or a smaller max_population_size"
         )
 
 

@@ -19,7 +19,8 @@ TEXTS = {
 }
 TARGETS = (
     "help", "install", "browser", "study", "study-full", "test", "test-slow", "test-supply", "test-lowest",
-    "test-newest", "fuzz", "check", "format", "benchmark", "benchmark-peers", "benchmark-scaling",
+    "test-newest", "fuzz", "check", "format", "benchmark", "benchmark-gpu",
+    "benchmark-peers", "benchmark-scaling",
     "docs", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
     "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling", "docs-scores",
     "docs-bbob", "docs-gallery", "dist", "clean",

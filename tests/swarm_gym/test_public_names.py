@@ -285,6 +285,7 @@ COMMANDS = {
         "--optimizer", "--output", "--parameters", "--seed",
     ),
     "experiments.benchmark": ("--groups", "--output", "--repeats"),
+    "experiments.benchmark_gpu": ("--output", "--repeats"),
     "experiments.branching": ("--controller", "--output", "--scenarios", "--seeds", "--threads"),
     "experiments.frame": (),
     "experiments.gallery": (),

@@ -166,18 +166,18 @@ class DevicePPOLearner(Learner):
 
 
 def usable_device(name: str) -> torch.device:
-    """Return the device of a name.
+    """Return the device of a name; with the simulator of numba-cuda, "cuda" is the memory of the host.
 
     Raises:
-        ValueError: if torch cannot compute there, with its reason.
+        ValueError: if torch or the kernels of the swarms cannot compute there, with the reason.
     """
-    device = torch.device(name)
+    if name == "cpu":
+        return torch.device("cpu")
     try:
-        torch.zeros(1, device=device)
-    except (AssertionError, RuntimeError) as error:  # torch without CUDA raises an AssertionError
-        reason = str(error).strip().splitlines()[0]
-        raise ValueError(f"device {name!r}: torch finds no GPU that it can use ({reason})") from error
-    return device
+        from swarm_gym.gpu.state import torch_device
+    except ImportError as error:
+        raise ValueError(f"device {name!r}: {error}") from error
+    return torch_device()
 
 
 def _refuse(config: TrainConfig) -> None:

@@ -2,13 +2,15 @@
 
 import multiprocessing
 import re
+from collections import Counter
 from functools import cache, partial
 
 import numpy as np
 import pytest
 from scipy.stats import ks_2samp
 
-from experiments.speed import environments, growth, moves, start, threads, training
+from experiments import benchmark_gpu
+from experiments.speed import environments, gpu, growth, moves, start, threads, training
 from experiments.speed.groups import GROUPS, measure_groups
 from experiments.speed.measurement import (
     ALL_THREADS,
@@ -325,3 +327,29 @@ def test_a_file_of_something_else_is_refused_by_name(tmp_path, content):
     file.write_text(content)
     with pytest.raises(ValueError, match=re.escape(str(file))):
         read_measurements(file)
+
+
+def test_the_bound_of_a_gpu_counts_the_obstacles_over_the_fullest_block():
+    problem = AnalyticProblem(make_scenario("case1"))
+    assert {pair.circle is None for pair in problem.pairs} == {False}
+    # A tile has one obstacle for each of the eight segments of a block: as many tiles as the fullest segment.
+    most = Counter(pair.segment for pair in problem.pairs)
+    fullest = max(most.values())
+    fixed = gpu.MOVE_OPERATIONS + gpu.SEGMENT_OPERATIONS
+    assert gpu.operations_of_a_move("case1") == 32 * (fixed + fullest * gpu.CIRCLE_OPERATIONS)
+
+
+def test_the_benchmark_of_a_gpu_refuses_where_there_is_none(monkeypatch):
+    torch = pytest.importorskip("torch")
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    monkeypatch.setattr("sys.argv", ["benchmark_gpu"])
+    with pytest.raises(SystemExit, match="device 'cuda': torch finds no GPU here"):
+        benchmark_gpu.main()
+
+
+def test_a_summary_of_a_gpu_sets_its_rates_beside_the_cpu_and_the_bound():
+    names = [quantity.name for quantity in gpu.quantities()]
+    assert len(set(names)) == len(names)
+    made = [Measurement(name, "", 2.0, 2.0, 2.0) for name in names]
+    assert [found.median for found in gpu.summary(made)] == [1.0, 100.0]

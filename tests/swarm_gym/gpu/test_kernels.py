@@ -1,10 +1,14 @@
 """Kernels for GPUs move, repair, evaluate, draw and count as those of the CPU do."""
 
+import numba
 import numpy as np
 import pytest
+from scipy.stats import ks_2samp
 
 from helpers.devices import Pair
+from swarm_gym.arrays import as_numpy
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
+from swarm_gym.vector_env import SwarmVectorEnv
 
 CASES = ("case1", "case2", "case3")
 FUNCTIONS = ("rastrigin-10", "sum-squares-10", "easom-2", "booth-2", "bohachevsky-2")
@@ -133,3 +137,17 @@ def test_swarms_do_not_depend_on_their_number():
     for name in ("fitness", "positions", "stream", "best_position"):
         first, only = getattr(together.gpu.swarms, name)[0], getattr(alone.gpu.swarms, name)[0]
         np.testing.assert_array_equal(first.cpu(), only.cpu())
+
+
+@pytest.mark.skipif(bool(numba.config.ENABLE_CUDASIM), reason="whole episodes take hours in the simulator")
+@pytest.mark.parametrize("case", CASES)
+def test_final_fitness_has_the_distribution_of_the_cpu(case):
+    options = {"scenario": case, "iterations": 30, "initial_population_size": 30, "max_population_size": 60}
+    found = []
+    for device, seed in (("cpu", 0), ("cuda", 1_000)):  # other seeds, so that the samples are independent
+        env = SwarmVectorEnv(128, device=device, autoreset_mode="Disabled", **options)
+        env.reset(seed=seed)
+        for _ in range(options["iterations"]):
+            env.step(np.tile([30.0, 0.1], (128, 1)))
+        found.append(as_numpy(env.simulation.swarms.best_fitness))
+    assert ks_2samp(*found).pvalue > 0.001
