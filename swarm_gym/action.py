@@ -25,7 +25,6 @@ about new members (see `swarm_gym.sources`):
 | immigrants: share of the members that are replaced in this iteration, the worst first | in [0, 1] | linear |
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn
@@ -37,7 +36,6 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import (
     Array,
     Constant,
-    applied,
     as_numpy,
     at_least,
     at_most,
@@ -49,6 +47,7 @@ from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.own_code import find
+from swarm_gym.scales import AsItIs, Linear, Logarithmic, Paced, Scale
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
@@ -59,102 +58,6 @@ Floats = NDArray[np.float64]
 _LEAST_OF_SOURCES, _MOST_OF_SOURCES = map(
     Constant, np.transpose([SOURCE_RANGES[name] for name in SOURCE_DECISIONS])
 )
-
-# Largest factor between the size that a paced action asks for and the size at which the budget lasts.
-PACE_SPREAD = 6.0
-
-
-class Scale(ABC):
-    """The scale on which one decision is written as a number of an action.
-
-    Attributes:
-        low: smallest number of the action.
-        high: largest number of the action.
-    """
-
-    low: float
-    high: float
-
-    @abstractmethod
-    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:
-        """Return the numbers (B,) that ask for these values (B,); they may exceed `low` and `high`."""
-
-    @abstractmethod
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:
-        """Return the values (B,) that these numbers (B,) ask for."""
-
-
-@dataclass(frozen=True)
-class AsItIs(Scale):
-    """The scale of a number in its own unit."""
-
-    low: float
-    high: float
-
-    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
-        return values
-
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
-        return numbers
-
-
-@dataclass(frozen=True)
-class Linear(Scale):
-    """The scale that maps [smallest, largest] linearly to [-1, 1]."""
-
-    smallest: float
-    largest: float
-    low: float = -1.0
-    high: float = 1.0
-
-    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
-        return 2.0 * (values - self.smallest) / (self.largest - self.smallest) - 1.0
-
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
-        return self.smallest + (self.largest - self.smallest) * (numbers + 1.0) / 2.0
-
-
-@dataclass(frozen=True)
-class Logarithmic(Scale):
-    """The scale that maps the logarithm of [smallest, largest], both positive, to [-1, 1]."""
-
-    smallest: float
-    largest: float
-    low: float = -1.0
-    high: float = 1.0
-
-    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
-        spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
-        positive = np.maximum(values, self.smallest)  # the default of a parameter may be 0
-        return 2.0 * (np.log(positive) - np.log(self.smallest)) / spread - 1.0
-
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
-        return self.smallest * (self.largest / self.smallest) ** ((numbers + 1.0) / 2.0)
-
-
-@dataclass(frozen=True)
-class Paced(Scale):
-    """The scale of population sizes relative to the one at which the evaluation budget would just last.
-
-    A number a in [-1, 1] asks for PACE_SPREAD^a times that size. The budget is never exceeded, and
-    evaluations that are not spent now remain for later iterations.
-    """
-
-    low: float = -1.0
-    high: float = 1.0
-
-    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: D102
-        if simulation is None:
-            raise SettingError(
-                "paced actions depend on the remaining evaluations: encode them with a simulation"
-            )
-        return simulation.xp.log(values / self._lasting(simulation)) / float(np.log(PACE_SPREAD))
-
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
-        return self._lasting(simulation) * PACE_SPREAD**numbers
-
-    def _lasting(self, simulation: Simulation) -> Floats:
-        return applied(simulation.optimizer.affordable_size, simulation.xp, simulation.pace())
 
 
 class Action:

@@ -92,7 +92,7 @@ class SwarmBatch:
         """Advance the chosen swarms by one iteration.
 
         Args:
-            chosen: (B,) swarms to advance.
+            chosen: (B,) swarms to advance, an array of the simulation's library, as the results are.
             actions: (B, number of decisions); only the chosen rows have to be valid.
 
         Returns:

@@ -1,12 +1,16 @@
-"""The options of `reset`: scenario, and size, source or content of the first population."""
+"""The beginnings of episodes: the options of `reset`, and what seeds decide.
 
-from collections.abc import Mapping
+The options are the scenario, and the size, source or content of the first population.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.random_stream import STREAM_SHAPE, seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
@@ -33,6 +37,39 @@ class Beginning(NamedTuple):
     population: Floats | None
     scenario: int | None
     source: Source
+
+
+class Drawn(NamedTuple):
+    """The parts of k beginnings that are drawn.
+
+    Attributes:
+        problem: (k,) numbers of the first problems.
+        price: (k,) costs of `reference_evaluations` evaluations.
+        stream: (k, 4, 8) random streams, uint64.
+    """
+
+    problem: NDArray[np.int64]
+    price: Floats
+    stream: NDArray[np.uint64]
+
+
+def draw_beginnings(
+    seeds: Sequence[np.random.SeedSequence], settings: Settings, worlds: Worlds, scenario: int | None
+) -> Drawn:
+    """Return what k seeds draw; the scenario is this one for all of them if it is not None."""
+    drawn = Drawn(
+        np.empty(len(seeds), dtype=np.int64),
+        np.empty(len(seeds)),
+        np.empty((len(seeds), *STREAM_SHAPE), dtype=np.uint64),
+    )
+    for k, seed in enumerate(seeds):
+        scenario_seed, stream_seed = seed.spawn(2)
+        generator = np.random.default_rng(scenario_seed)
+        draw = generator.integers(len(worlds.first))
+        drawn.problem[k] = worlds.first[draw if scenario is None else scenario]
+        drawn.price[k] = settings.draw_price(generator)
+        drawn.stream[k] = seed_stream(stream_seed)
+    return drawn
 
 
 def read_reset_options(

@@ -15,12 +15,11 @@ from swarm_gym.arrays import Array, Namespace, as_numpy, assign, at_least, divid
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.compiler.random_stream import STREAM_SHAPE, seed_stream
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import POPULATION_COLLISION, Swarms
 from swarm_gym.problem import Problem
-from swarm_gym.reset_options import Beginning, read_reset_options
+from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
 from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, kind_of_bends
@@ -185,19 +184,11 @@ class Simulation:
         size, population, scenario, source = self.read_options(options)
         swarms, numbers = self.swarms, np.flatnonzero(as_numpy(chosen))
         budget = self.settings.max_evaluations
-        problem = np.empty(len(numbers), dtype=np.int64)
-        price = np.empty(len(numbers))
-        stream = np.empty((len(numbers), *STREAM_SHAPE), dtype=np.uint64)
-        for k, seed in zip(range(len(numbers)), seeds, strict=True):
-            scenario_seed, stream_seed = seed.spawn(2)
-            generator = np.random.default_rng(scenario_seed)
-            draw = generator.integers(len(self.worlds.first))
-            problem[k] = self.worlds.first[draw if scenario is None else scenario]
-            price[k] = self.settings.draw_price(generator)
-            stream[k] = seed_stream(stream_seed)
+        seeds = [seed for _, seed in zip(numbers, seeds, strict=True)]  # as many as swarms
+        drawn = draw_beginnings(seeds, self.settings, self.worlds, scenario)
         place, rows = self.place, self.place(numbers)
-        swarms.problem[rows], swarms.stream[rows] = place(problem), place(stream)
-        self.price[rows] = place(price)
+        swarms.problem[rows], swarms.stream[rows] = place(drawn.problem), place(drawn.stream)
+        self.price[rows] = place(drawn.price)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         if population is not None:
             swarms.positions[rows, :size, : self.dimension] = place(population)

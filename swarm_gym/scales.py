@@ -1,0 +1,109 @@
+"""Scales: how the decisions of an action are written as its numbers."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.arrays import applied
+from swarm_gym.errors import SettingError
+from swarm_gym.simulation import Simulation
+
+Floats = NDArray[np.float64]
+
+# Largest factor between the size that a paced action asks for and the size at which the budget lasts.
+PACE_SPREAD = 6.0
+
+
+class Scale(ABC):
+    """The scale on which one decision is written as a number of an action.
+
+    Attributes:
+        low: smallest number of the action.
+        high: largest number of the action.
+    """
+
+    low: float
+    high: float
+
+    @abstractmethod
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:
+        """Return the numbers (B,) that ask for these values (B,); they may exceed `low` and `high`."""
+
+    @abstractmethod
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:
+        """Return the values (B,) that these numbers (B,) ask for."""
+
+
+@dataclass(frozen=True)
+class AsItIs(Scale):
+    """The scale of a number in its own unit."""
+
+    low: float
+    high: float
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return values
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return numbers
+
+
+@dataclass(frozen=True)
+class Linear(Scale):
+    """The scale that maps [smallest, largest] linearly to [-1, 1]."""
+
+    smallest: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return 2.0 * (values - self.smallest) / (self.largest - self.smallest) - 1.0
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return self.smallest + (self.largest - self.smallest) * (numbers + 1.0) / 2.0
+
+
+@dataclass(frozen=True)
+class Logarithmic(Scale):
+    """The scale that maps the logarithm of [smallest, largest], both positive, to [-1, 1]."""
+
+    smallest: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
+        positive = np.maximum(values, self.smallest)  # the default of a parameter may be 0
+        return 2.0 * (np.log(positive) - np.log(self.smallest)) / spread - 1.0
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return self.smallest * (self.largest / self.smallest) ** ((numbers + 1.0) / 2.0)
+
+
+@dataclass(frozen=True)
+class Paced(Scale):
+    """The scale of population sizes relative to the one at which the evaluation budget would just last.
+
+    A number a in [-1, 1] asks for PACE_SPREAD^a times that size. The budget is never exceeded, and
+    evaluations that are not spent now remain for later iterations.
+    """
+
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: D102
+        if simulation is None:
+            raise SettingError(
+                "paced actions depend on the remaining evaluations: encode them with a simulation"
+            )
+        return simulation.xp.log(values / self._lasting(simulation)) / float(np.log(PACE_SPREAD))
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
+        return self._lasting(simulation) * PACE_SPREAD**numbers
+
+    def _lasting(self, simulation: Simulation) -> Floats:
+        return applied(simulation.optimizer.affordable_size, simulation.xp, simulation.pace())
