@@ -63,6 +63,7 @@ class Simulation:
     Attributes:
         xp: namespace of the arrays: the module `numpy`, or `swarm_gym.arrays.tensors()` in a subclass.
         device: device of the arrays, as the library of the arrays names it.
+        number: type of the floats that kernels compute with.
         rows: (B,) numbers of the swarms, 0 to B - 1.
         worlds: problems of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and
             `optima` are its attributes, too.
@@ -84,6 +85,7 @@ class Simulation:
 
     xp: ClassVar[Namespace] = np
     device: Any = "cpu"
+    number: ClassVar[type[np.floating]] = np.float64
 
     def __init__(
         self,
@@ -191,8 +193,9 @@ class Simulation:
         self.price[rows] = place(drawn.price)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         if population is not None:
-            swarms.positions[rows, :size, : self.dimension] = place(population)
-        swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions))
+            given = np.asarray(population, dtype=self.number)
+            swarms.positions[rows, :size, : self.dimension] = place(given)
+        swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)

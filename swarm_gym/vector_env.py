@@ -18,6 +18,7 @@ from swarm_gym.simulation import Simulation
 Flags = NDArray[np.bool_]
 
 DEVICES = ("cpu", "cuda")
+PRECISIONS = ("float64", "float32")
 
 
 class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
@@ -42,13 +43,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             its episode ended.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
         device: "cpu", or "cuda" for a GPU; the extra `gpu` installs what that needs.
+        precision: type of the floats that kernels compute with: "float64", or on a GPU also "float32".
         render_mode: must be None; to see a swarm, render a `SwarmEnv` with the same seed.
         max_episode_steps: must be None; the option `iterations` ends an episode.
         options: options of `swarm_gym.settings.Settings` and parameters of the optimizer, by name.
 
     Raises:
-        UnknownNameError: for an option, optimizer, scenario, layout, reward, device or autoreset mode that
-            does not exist.
+        UnknownNameError: for an option, optimizer, scenario, layout, reward, device, precision or
+            autoreset mode that does not exist.
         SettingError: for a value that an option cannot have, or an option that a GPU has no kernels for.
         MissingExtraError: for the device "cuda" where numba-cuda or torch is not installed.
         ScenarioError: for the name of a scenario that is malformed, or whose map is missing.
@@ -62,6 +64,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
         device: str = "cpu",
+        precision: str = "float64",
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
         **options: Any,
@@ -80,7 +83,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         except ValueError as error:
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
-        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads, _simulation_on(device))
+        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads, _simulation_on(device, precision))
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
@@ -263,15 +266,19 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return list(seed)
 
 
-def _simulation_on(device: str) -> type[Simulation]:
-    """Return the class of simulations on a device."""
+def _simulation_on(device: str, precision: str) -> type[Simulation]:
+    """Return the class of simulations on a device, with kernels of a precision."""
     if device not in DEVICES:
         raise UnknownNameError("device", device, DEVICES)
+    if precision not in PRECISIONS:
+        raise UnknownNameError("precision", precision, PRECISIONS)
     if device == "cpu":
+        if precision != "float64":
+            raise SettingError(f"precision must be 'float64' on the device 'cpu', got {precision!r}")
         return Simulation
-    from swarm_gym.gpu.simulation import DeviceSimulation
+    from swarm_gym.gpu.simulation import DeviceSimulation, SinglePrecisionSimulation
 
-    return DeviceSimulation
+    return DeviceSimulation if precision == "float64" else SinglePrecisionSimulation
 
 
 def _make_generator(seed: int) -> np.random.Generator:

@@ -48,6 +48,11 @@ def quantities() -> Iterator[Quantity]:
             yield Quantity(
                 moves_name(width, size), "moves/s", partial(_moves_per_second, "cuda", width, size), 1
             )
+    yield Quantity(
+        steps_name(*COMPARED) + ", float32",
+        "steps/s",
+        partial(_steps_per_second, "cuda", *COMPARED, precision="float32"),
+    )
     yield Quantity(cpu_name(), "steps/s", partial(_steps_per_second, "cpu", CPU_WIDTH, COMPARED[1]))
     yield Quantity(cpu_name("moves"), "moves/s", partial(_moves_per_second, "cpu", CPU_WIDTH, COMPARED[1]), 1)
     yield Quantity("registers of a lane, step kernel", "", lambda: float(_registers()), 1)
@@ -85,23 +90,28 @@ def summary(measured: list[Measurement]) -> list[Measurement]:
 
 
 @lru_cache(maxsize=1)
-def _env(device: str, width: int, size: int) -> SwarmVectorEnv:
+def _env(device: str, width: int, size: int, precision: str = "float64") -> SwarmVectorEnv:
     return SwarmVectorEnv(
-        width, scenario=list(CASES), initial_population_size=size, max_population_size=100, device=device
+        width,
+        scenario=list(CASES),
+        initial_population_size=size,
+        max_population_size=100,
+        device=device,
+        precision=precision,
     )
 
 
-def _steps_per_second(device: str, width: int, size: int) -> float:
-    return _rates(device, width, size)[0]
+def _steps_per_second(device: str, width: int, size: int, precision: str = "float64") -> float:
+    return _rates(device, width, size, precision)[0]
 
 
 def _moves_per_second(device: str, width: int, size: int) -> float:
     return _rates(device, width, size)[1]
 
 
-def _rates(device: str, width: int, size: int) -> tuple[float, float]:
+def _rates(device: str, width: int, size: int, precision: str = "float64") -> tuple[float, float]:
     """Return steps and moves per second of swarms of a constant size, on the three cases."""
-    env = _env(device, width, size)
+    env = _env(device, width, size, precision)
     actions: Any = np.tile([float(size), 0.0], (width, 1))
     env.reset(seed=0)
     actions = env.simulation.place(actions)

@@ -1,6 +1,5 @@
 """The firefly algorithm on the device; `swarm_gym.optimizers.firefly` says what it does and cites it."""
 
-import math
 from typing import Any
 
 from swarm_gym.gpu.population import (
@@ -11,7 +10,7 @@ from swarm_gym.gpu.population import (
     store_member,
 )
 from swarm_gym.gpu.random_stream import Stream, draw
-from swarm_gym.gpu.warps import kernel, maximum, minimum, total
+from swarm_gym.gpu.warps import HALF, exponential, kernel, maximum, minimum, total
 from swarm_gym.optimizers.firefly import FireflyParameters
 from swarm_gym.population import Swarms
 
@@ -49,11 +48,12 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
                 if j != i and swarms.fitness[b, j] < fitness:
                     if tally.evaluations >= budget:
                         break
-                    number, stream = draw(stream, lane, rounds)
+                    drawn, stream = draw(stream, lane, rounds)
+                    number = swarms.positions.dtype.type(drawn)
                     difference = swarms.positions[b, j, lane] - place
-                    decay = math.exp(-absorption * total(difference * difference))
+                    decay = exponential(-absorption * total(difference * difference))
                     attraction = attractiveness * decay  # eq. 13, 14
-                    moved = place + attraction * difference + width * (number - 0.5)  # eq. 15
+                    moved = place + attraction * difference + width * (number - HALF)  # eq. 15
                     place = minimum(maximum(moved, lower), upper)
                     if repair_degree > 0.0:
                         place = repair(tables, p, lane, place, repair_degree)

@@ -5,7 +5,7 @@ Lane k holds component k. Lanes beyond the dimension hold 0, which changes no su
 
 import math
 
-from swarm_gym.gpu.warps import NUM_LANES, from_lane, kernel, maximum, total
+from swarm_gym.gpu.warps import NUM_LANES, cosine, exponential, from_lane, kernel, maximum, total
 from swarm_gym.problem.function.table import BOOTH, EASOM, RASTRIGIN, SUM_SQUARES, FunctionTable
 
 
@@ -29,38 +29,48 @@ def squared_sine(half_turns: float) -> float:
 
 @kernel
 def evaluate(tables: FunctionTable, p: int, lane: int, place: float) -> tuple[float, float]:
-    """Return the value of the function of problem `p`, and 0 as degree of collision."""
+    """Return the value of the function of problem `p`, and 0 as degree of collision.
+
+    Some constants are float64, so that values are computed in it and rounded at the end.
+    """
+    number = tables.optimum.dtype.type
+    return number(value(tables, p, lane, place)), number(0.0)
+
+
+@kernel
+def value(tables: FunctionTable, p: int, lane: int, place: float) -> float:
+    """Return the value of the function of problem `p`."""
     function, dimension = tables.function[p], tables.dimension[p]
     z = place - tables.optimum[p, lane]
     if function == RASTRIGIN:
-        return total(z * z + 20.0 * squared_sine(z)), 0.0
+        return total(z * z + 20.0 * squared_sine(z))
     if function == EASOM:
         product, squares = 1.0, 0.0
         for k in range(dimension):
             each = from_lane(z, k)
-            product *= math.cos(each)
+            product *= cosine(each)
             squares += each * each
-        return 1.0 - product * math.exp(-squares), 0.0
-    value = 0.0
+        return 1.0 - product * exponential(-squares)
+    found = 0.0
     if function == SUM_SQUARES:
         for k in range(dimension):
             each = from_lane(z, k)
-            value += (k + 1.0) * (each * each)
-        return value, 0.0
+            found += (k + 1.0) * (each * each)
+        return found
     if function == BOOTH:
         for k in range(0, dimension, 2):
             first, second = from_lane(z, k), from_lane(z, k + 1)
-            value += (first + 2.0 * second) * (first + 2.0 * second)
-            value += (2.0 * first + second) * (2.0 * first + second)
-        return value, 0.0
+            found += (first + 2.0 * second) * (first + 2.0 * second)
+            found += (2.0 * first + second) * (2.0 * first + second)
+        return found
     # Bohachevsky: lane k has the term of components k and k + 1.
     second = from_lane(z, (lane + 1) % NUM_LANES)
     term = z * z + 2.0 * (second * second)
     bends = 0.6 * squared_sine(1.5 * z) + 0.8 * squared_sine(2.0 * second)
     for k in range(dimension - 1):
-        value += from_lane(term, k)
-        value += from_lane(bends, k)
-    return value, 0.0
+        found += from_lane(term, k)
+        found += from_lane(bends, k)
+    return found
 
 
 @kernel

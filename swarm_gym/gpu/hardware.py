@@ -1,5 +1,6 @@
 """Decorators of kernels, and what the lanes of a warp exchange, by the instructions of a GPU."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -80,6 +81,36 @@ def ballot(flag: bool) -> int:
 def lowest_bit(word: int) -> int:
     """Return the number of the lowest bit that is set, -1 for 0."""
     return cuda.ffs(word) - 1
+
+
+@kernel
+def square_root(value: float) -> float:
+    """Return the square root."""
+    return math.sqrt(value)
+
+
+@kernel
+def exponential(value: float) -> float:
+    """Return e to the power of a number."""
+    return math.exp(value)
+
+
+@kernel
+def logarithm(value: float) -> float:
+    """Return the natural logarithm."""
+    return math.log(value)
+
+
+@kernel
+def sine(angle: float) -> float:
+    """Return the sine."""
+    return math.sin(angle)
+
+
+@kernel
+def cosine(angle: float) -> float:
+    """Return the cosine."""
+    return math.cos(angle)
 
 
 @kernel

@@ -11,7 +11,7 @@ from swarm_gym.gpu.population import (
     store_member,
 )
 from swarm_gym.gpu.random_stream import Stream, draw
-from swarm_gym.gpu.warps import NUM_LANES, kernel, wait
+from swarm_gym.gpu.warps import NUM_LANES, ONE, TWO, kernel, wait
 from swarm_gym.optimizers.particle_swarm import ParticleSwarmParameters, particle_columns
 from swarm_gym.population import Swarms
 
@@ -47,8 +47,9 @@ def start(
     fastest = parameters[b, _LIMIT] * (tables.upper[p, lane] - tables.lower[p, lane])
     rounds = num_rounds(tables, p)
     for i in range(size):
-        number, stream = draw(stream, lane, rounds)
-        swarms.memory[b, i, VELOCITY + lane] = fastest * (2.0 * number - 1.0)
+        drawn, stream = draw(stream, lane, rounds)
+        number = swarms.positions.dtype.type(drawn)
+        swarms.memory[b, i, VELOCITY + lane] = fastest * (TWO * number - ONE)
     return stream
 
 
@@ -91,7 +92,8 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
         tally: Tally,
     ) -> tuple[Stream, Tally]:
         """Advance swarm `b`; the best position of the swarm is that of the iteration before."""
-        progress = swarms.iteration[b] / max(swarms.iterations[b] - 1, 1)
+        number = swarms.positions.dtype.type
+        progress = number(swarms.iteration[b] / max(swarms.iterations[b] - 1, 1))
         inertia = parameters[b, _FIRST] + (parameters[b, _LAST] - parameters[b, _FIRST]) * progress
         inertia *= parameters[b, _FACTOR]
         cognitive, social = parameters[b, _COGNITIVE], parameters[b, _SOCIAL]
@@ -101,8 +103,9 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
         for i in range(size):
             if tally.evaluations >= swarms.budget[b]:
                 break
-            own_share, stream = draw(stream, lane, rounds)
-            common_share, stream = draw(stream, lane, rounds)
+            first, stream = draw(stream, lane, rounds)
+            second, stream = draw(stream, lane, rounds)
+            own_share, common_share = number(first), number(second)
             place, own_best = swarms.positions[b, i, lane], swarms.memory[b, i, BEST_FITNESS]
             velocity = (
                 inertia * swarms.memory[b, i, VELOCITY + lane]

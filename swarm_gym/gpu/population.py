@@ -249,14 +249,16 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
         """
         rounds, share = num_rounds(tables, p), swarms.source[b, SMOOTH_SHARE]
         for _ in range(min(count, swarms.budget[b] - tally.evaluations)):
-            noise, stream = draw(stream, lane, rounds)
+            drawn, stream = draw(stream, lane, rounds)
+            noise = swarms.positions.dtype.type(drawn)
             smooth = share > 0.0 and from_lane(noise, 0) < share
             if smooth:
                 kind = int(swarms.source[b, KIND_OF_BENDS])
                 place = draw_bend(tables, p, lane, swarms.source[b, AMPLITUDE], kind, noise)
             else:
                 if share > 0.0:  # the first of the old numbers is known to be large
-                    noise, stream = draw(stream, lane, rounds)
+                    drawn, stream = draw(stream, lane, rounds)
+                    noise = swarms.positions.dtype.type(drawn)
                 place = lower + (upper - lower) * noise  # eq. 12
             best = tally.best_fitness
             fitness, collision, tally = evaluate_path(swarms, b, tables, p, lane, place, tally)
@@ -282,7 +284,8 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
             shrink(swarms, b, lane, size, new_size)
             size = new_size
         elif new_size > size:
-            lower, upper = math.inf, -math.inf
+            infinity = swarms.positions.dtype.type(math.inf)
+            lower, upper = infinity, -infinity
             for i in range(size):
                 place = swarms.positions[b, i, lane]
                 lower, upper = min(lower, place), max(upper, place)

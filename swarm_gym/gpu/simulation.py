@@ -15,6 +15,7 @@ from swarm_gym.gpu.state import (
     require_memory,
     tables_with_lanes,
     torch_device,
+    with_numbers,
 )
 from swarm_gym.gpu.warps import NUM_LANES, launch
 from swarm_gym.optimizers.optimizer import Optimizer
@@ -54,20 +55,20 @@ class DeviceSimulation(Simulation):
         super().__init__(optimizer, settings, num_swarms, num_threads, arrival_window)
         tables = self.worlds.tables
         self._entries: Entries = entries_for(optimizer.name, type(tables))  # type: ignore[arg-type]
-        placed = type(tables)._make(map(self.place, tables_with_lanes(tables)))
+        placed = type(tables)._make(map(self.place, tables_with_lanes(tables, self.number)))
         self._tables = as_kernels_see(placed)
         self._seen = as_kernels_see(self.swarms)
         # Tensors that kernels read, so that no argument has to be made for a launch.
         self._sizes = self.place(np.zeros(num_swarms, dtype=np.int64))
-        self._degrees = self.place(np.zeros(num_swarms))
+        self._degrees = self.place(np.zeros(num_swarms, dtype=self.number))
         self._chosen = self.place(np.zeros(num_swarms, dtype=np.bool_))
-        self._decided = self.parameters.clone()
+        self._decided = self.place(np.zeros(self.parameters.shape, dtype=self.number))
 
     def make_swarms(self, num_swarms: int, arrival_window: int) -> Swarms:
         """Return the state of this many empty swarms on the device."""
         capacity = self.settings.max_population_size
         swarms = allocate(num_swarms, capacity, _memory_columns(self.optimizer), arrival_window)
-        return Swarms._make(map(self.place, swarms))
+        return Swarms._make(self.place(with_numbers(array, self.number)) for array in swarms)
 
     def begin(self, chosen: Any, size: int, given: bool) -> None:
         """Begin the chosen swarms with first populations of this size."""
@@ -112,6 +113,15 @@ class DeviceSimulation(Simulation):
                 f"a kernel of {self.optimizer.name!r} failed on swarm {b} in iteration "
                 f"{int(self.iteration[b]) + 1}: its members are no numbers any more"
             )
+
+
+class SinglePrecisionSimulation(DeviceSimulation):
+    """A `DeviceSimulation` whose kernels compute in float32.
+
+    Decisions, gaps and records stay in float64.
+    """
+
+    number = np.float32
 
 
 def _memory_columns(optimizer: type[Optimizer]) -> int:

@@ -4,6 +4,7 @@ The simulator runs a thread for each lane. It knows no instructions of warps, so
 through shared memory. It replaces `cuda` in the module of the function that is launched, which is this one.
 """
 
+import math
 import sys
 import threading
 import warnings
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError
 
@@ -26,7 +28,8 @@ _NUM_LANES = 32
 # Seconds for which a thread keeps the others waiting at most; by Python's default of 5 ms, an exchange takes
 # several times as long.
 _SWITCH_INTERVAL = 2e-4
-_turn = threading.local()
+_own = threading.local()  # of each lane
+_one_at_a_time = threading.Lock()
 
 
 def kernel(function: Function) -> Function:
@@ -94,18 +97,52 @@ def lowest_bit(word: int) -> int:
     return (word & -word).bit_length() - 1
 
 
+def square_root(value: Any) -> Any:
+    """Return the square root, a number of the same type."""
+    return type(value)(math.sqrt(value))
+
+
+def exponential(value: Any) -> Any:
+    """Return e to the power of a number, a number of the same type."""
+    return type(value)(math.exp(value))
+
+
+def logarithm(value: Any) -> Any:
+    """Return the natural logarithm, a number of the same type."""
+    return type(value)(math.log(value))
+
+
+def sine(angle: Any) -> Any:
+    """Return the sine, a number of the same type."""
+    return type(angle)(math.sin(angle))
+
+
+def cosine(angle: Any) -> Any:
+    """Return the cosine, a number of the same type."""
+    return type(angle)(math.cos(angle))
+
+
 def wait() -> None:
     """Let all lanes see what the others have written."""
     cuda.syncthreads()
 
 
-def _all(value: float) -> list[float]:
+def _all(value: Any) -> list[Any]:
     """Return the numbers of all lanes.
 
     Two rows take turns: no lane writes into a row while another one may still read it.
     """
-    turn = _turn.number = getattr(_turn, "number", 0) ^ 1
-    values = cuda.shared.array((2, _NUM_LANES), np.float64)
+    values = _shared_rows()
+    turn = _own.turn = _own.turn ^ 1
     values[turn, cuda.threadIdx.x] = value
     cuda.syncthreads()
-    return [values[turn, lane] for lane in range(_NUM_LANES)]
+    return [type(value)(number) for number in values[turn].tolist()]
+
+
+def _shared_rows() -> NDArray[np.float64]:
+    """Return two rows of numbers, (2, 32), that the lanes of this warp share."""
+    if not hasattr(_own, "rows"):  # this thread is a lane that has just begun
+        with _one_at_a_time:  # the simulator looks for the rows, and makes them if there are none
+            _own.rows = cuda.shared.array((2, _NUM_LANES), np.float64)
+        _own.turn = 0
+    return _own.rows

@@ -55,15 +55,22 @@ def with_lanes(array: np.ndarray, fill: float = 0.0) -> np.ndarray:
     return out
 
 
-def tables_with_lanes(tables: Any) -> Any:
+def with_numbers(array: np.ndarray, number: type[np.floating]) -> np.ndarray:
+    """Return an array whose floats have this type; arrays of integers and flags as they are."""
+    return array.astype(number) if array.dtype == np.float64 else array
+
+
+def tables_with_lanes(tables: Any, number: type[np.floating] = np.float64) -> Any:
     """Return stacked problem tables whose arrays over components or segments have one entry for each lane.
 
-    The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do.
+    The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do. Floats have the type
+    `number`.
     """
-    fields = tables._asdict()
+    fields = {name: with_numbers(array, number) for name, array in tables._asdict().items()}
     for name, array in fields.items():
-        if name == "squared_spacing":
-            fields[name] = with_lanes(array, np.finfo(np.float64).tiny)
+        if name == "squared_spacing":  # beyond the path tiny, but not 0, see `analytic.table`
+            tiny = float(np.finfo(number).tiny)
+            fields[name] = with_lanes(np.maximum(array, tiny), tiny)
         elif name == "first_tile":  # blocks beyond the last one have no tiles
             more = np.repeat(array[:, -1:], _NUM_BLOCKS + 1 - array.shape[1], axis=1)
             fields[name] = np.concatenate([array, more], axis=1)

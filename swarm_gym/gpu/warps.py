@@ -3,6 +3,9 @@
 One warp, 32 lanes, works on one swarm, and a block is one warp. Lane k holds component k of a position and
 segment k of a path, so that arrays over components have 32 columns on the device.
 
+Kernels compute in the type of the swarms' arrays, float64 or float32. So they use the numbers `ZERO`, `HALF`,
+`ONE` and `TWO`: these are exact in float32, and do not turn a number of that type into float64.
+
 The functions are those of `hardware`, or with `NUMBA_ENABLE_CUDASIM=1` those of `simulator`.
 """
 
@@ -10,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import numba
+import numpy as np
 
 NUM_LANES = 32
 IS_SIMULATED = bool(numba.config.ENABLE_CUDASIM)
@@ -24,6 +28,10 @@ kernel, entry = _functions.kernel, _functions.entry
 lane_number, swarm_number, wait = _functions.lane_number, _functions.swarm_number, _functions.wait
 from_lane, total, largest = _functions.from_lane, _functions.total, _functions.largest
 ballot, lowest_bit = _functions.ballot, _functions.lowest_bit
+square_root, exponential, logarithm = _functions.square_root, _functions.exponential, _functions.logarithm
+sine, cosine = _functions.sine, _functions.cosine
+
+ZERO, HALF, ONE, TWO = map(np.float32, (0.0, 0.5, 1.0, 2.0))
 
 
 def launch(function: Any, num_swarms: int, *arguments: Any) -> None:

@@ -6,16 +6,24 @@ of that waypoint; the last segment ends at the target, whose offset is 0.
 """
 
 import math
+from typing import Any
 
 from swarm_gym.gpu.warps import (
     NUM_LANES,
+    ONE,
+    TWO,
+    ZERO,
     ballot,
+    cosine,
     from_lane,
     kernel,
     largest,
+    logarithm,
     lowest_bit,
     maximum,
     minimum,
+    sine,
+    square_root,
     total,
 )
 from swarm_gym.problem.analytic.table import (
@@ -47,10 +55,10 @@ _BLOCK = 8  # segments that share tiles of obstacles
 
 
 @kernel
-def left_end(place: float, lane: int) -> float:
+def left_end(place: float, lane: int) -> Any:
     """Return the offset at the left end of this lane's segment: that of the waypoint before."""
     before = from_lane(place, (lane - 1) % NUM_LANES)
-    return 0.0 if lane == 0 else before
+    return before if lane > 0 else ZERO
 
 
 @kernel
@@ -71,7 +79,7 @@ def circle_shifts(
     highest = length * tables.rows[p, row + HIGHEST_SINE, column]
     if rise > lowest and rise < highest:
         up = tangent - middle
-    fall = 0.0 - rise
+    fall = ZERO - rise
     if fall > lowest and fall < highest:
         down = tangent + middle
     return up, down
@@ -109,10 +117,10 @@ def smaller_shifts(
 ) -> float:
     """Return the sum of the smaller shifts of this lane's segment over all obstacles in contact."""
     block, column = lane // _BLOCK, lane % _BLOCK
-    shifts = 0.0
+    shifts: Any = ZERO
     for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
         up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
-        shifts = shifts + maximum(minimum(up, down), 0.0)
+        shifts = shifts + maximum(minimum(up, down), ZERO)
     return shifts
 
 
@@ -121,11 +129,11 @@ def evaluate(tables: WaypointTable, p: int, lane: int, place: float) -> tuple[fl
     """Return fitness and degree of collision of the path whose offsets the lanes hold, for problem `p`."""
     left = left_end(place, lane)
     rise = place - left
-    length = math.sqrt(tables.squared_spacing[p, lane] + rise * rise)
+    length = square_root(tables.squared_spacing[p, lane] + rise * rise)
     cleared = smaller_shifts(tables, p, lane, left, rise, length) / length
     collision = total(cleared) * tables.spacing[p]
     weight = tables.length_weight[p]
-    return weight * total(length) + (1.0 - weight) * collision, collision
+    return weight * total(length) + (ONE - weight) * collision, collision
 
 
 @kernel
@@ -138,7 +146,7 @@ def repair_segment(
         if tables.rows[p, tables.first_row[p, tile] + PRESENCE, column] == -math.inf:
             continue
         rise = right - left
-        length = math.sqrt(tables.squared_spacing[p, segment] + rise * rise)
+        length = square_root(tables.squared_spacing[p, segment] + rise * rise)
         up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
         if up > 0.0 and down > 0.0:
             shift = repair_degree * (up if up <= down else -down)
@@ -158,13 +166,13 @@ def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree
     """
     left = left_end(place, lane)
     rise = place - left
-    length = math.sqrt(tables.squared_spacing[p, lane] + rise * rise)
+    length = square_root(tables.squared_spacing[p, lane] + rise * rise)
     contacts = ballot(smaller_shifts(tables, p, lane, left, rise, length) > 0.0)
     segment = lowest_bit(contacts)
     while 0 <= segment < NUM_LANES:
         before = from_lane(place, segment)
         from_left = from_lane(place, (segment - 1) % NUM_LANES)
-        from_left = 0.0 if segment == 0 else from_left
+        from_left = ZERO if segment == 0 else from_left
         from_left, right = repair_segment(tables, p, segment, from_left, before, repair_degree)
         if lane == segment:
             place = right
@@ -185,21 +193,22 @@ def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: 
     `noise` is a number of each lane, uniform in [0, 1); that of lane 0 is not used.
     """
     drawn = from_lane(noise, LARGEST_OFFSET)
-    offset = 0.0
+    offset = ZERO
     if kind == HARMONICS:
         for h in range(NUM_HARMONICS):
-            weight = 2.0 * from_lane(noise, FIRST_COEFFICIENT + h) - 1.0
+            weight = TWO * from_lane(noise, FIRST_COEFFICIENT + h) - ONE
             offset = offset + weight * tables.modes[p, kind, h, lane]
     else:
+        whole_turn = tables.modes.dtype.type(2.0 * math.pi)
         for h in range(0, NUM_MODES, 2):  # Box-Muller
             first, second = (
                 from_lane(noise, FIRST_COEFFICIENT + h),
                 from_lane(noise, FIRST_COEFFICIENT + h + 1),
             )
-            radius, angle = math.sqrt(-2.0 * math.log(1.0 - first)), 2.0 * math.pi * second
-            offset = offset + radius * math.cos(angle) * tables.modes[p, kind, h, lane]
-            offset = offset + radius * math.sin(angle) * tables.modes[p, kind, h + 1, lane]
+            radius, angle = square_root(-TWO * logarithm(ONE - first)), whole_turn * second
+            offset = offset + radius * cosine(angle) * tables.modes[p, kind, h, lane]
+            offset = offset + radius * sine(angle) * tables.modes[p, kind, h + 1, lane]
     highest = largest(abs(offset))
-    scale = drawn * amplitude * tables.width[p] / highest if highest > 0.0 else 0.0
+    scale = drawn * amplitude * tables.width[p] / highest if highest > 0.0 else ZERO
     place = tables.middle[p, lane] + scale * offset * tables.across[p, lane]
     return minimum(maximum(place, tables.lower[p, lane]), tables.upper[p, lane])

@@ -18,15 +18,16 @@ FLOATS_TOO = ("feasible_fitness", "feasible_position", "memory", "arrivals")
 class Pair:
     """A simulation on the CPU and its twin on the device; every call goes to both."""
 
-    def __init__(self, optimizer="firefly", num_swarms=1, window=0, **options):
-        from swarm_gym.gpu.simulation import DeviceSimulation
+    def __init__(self, optimizer="firefly", num_swarms=1, window=0, precision="float64", **options):
+        from swarm_gym.gpu.simulation import DeviceSimulation, SinglePrecisionSimulation
 
+        on_device = {"float64": DeviceSimulation, "float32": SinglePrecisionSimulation}[precision]
         optimizer = get_optimizer(optimizer)
         settings = Settings.from_options(
             optimizer, {"initial_population_size": 4, "max_population_size": 8, **options}
         )
         self.cpu = Simulation(optimizer, settings, num_swarms, 1, window)
-        self.gpu = DeviceSimulation(optimizer, settings, num_swarms, 1, window)
+        self.gpu = on_device(optimizer, settings, num_swarms, 1, window)
 
     def reset(self, seed=0, **options):
         everyone = np.ones(self.cpu.num_swarms, dtype=np.bool_)

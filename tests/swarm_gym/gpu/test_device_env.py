@@ -132,6 +132,21 @@ def test_what_has_no_kernels_is_refused_by_name(optimizer, options, message):
         make("cuda", optimizer, **options)
 
 
+def test_in_float32_an_episode_differs_from_that_of_the_cpu_by_rounding():
+    ours, theirs = make("cpu"), make("cuda", precision="float32")
+    mine, its = ours.reset(seed=5)[0], theirs.reset(seed=5)[0]
+    for _ in range(3):
+        np.testing.assert_allclose(as_numpy(its), mine, rtol=1e-3, atol=1e-3)
+        mine, its = ours.step(np.full((2, 2), [4.0, 0.0]))[0], theirs.step(np.full((2, 2), [4.0, 0.0]))[0]
+
+
+def test_a_precision_that_a_device_does_not_have_is_refused():
+    with pytest.raises(SettingError, match="precision must be 'float64' on the device 'cpu', got 'float32'"):
+        make("cpu", precision="float32")
+    with pytest.raises(UnknownNameError, match="unknown precision 'float16'; valid: float32, float64"):
+        make("cuda", precision="float16")
+
+
 def test_a_device_that_does_not_exist_is_refused():
     with pytest.raises(UnknownNameError, match=re.escape("unknown device 'tpu'; valid: cpu, cuda")):
         make("tpu")

@@ -64,6 +64,30 @@ def test_the_first_iterations_of_each_case_are_those_of_the_cpu(case):
         pair.assert_alike()
 
 
+@pytest.mark.parametrize("phi", [0.0, 0.7])
+@pytest.mark.parametrize("case", CASES)
+def test_in_float32_a_move_is_that_of_the_cpu_but_for_rounding(case, phi):
+    pair = Pair(scenario=case, initial_population_size=2, precision="float32")
+    pair.reset(seed=3)
+    pair.step(2, phi)
+    ours, theirs = pair.cpu.swarms, pair.gpu.swarms
+    assert theirs.evaluations.tolist() == ours.evaluations.tolist() == [3]
+    assert {str(theirs.fitness.dtype), str(theirs.positions.dtype)} == {"torch.float32"}
+    np.testing.assert_allclose(theirs.fitness[0, :2].cpu(), ours.fitness[0, :2], rtol=3e-6)
+    np.testing.assert_allclose(theirs.positions[0, :2].cpu(), ours.positions[0, :2], rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
+def test_in_float32_a_test_function_is_that_of_the_cpu_but_for_rounding(optimizer):
+    pair = Pair(optimizer, scenario="function:rastrigin-10", precision="float32")
+    pair.reset(seed=2)
+    for size in (5, 3):
+        pair.step(size)
+    ours, theirs = pair.cpu.swarms, pair.gpu.swarms
+    assert theirs.evaluations.tolist() == ours.evaluations.tolist()
+    np.testing.assert_allclose(theirs.fitness[0, :3].cpu(), ours.fitness[0, :3], rtol=1e-3)
+
+
 @pytest.mark.parametrize("bends", ["harmonics", "stomp"])
 def test_new_members_of_all_sources_are_those_of_the_cpu(bends):
     options = {"source": "mixed", "smooth_share": 0.5, "bends": bends}

@@ -37,19 +37,24 @@ def compile_for_hopper(monkeypatch):
     return compiled
 
 
+@pytest.mark.parametrize("number", [np.float64, np.float32])
 @pytest.mark.parametrize("scenario", ["case1", "function:rastrigin-10"])
 @pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
-def test_every_entry_compiles(compile_for_hopper, optimizer, scenario):
+def test_every_entry_compiles(compile_for_hopper, optimizer, scenario, number):
     from swarm_gym.gpu.loop import entries_for
-    from swarm_gym.gpu.state import allocate, tables_with_lanes
+    from swarm_gym.gpu.state import allocate, tables_with_lanes, with_numbers
 
     tables = stack([make_problem(scenario).table])
-    swarms = allocate(2, 4, get_optimizer(optimizer).memory_columns(31), 5)
-    assert isinstance(swarms, Swarms)
+    empty = allocate(2, 4, get_optimizer(optimizer).memory_columns(31), 5)
+    swarms = Swarms._make(with_numbers(array, number) for array in empty)
     chosen, sizes = np.ones(2, dtype=np.bool_), np.ones(2, dtype=np.int64)
-    arguments = (swarms, tables_with_lanes(tables), chosen, sizes, np.ones((2, 3)), 0.9)
+    arguments = (swarms, tables_with_lanes(tables, number), chosen, sizes, np.ones((2, 6), number), 0.9)
     entries = entries_for(optimizer, type(tables))
-    for entry, last in ((entries.begin, False), (entries.step, np.ones(2)), (entries.re_evaluate, False)):
+    for entry, last in (
+        (entries.begin, False),
+        (entries.step, np.ones(2, number)),
+        (entries.re_evaluate, False),
+    ):
         code = compile_for_hopper(entry, (*arguments, last))
         assert ".target sm_90" in code
         assert "shfl.sync" in code
