@@ -18,6 +18,9 @@ from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
 
 
+CAPTION = "Firefly swarms on a GPU, on the three cases"
+
+
 @dataclass(frozen=True)
 class GpuBenchmarkConfig:
     """Options of the benchmark."""
@@ -43,7 +46,11 @@ def main() -> None:
         file = config.output / "benchmark.json"
         machine = write_measurements(file, {"gpu": measured})
         page = config.output / "README.md"
-        parts = ["# Benchmark on a GPU", f"{name}; {describe(machine)}", table("gpu", measured).markdown()]
+        parts = [
+            "# Benchmark on a GPU",
+            f"{name}; {describe(machine)}",
+            table("gpu", measured, CAPTION).markdown(),
+        ]
         write_atomically(page, "\n\n".join(parts))
     print(page.read_text(encoding="utf-8"))
     print(f"written: {page}")

@@ -35,11 +35,10 @@ CAPTIONS = {
     "rendering": "Pictures of a swarm",
     "peers": "The same FA-60 run beside others, per evaluation",
     "bezier-peers": "Bezier curves on a grid map beside others, per evaluation",
-    "gpu": "Firefly swarms on a GPU, on the three cases",
     "fish-peers": "Artificial fish swarms beside others, per evaluation",
 }
-# The groups of peers.json and of the benchmark on a GPU, which need not have been measured.
-OF_OTHERS = ("peers", "bezier-peers", "fish-peers", "gpu")
+# The groups of peers.json, which need not have been measured.
+OF_PEERS = ("peers", "bezier-peers", "fish-peers")
 
 
 def read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, list[Measurement]]]:
@@ -63,7 +62,7 @@ def write_page(folder: Path) -> Path:
     """Write README.md with all tables, growth.svg and growth.png, from the measurements in the folder."""
     machine, groups = read_folder(folder)
     parts = [f"# Benchmark\n\n{describe(machine)}\n"]
-    if set(CAPTIONS) - set(OF_OTHERS) <= set(groups):
+    if set(CAPTIONS) - set(OF_PEERS) <= set(groups):
         parts.append(headline(machine, groups).markdown())
     parts += [table(name, measurements).markdown() for name, measurements in groups.items()]
     if "growth" in groups:
@@ -84,9 +83,11 @@ def describe(machine: dict[str, Any]) -> str:
     )
 
 
-def table(group: str, measurements: list[Measurement]) -> Table:
-    """Return the table of all quantities of a group."""
-    return Table(group, CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements])
+def table(group: str, measurements: list[Measurement], caption: str = "") -> Table:
+    """Return the table of all quantities of a group; `CAPTIONS` has the captions of those without one."""
+    return Table(
+        group, caption or CAPTIONS[group], COLUMNS, [_row(measurement) for measurement in measurements]
+    )
 
 
 def _row(m: Measurement) -> tuple[Entry, ...]:

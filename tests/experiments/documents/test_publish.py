@@ -9,12 +9,12 @@ from experiments.documents.blocks import replace_block
 from experiments.publish import DOCUMENTS, SHOWN, STRONGEST, main, publish
 from experiments.speed.groups import GROUPS
 from experiments.speed.measurement import Measurement, write_measurements
-from experiments.speed.page import OF_OTHERS, write_page
+from experiments.speed.page import OF_PEERS, write_page
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
 TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
-BLOCKS = ("headline", *GROUPS, *OF_OTHERS)
+BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
 
