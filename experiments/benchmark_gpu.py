@@ -17,7 +17,6 @@ from swarm_gym.command import command
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
 
-
 CAPTION = "Firefly swarms on a GPU, on the three cases"
 
 

@@ -7,6 +7,7 @@ from agents import CONTROLLERS, Controller
 from experiments.runs.entrants import entrant
 from experiments.runs.episode import controller_of
 from experiments.runs.suite import Suite
+from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DistilledRule
 from swarm_gym.controllers.learned.networks import FeedforwardController
 from swarm_gym.controllers.names import BLINDED, ControllerName
@@ -40,7 +41,9 @@ def identity(name: str, controller: Controller) -> Any:
         policy = f"learned:{parts.argument}"
         return BLINDED, identity(policy, controller_of(policy))
     if parts.family == "tuned":
-        return load_tuned(parts.argument)
+        tuned = load_tuned(parts.argument)
+        sizes = dataclasses.astuple(tuned.limits)
+        return tuned.controller if tuned.limits == SizeLimits() else (tuned.controller, sizes)
     if isinstance(controller, FeedforwardController):
         return _identity_of_policy(controller)
     loop = controller.loop if isinstance(controller, ReactingLoop) else controller

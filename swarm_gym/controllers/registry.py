@@ -40,8 +40,8 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
 
     Args:
         name: the family, and after a colon its argument.
-        limits: population sizes that the environment allows; by default those that a policy was trained with,
-            and for all other controllers those that environments have by default.
+        limits: population sizes that the environment allows; by default those that a policy was trained with
+            or a controller was tuned with, and for all others those that environments have by default.
 
     Raises:
         UnknownNameError: for an unknown family; the message lists the valid ones.
@@ -58,7 +58,7 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     if parts.family not in CONTROLLERS and is_own("controller", str(name)):
         return _own_controller(str(name))
     make = find("controller", parts.family, CONTROLLERS, callable, "a controller")
-    if limits is None and make is not load_learned:
+    if limits is None and make not in (load_learned, _tuned):
         limits = SizeLimits()
     return make(parts.argument, limits)
 
@@ -109,9 +109,10 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
     return checked
 
 
-def _tuned(argument: str, limits: SizeLimits) -> Controller:
+def _tuned(argument: str, limits: SizeLimits | None) -> Controller:
     """Return the controller whose parameters were tuned, a schedule or a rule, from its file."""
-    return _in_file(f"tuned {argument}", load_tuned(argument), limits)
+    found = load_tuned(argument)
+    return _in_file(f"tuned {argument}", found.controller, limits or found.limits)
 
 
 def _in_file(where: str, name: str, limits: SizeLimits) -> Controller:

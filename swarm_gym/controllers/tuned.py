@@ -1,19 +1,22 @@
 """Tuned controllers: files with the name of a controller, its parameters, and their origin.
 
-`agents.tune` writes them. `tuned:<name or path>` is the controller that the file names.
+`agents.tune` writes them. `tuned:<name or path>` is the controller that the file names, with the population
+sizes that it was tuned with.
 """
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym tuned controller 1"
+_DEFAULT_SIZES = {"min": SizeLimits.smallest, "max": SizeLimits.largest}
 TUNED = Path(__file__).parent / "data" / "tuned"
 
 
@@ -21,13 +24,22 @@ class TunedFileError(ValueError):
     """A file of a tuned controller that is missing or damaged; the message names it."""
 
 
+class Tuned(NamedTuple):
+    """What a file says: the name of a controller with its parameters, and the sizes it was tuned with."""
+
+    controller: str
+    limits: SizeLimits
+
+
 def packaged_tuned() -> list[str]:
     """Return the names of the tuned controllers in the package."""
     return packaged_names(TUNED, ".json")
 
 
-def load_tuned(name: str) -> str:
-    """Return the controller's name in a packaged file, found by its name, or in the file at a path.
+def load_tuned(name: str) -> Tuned:
+    """Return the content of a packaged file, found by its name, or of the file at a path.
+
+    Files whose manifest has no sizes have those that environments have by default.
 
     Raises:
         TunedFileError: if there is no such file, or its content is invalid.
@@ -41,9 +53,11 @@ def load_tuned(name: str) -> str:
             raise ValueError(
                 f"expected the name of a controller with its parameters, got {shown(controller)}"
             )
-    except (OSError, KeyError, TypeError, ValueError) as error:
+        config = content.get("manifest", {}).get("config", {})
+        sizes = (config.get(f"{end}_population_size", default) for end, default in _DEFAULT_SIZES.items())
+        return Tuned(controller, SizeLimits(*sizes))
+    except (OSError, KeyError, TypeError, AttributeError, ValueError) as error:
         raise TunedFileError(f"{path}: not a readable tuned controller ({error})") from error
-    return controller
 
 
 def save_tuned(path: Path, controller: str, manifest: Mapping[str, Any]) -> None:

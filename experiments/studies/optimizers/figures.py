@@ -31,6 +31,7 @@ COLOURS = (BLUE, ORANGE, GREEN, PINK, SKY, RED, GREY, BLACK)
 KINDS = {
     "fixed": ("o", "fixed size"),
     "spsfa-tip": ("v", "rules as printed"),
+    "tuned": ("D", "rules tuned"),
     "open-loop": ("s", "blind schedule"),
     "learned": ("*", "PPO"),
 }

@@ -1,7 +1,7 @@
 """Suites of every optimizer under control, shown in docs/optimizers.md.
 
-Each optimizer is a family: fixed sizes, the rules as printed, blind schedules of size, phi and the
-optimizer's own parameters, and policies by PPO that correct one of these schedules.
+Each optimizer is a family: fixed sizes, the rules as printed and tuned, blind schedules of size, phi and
+the optimizer's own parameters, and policies by PPO that correct one of these schedules.
 """
 
 from pathlib import Path
@@ -21,6 +21,7 @@ ON_CASES = (
     "improved-fish-swarm", "hybrid-fish-swarm",
 )  # fmt: skip
 ON_CELLS = ("ant-colony", "glowworm")
+RULES_NOT_TUNED = ("improved-fish-swarm", "fish-swarm", "hybrid-fish-swarm", "ant-colony")
 NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base, since they take long
 # Of rooms:0 to rooms:7 and caves:0 to caves:7, those on which 60 members of particle swarms, elite genetic
 # algorithms, multivariate optimization and HAAFSA end with a free path in each of six validation runs. On the
@@ -33,9 +34,20 @@ RULES = "spsfa-tip"
 FIREFLY = "firefly"
 FIREFLIES_LEARNED = training_seeds("learned:three-cases-extended-ppo", TRAINING_SEEDS, 1)
 FIREFLIES_BLIND = training_seeds("open-loop:three-cases-extended-long", TRAINING_SEEDS, 1)
+RULES_TUNED_FOR_FIREFLIES = training_seeds("tuned:three-cases-schedule", TRAINING_SEEDS)
 BASE_OF_SIZES = "fixed:60"  # what policies that decide size and phi only correct
 DRIVEN = (*ON_CASES, FIREFLY)  # optimizers that policies of each other drive
 FOR_ALL = training_seeds("learned:optimizers-all", TRAINING_SEEDS, 1)
+FOR_ALL_NAMED = training_seeds("learned:optimizers-all-named", TRAINING_SEEDS, 1)
+
+
+def rules_tuned(optimizer: str) -> tuple[str, ...]:
+    """Return the names of the rules that were tuned for an optimizer, with as many steps as the policies."""
+    if optimizer == FIREFLY:
+        return RULES_TUNED_FOR_FIREFLIES
+    if optimizer in RULES_NOT_TUNED:
+        return ()
+    return training_seeds(f"tuned:optimizers-{optimizer}-schedule", TRAINING_SEEDS)
 
 
 def base(optimizer: str) -> str:
@@ -66,13 +78,17 @@ def of_sizes(optimizer: str) -> tuple[str, ...]:
 
 
 def _family(optimizer: str) -> Family:
-    entrants = (*SIZES, RULES, base(optimizer), *blind(optimizer), *policies(optimizer))
+    rules = (RULES, *rules_tuned(optimizer))
+    entrants = (*SIZES, *rules, base(optimizer), *blind(optimizer), *policies(optimizer))
     return Family(optimizer, tuple(f"{optimizer}+{name}" for name in entrants))
 
 
 FIREFLIES = Family(
     FIREFLY,
-    tuple(f"{FIREFLY}+{name}" for name in (*SIZES, RULES, *FIREFLIES_BLIND, *FIREFLIES_LEARNED)),
+    tuple(
+        f"{FIREFLY}+{name}"
+        for name in (*SIZES, RULES, *rules_tuned(FIREFLY), *FIREFLIES_BLIND, *FIREFLIES_LEARNED)
+    ),
 )
 
 
@@ -106,10 +122,16 @@ def _blinded_of(optimizers: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(f"{optimizer}+{policy}" for optimizer in optimizers for policy in blinded(optimizer))
 
 
-def _transfer(name: str, driven: tuple[str, ...], scenarios: tuple[str, ...], **changes: Any) -> Suite:
-    """Return a suite in which policies of size and phi drive the optimizers `driven`."""
+def _transfer(
+    name: str,
+    driven: tuple[str, ...],
+    scenarios: tuple[str, ...],
+    more: tuple[str, ...] = (),
+    **changes: Any,
+) -> Suite:
+    """Return a suite in which policies of size and phi, and `more` of them, drive the optimizers `driven`."""
     policies_of_sizes = [policy for trained_on in DRIVEN for policy in of_sizes(trained_on)]
-    names = (BASE_OF_SIZES, RULES, *policies_of_sizes, *FOR_ALL)
+    names = (BASE_OF_SIZES, RULES, *policies_of_sizes, *FOR_ALL, *more)
     return Suite(
         name=name,
         controllers=tuple(f"{optimizer}+{controller}" for optimizer in driven for controller in names),
@@ -143,7 +165,7 @@ ON_THE_CELLS = _suite(
     _blinded_of(ON_CELLS),
     **ON_CELLS_ONLY,
 )
-TRANSFER = _transfer("optimizers-transfer", DRIVEN, CASES)
+TRANSFER = _transfer("optimizers-transfer", DRIVEN, CASES, FOR_ALL_NAMED)
 TRANSFER_ON_CELLS = _transfer("optimizers-transfer-cells", ON_CELLS, BLOCKS, **ON_CELLS_ONLY)
 
 SUITES = (ON_THE_CASES, ON_THE_GRIDS, ON_THE_CELLS, TRANSFER, TRANSFER_ON_CELLS)

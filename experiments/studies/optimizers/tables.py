@@ -25,16 +25,17 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table for each set of scenarios: a row for each optimizer, a column for each controller."""
     caption = (
         "Mean gap in per cent of the optimum, at mean evaluations in thousands, over all tuning and training "
-        "seeds, scenarios and seeds. Blind schedules took as many steps as PPO; where none did, the base "
-        "that PPO corrects stands there"
+        "seeds, scenarios and seeds. Tuned rules and blind schedules took as many steps as PPO; where no "
+        "blind schedule did, the base that PPO corrects stands there"
     )
-    columns = ("scenarios", "optimizer", *NAMES.values(), "blind schedule", "PPO")
+    columns = ("scenarios", "optimizer", *NAMES.values(), "rules tuned", "blind schedule", "PPO")
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
             blind = seeds_of(family, outcomes, "open-loop") or _group(family, outcomes, base(family.name))
             groups = (
                 *(_group(family, outcomes, name) for name in NAMES),
+                seeds_of(family, outcomes, "tuned"),
                 blind,
                 seeds_of(family, outcomes, "learned"),
             )
@@ -48,13 +49,14 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of the objective of the policies of each optimizer, beside that of its rivals."""
     caption = (
         f"Objective at price {PRICE:g}: mean gap in per cent plus evaluations / 100,000. Policies by PPO, "
-        "then their objective minus that of the best of three fixed sizes, of the rules as printed, of the "
-        "base that they correct, of the blind schedules, and of the policies themselves "
+        "then their objective minus that of the best of three fixed sizes, of the rules as printed and "
+        "tuned, of the base that they correct, of the blind schedules, and of the policies themselves "
         "blinded: with every input but the clock replaced by its mean course [95 % interval over tuning and "
         "training seeds, scenarios and seeds]. Negative is a smaller objective"
     )
     columns = ("scenarios", "optimizer", "PPO", "minus the best fixed size", "minus the rules",
-               "minus the base", "minus blind schedules", "minus itself blinded")  # fmt: skip
+               "minus rules tuned", "minus the base", "minus blind schedules",
+               "minus itself blinded")  # fmt: skip
     rows: list[tuple[Entry, ...]] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
@@ -66,6 +68,7 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             best = min(sizes, key=lambda group: mean_objective(outcomes.sample(group, scenario_set)))
             rivals = (
                 _group(family, outcomes, RULES),
+                seeds_of(family, outcomes, "tuned"),
                 _group(family, outcomes, base(family.name)),
                 seeds_of(family, outcomes, "open-loop"),
                 _blinded(learned, outcomes),

@@ -8,7 +8,7 @@ from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ControllerName
 
-ALL = "learned:optimizers-all/*@1"
+ALL, NAMED = "learned:optimizers-all/*@1", "learned:optimizers-all-named/*@1"
 
 
 def transfer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -31,18 +31,18 @@ def one_for_all_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of one policy for all optimizers, beside policies for one: a row for each optimizer."""
     caption = (
         "Objective at price 1 of policies that decide size and phi: of 60 members, of the rules as printed, "
-        "of policies trained on the optimizer alone, and of one policy trained on eight optimizers. "
-        "Differences with 95 % intervals over training "
+        "of policies trained on the optimizer alone, and of one policy trained on eight optimizers; then of "
+        "such a policy that is told the name of the optimizer. Differences with 95 % intervals over training "
         "seeds, scenarios and seeds; negative is a smaller objective"
     )
     columns = ("optimizer", "60 members", "rules", "own policy", "one for eight", "minus 60 members",
-               "minus the rules", "minus own policy")  # fmt: skip
+               "minus own policy", "told the name", "minus not told")  # fmt: skip
     whole = list(outcomes.sets)[-1]  # their union, if there are several
     rows: list[tuple[Entry, ...]] = []
     for optimizer in driven(suite):
-        base, rules, own, shared = (
+        base, rules, own, shared, named = (
             f"{optimizer}+{name}"
-            for name in (BASE_OF_SIZES, RULES, f"learned:optimizers-{optimizer}-sizes/*@1", ALL)
+            for name in (BASE_OF_SIZES, RULES, f"learned:optimizers-{optimizer}-sizes/*@1", ALL, NAMED)
         )
         if shared not in outcomes.groups:
             continue
@@ -51,8 +51,9 @@ def one_for_all_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 optimizer,
                 *(_objective(outcomes, group, whole) for group in (base, rules, own, shared)),
                 difference_of(outcomes, shared, base, whole),
-                difference_of(outcomes, shared, rules, whole),
                 difference_of(outcomes, shared, own, whole),
+                _objective(outcomes, named, whole),
+                difference_of(outcomes, named, shared, whole),
             )
         )
     return [Table("one-for-all", caption, columns, rows)]

@@ -27,6 +27,7 @@ from experiments.studies.optimizers.suites import (
     blinded,
     of_sizes,
     policies,
+    rules_tuned,
 )
 from experiments.studies.optimizers.tables import (
     area_tables,
@@ -34,7 +35,7 @@ from experiments.studies.optimizers.tables import (
     gain_tables,
     optimizer_tables,
 )
-from experiments.studies.optimizers.transfer_tables import ALL, one_for_all_tables, transfer_tables
+from experiments.studies.optimizers.transfer_tables import ALL, NAMED, one_for_all_tables, transfer_tables
 from experiments.tables.front import family_hypervolume
 from helpers.stored_runs import cells_of, outcomes_of
 from swarm_gym.controllers import make_controller
@@ -51,6 +52,7 @@ def gaps(rng, seeds=6):
     entrants = [
         *SIZES,
         "spsfa-tip",
+        *rules_tuned(SWARM),
         base(SWARM),
         *blind(SWARM),
         *blinded(SWARM),
@@ -75,7 +77,7 @@ def test_every_optimizer_but_fireflies_is_a_family_of_one_suite():
         assert suite.first_seed == first_seed
         for family in suite.families:
             assert all(name.startswith(f"{family.name}+") for name in family.controllers)
-            assert len(group_controllers(family.controllers)) in (6, 7)
+            assert len(group_controllers(family.controllers)) in (7, 8)
 
 
 def test_every_policy_of_size_and_phi_drives_every_optimizer():
@@ -97,10 +99,11 @@ def test_the_table_has_a_row_for_each_optimizer_and_set():
     rows = cells_of(optimizer_tables(ON_THE_CASES, outcomes_of(found)), "optimizers")
     row = next(row for row in rows if row["optimizer"] == SWARM and row["scenarios"] == "case2")
     assert row["60 members"].startswith(f"{mean_gap(found, ['fixed:60'], ['case2']):.2f} at ")
+    assert row["rules tuned"].startswith(f"{mean_gap(found, rules_tuned(SWARM), ['case2']):.2f} at ")
     assert row["blind schedule"].startswith(f"{mean_gap(found, blind(SWARM), ['case2']):.2f} at ")
     assert row["PPO"].startswith(f"{mean_gap(found, policies(SWARM), ['case2']):.2f} at ")
     missing = next(row for row in rows if row["optimizer"] == "multivariate")
-    assert {missing[column] for column in ("60 members", "PPO")} == {"–"}
+    assert {missing[column] for column in ("60 members", "rules tuned", "PPO")} == {"–"}
 
 
 def test_the_base_stands_where_no_blind_schedule_took_as_many_steps():
@@ -128,6 +131,7 @@ def test_gains_are_differences_of_objectives_with_the_sign_of_the_policies():
     for column, group in {
         "minus the best fixed size": "fixed:100",
         "minus the rules": "spsfa-tip",
+        "minus rules tuned": f"tuned:optimizers-{SWARM}-schedule/*",
         "minus the base": base(SWARM),
         "minus blind schedules": f"open-loop:optimizers-{SWARM}/*@1",
         "minus itself blinded": f"blinded:optimizers-{SWARM}/*@1",
@@ -175,7 +179,7 @@ def test_an_area_is_that_of_all_controllers_of_the_optimizer():
 def driven_gaps(rng):
     """Gaps of particle swarms and fish on one case, under policies of size and phi."""
     names = [BASE_OF_SIZES, RULES, *of_sizes(SWARM), *of_sizes("fish-swarm")]
-    names += [ALL.replace("*", str(k)) for k in range(2)]
+    names += [name.replace("*", str(k)) for name in (ALL, NAMED) for k in range(2)]
     return {
         (f"{optimizer}+{name}", "case1"): rng.uniform(0.1, 0.9, 4)
         for optimizer in (SWARM, "fish-swarm")
@@ -203,12 +207,14 @@ def test_one_policy_for_all_stands_beside_the_optimizers_own():
     assert len(tables[0].columns) <= 9
     first, second = cells_of(tables, "one-for-all")
     assert (first["optimizer"], second["optimizer"]) == (SWARM, "fish-swarm")
-    own, shared = (
+    own, shared, named = (
         outcomes.sample(f"{SWARM}+{name}", "case1").objective(1.0).mean()
-        for name in (f"learned:optimizers-{SWARM}-sizes/*@1", ALL)
+        for name in (f"learned:optimizers-{SWARM}-sizes/*@1", ALL, NAMED)
     )
     assert (first["own policy"], first["one for eight"]) == (f"{own:.2f}", f"{shared:.2f}")
     assert first["minus own policy"].startswith(f"{shared - own:+.2f} [")
+    assert first["told the name"] == f"{named:.2f}"
+    assert first["minus not told"].startswith(f"{named - shared:+.2f} [")
 
 
 def test_suites_on_cells_are_of_optimizers_that_walk():

@@ -18,7 +18,7 @@ from swarm_gym.controllers.learned.policy_file import (
 )
 from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.registry import load_learned
-from swarm_gym.controllers.tuned import FORMAT, TunedFileError, packaged_tuned
+from swarm_gym.controllers.tuned import FORMAT, TunedFileError, packaged_tuned, save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -114,6 +114,10 @@ def test_unknown_controllers_are_refused(name, error, message):
         ({"format": FORMAT}, "controller"),
         ({"format": FORMAT, "controller": 3}, "got 3"),
         ({"format": FORMAT, "controller": "tuned:itself"}, "tuned:itself"),
+        (
+            {"format": FORMAT, "controller": "spsfa", "manifest": {"config": {"max_population_size": 1}}},
+            "1 <= smallest <= largest, got 2 and 1",
+        ),
     ],
 )
 def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, message):
@@ -121,6 +125,14 @@ def test_a_file_that_names_no_tuned_controller_is_refused(tmp_path, content, mes
     path.write_text(content if isinstance(content, str) else json.dumps(content))
     with pytest.raises(TunedFileError, match=message):
         make_controller(f"tuned:{path}")
+
+
+@pytest.mark.parametrize(("config", "limits"), [({}, (2, 200)), ({"max_population_size": 90}, (2, 90))])
+def test_a_tuned_controller_has_the_sizes_it_was_tuned_with(tmp_path, config, limits):
+    path = tmp_path / "some.json"
+    save_tuned(path, "spsfa-tip:growth=99", {"config": config})
+    assert make_controller(f"tuned:{path}").limits == SizeLimits(*limits)
+    assert make_controller(f"tuned:{path}", SizeLimits(3, 40)).limits == SizeLimits(3, 40)
 
 
 def test_policy_equals_the_network_it_was_saved_from(policy):
