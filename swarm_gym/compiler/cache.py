@@ -76,7 +76,6 @@ class KernelCache(FunctionCache):
 
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any], folder: str = ""):
         super().__init__(function)
-        self._function = function
         self._given = options
         self._options = repr(sorted(options.items()))
         self._compiling: dict[Any, FileLock] = {}
@@ -103,7 +102,7 @@ class KernelCache(FunctionCache):
 
     def _place(self, signature: Any) -> "KernelCache | None":
         """Return the cache for a signature; None where sources of users are unknown: nothing is kept then."""
-        names = own_modules(self._function.__module__, getattr(signature, "args", signature))
+        names = own_modules(self._py_func.__module__, getattr(signature, "args", signature))
         if not names:
             return self
         try:
@@ -111,7 +110,7 @@ class KernelCache(FunctionCache):
         except UnknownSourceError:
             return None
         if folder not in self._of_users:
-            self._of_users[folder] = KernelCache(self._function, self._given, folder)
+            self._of_users[folder] = KernelCache(self._py_func, self._given, folder)
         return self._of_users[folder]
 
     def _move_to(self, folder: str) -> None:

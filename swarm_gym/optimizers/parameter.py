@@ -7,12 +7,8 @@ the kernels, as the class of a problem table does. The values of B swarms are on
 swarm from a row of it.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_type_hints
-
-import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up, require_number
 
@@ -81,19 +77,3 @@ def declared_parameters(parameter_class: type) -> dict[str, Parameter]:
                     f"{parameter_class.__name__}.{name} must be Annotated[float, Parameter(...)], got {hint}"
                 )
     return declared
-
-
-def replaced(
-    parameter_class: type, parameters: NDArray[np.float64], values: Mapping[str, NDArray[np.float64]]
-) -> NDArray[np.float64]:
-    """Return parameters of B swarms with other values, (B,) each, of those that are named.
-
-    Args:
-        parameter_class: class whose fields name the columns.
-        parameters: (B, number of parameters).
-        values: new values by name.
-    """
-    fields, new = parameter_class._fields, parameters.copy()  # type: ignore[attr-defined]
-    for name, column in values.items():
-        new[:, fields.index(name)] = column
-    return new

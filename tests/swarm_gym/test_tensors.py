@@ -10,7 +10,7 @@ import torch
 from helpers.refusals import refused
 from helpers.tensors import Follower, Questions, TensorSimulation
 from swarm_gym.action import ACTIONS
-from swarm_gym.arrays import Constant, applied, tensors
+from swarm_gym.arrays import Constant, applied, tensors, with_columns
 from swarm_gym.batch import SwarmBatch
 from swarm_gym.errors import ActionError, MissingExtraError, SettingError, StepOrderError
 from swarm_gym.observation import OBSERVATIONS
@@ -327,3 +327,10 @@ def test_constants_are_placed_once_for_each_device():
 def test_a_missing_library_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "array_api_compat", None)
     refused(tensors, "on tensors", "array-api-compat", "swarm_gym[gpu]", error=MissingExtraError)
+
+
+def test_columns_are_replaced_in_a_copy_alone():
+    array = np.array([[0.1, 1.0], [0.2, 2.0]])
+    new = with_columns(np, array, {1: np.array([7.0, 8.0])})
+    assert new.tolist() == [[0.1, 7.0], [0.2, 8.0]]
+    assert array[:, 1].tolist() == [1.0, 2.0]

@@ -1,10 +1,9 @@
-"""The parameters of optimizers: declared once, read by name, chosen and replaced by name."""
+"""The parameters of optimizers: declared once, read by name, chosen by name."""
 
 import math
 from functools import partial
 from typing import Annotated, NamedTuple
 
-import numpy as np
 import pytest
 
 from helpers.refusals import refused
@@ -12,7 +11,7 @@ from swarm_gym.compiler.named_tuples import named_row
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.optimizers.parameter import Parameter, declared_parameters, replaced
+from swarm_gym.optimizers.parameter import Parameter, declared_parameters
 
 # Not printed: five tries and the pull of the origin of fish, the inertia factor of particle swarms.
 PRINTED = {
@@ -96,10 +95,3 @@ def test_a_value_that_cannot_be_is_refused_with_its_name(optimizer, name):
     low, high = cls.parameters[name].low, cls.parameters[name].high
     for value in (low - 1e-9, low - 0.5, 1.01 * high, math.nan, math.inf, "0.5", True):
         refused(partial(cls.parameter_values, {name: value}), name, repr(value), error=SettingError)
-
-
-def test_new_values_replace_those_of_the_same_name_alone():
-    parameters = np.array([[0.1, 1.0], [0.2, 2.0], [0.3, 3.0]])
-    new = replaced(Two, parameters, {"speed": np.array([7.0, 8.0, 9.0])})
-    assert new.tolist() == [[0.1, 7.0], [0.2, 8.0], [0.3, 9.0]]
-    assert parameters[:, 1].tolist() == [1.0, 2.0, 3.0]
