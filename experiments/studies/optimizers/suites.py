@@ -22,7 +22,7 @@ ON_CASES = (
     "improved-fish-swarm", "hybrid-fish-swarm",
 )  # fmt: skip
 ON_CELLS = ("ant-colony", "glowworm")
-RULES_NOT_TUNED = ("fish-swarm", "hybrid-fish-swarm", "ant-colony")
+RULES_NOT_TUNED = ("hybrid-fish-swarm", "ant-colony")
 NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base, since they take long
 # Of rooms:0 to rooms:7 and caves:0 to caves:7, those on which 60 members of particle swarms, elite genetic
 # algorithms, multivariate optimization and HAAFSA end with a free path in each of six validation runs. On the
