@@ -181,5 +181,5 @@ def test_a_kernel_that_fails_names_the_swarm_and_the_iteration():
     env.reset(seed=0)
     env.step(np.full((3, 2), [4.0, 0.0]))
     env.simulation.swarms.positions[1, :, 0] = torch.nan  # the best member does not move
-    with pytest.raises(DeviceError, match="on swarm 1 in iteration 2: its members are no numbers"):
+    with pytest.raises(DeviceError, match=r"on swarm 1 in iteration 2: positions or costs .* are NaN"):
         env.step(np.full((3, 2), [4.0, 0.0]))
