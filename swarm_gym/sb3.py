@@ -106,11 +106,12 @@ class NativeVecEnv(VecEnv):
         self._returns += rewards
         self._lengths += 1
         by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        last: Any = as_numpy(infos["final_obs"]) if dones.any() else None
         for row in np.flatnonzero(dones):
             final = infos["final_info"]
             by_env[row] = self._ended(
                 int(row),
-                as_numpy(infos["final_obs"][row]),
+                last[row],
                 final["best_fitness"][row],
                 final["evaluations"][row],
                 truncated=bool(truncated[row] and not terminated[row]),

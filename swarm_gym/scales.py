@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import applied
+from swarm_gym.arrays import applied, as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.simulation import Simulation
 
@@ -100,7 +100,7 @@ class Paced(Scale):
             raise SettingError(
                 "paced actions depend on the remaining evaluations: encode them with a simulation"
             )
-        return simulation.xp.log(values / self._lasting(simulation)) / float(np.log(PACE_SPREAD))
+        return np.log(values / as_numpy(self._lasting(simulation))) / float(np.log(PACE_SPREAD))
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
         return self._lasting(simulation) * PACE_SPREAD**numbers

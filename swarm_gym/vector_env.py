@@ -188,7 +188,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         Args:
             actions: one action per swarm, shape (B, number of decisions); those of resting swarms are not
                 read.
-            chosen: (B,) swarms to advance if their episode is under way; None chooses all.
+            chosen: (B,) swarms to advance if their episode is under way, an array of NumPy or of the
+                simulation; None chooses all.
 
         Returns:
             Observations (B, k), rewards (B,), 0 for resting swarms, and which episodes have ended so far
@@ -198,7 +199,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             ActionError: if the action of a running swarm is not in the action space.
             StepOrderError: if a swarm was never reset.
         """
-        stepping = ~self._ended if chosen is None else chosen & ~self._ended
+        stepping = ~self._ended
+        if chosen is not None:
+            stepping &= self.simulation.place(chosen) if isinstance(chosen, np.ndarray) else chosen
         rewards, terminated = self._batch.step(stepping, actions)
         self._ended |= terminated
         return self._batch.observe(), rewards, copy_of(self.simulation.xp, self._ended)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import cache, lru_cache, partial
 from typing import Any
 
+import numba
 import numpy as np
 
 from experiments.speed.environments import FIRST_STEP, LAST_STEP
@@ -29,6 +30,7 @@ SIZES = (20, 60, 100)
 CPU_WIDTH = 1_024  # swarms that the CPU's cores share, in the same run
 MOST_MOVES = 2e9  # approximate number of moves of a measurement on the GPU
 COMPARED = (8_192, 60)
+PARAMETERS = 4  # place of the parameters among the arguments of an entry, see `swarm_gym.gpu.loop.Entries`
 TRAINING_STEPS = 2  # chunks of a training that are timed, after one that is not
 
 # Operations on float64 of one lane, by counting the formulas of `swarm_gym.gpu`: of a move with its random
@@ -142,23 +144,35 @@ def _entries() -> Any:
 
 
 def _registers() -> int:
-    (registers,) = set(_entries().step.get_regs_per_thread().values())
-    return int(registers)
+    """Return the registers of the variant of the step kernel that computes in float64."""
+    return registers_of(_entries().step.get_regs_per_thread(), np.float64)
+
+
+def registers_of(variants: dict[tuple[Any, ...], int], number: type[np.floating]) -> int:
+    """Return the registers of a lane in the variant of an entry whose parameters have this type.
+
+    Args:
+        variants: registers by the types of all arguments, as Numba lists what it has compiled.
+        number: type of the floats that the kernels compute with.
+    """
+    wanted = numba.from_dtype(np.dtype(number))
+    return max(int(found) for types, found in variants.items() if types[PARAMETERS].dtype == wanted)
 
 
 def _resident_warps() -> int:
     """Return how many blocks of one warp share a multiprocessor: its registers or its blocks run out."""
-    import torch
     from numba import cuda
 
     device = cuda.get_current_device()
     by_registers = device.MAX_REGISTERS_PER_MULTIPROCESSOR // (32 * -(-_registers() // 8) * 8)
-    most = torch.cuda.get_device_properties(0).max_threads_per_multi_processor // 32
+    most = device.MAX_THREADS_PER_MULTIPROCESSOR // 32
     return min(by_registers, most, device.MAX_BLOCKS_PER_MULTIPROCESSOR)
 
 
 def _kernel_share() -> float:
     """Return the kernel's share of the time of a step, in per cent."""
+    import torch
+
     width, size = COMPARED
     env = _env("cuda", width, size)
     actions = env.simulation.place(np.tile([float(size), 0.0], (width, 1)))
@@ -169,6 +183,7 @@ def _kernel_share() -> float:
 
     def timed(*arguments: Any) -> None:
         nonlocal inside
+        torch.cuda.synchronize()  # so that the kernel alone is timed
         inside += seconds_of(lambda: advance(*arguments))  # it waits for the kernel
 
     simulation.advance = timed
@@ -212,7 +227,11 @@ def _training_rate() -> float:
     from agents.training.presets import load_preset
 
     config = dataclasses.replace(
-        load_preset("three-cases"), algorithm="device-ppo", device="cuda", num_swarms=COMPARED[0]
+        load_preset("three-cases"),
+        algorithm="device-ppo",
+        device="cuda",
+        num_swarms=COMPARED[0],
+        rollouts_per_chunk=1,
     )
     learner = make_learner(config)
     learner.begin()

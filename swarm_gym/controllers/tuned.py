@@ -25,7 +25,7 @@ class TunedFileError(ValueError):
 
 
 class Tuned(NamedTuple):
-    """What a file says: the name of a controller with its parameters, and the sizes it was tuned with."""
+    """The content of a file: a controller by name and parameters, and the sizes it was tuned with."""
 
     controller: str
     limits: SizeLimits

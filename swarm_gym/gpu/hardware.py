@@ -25,9 +25,9 @@ def entry(function: Callable[..., None]) -> Any:
     return cuda.jit(function)
 
 
-def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any, ...]) -> None:
-    """Run an entry on the device, with one warp for each swarm."""
-    function[num_swarms, num_lanes](*arguments)
+def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any, ...], stream: Any) -> None:
+    """Run an entry on the device, with one warp for each swarm, in a stream of CUDA."""
+    function[num_swarms, num_lanes, stream](*arguments)
 
 
 @kernel
@@ -44,7 +44,7 @@ def swarm_number() -> int:
 
 @kernel
 def from_lane(value: float, lane: int) -> float:
-    """Return the number of another lane."""
+    """Return the value that another lane has; all lanes have to call this, as all functions of a warp."""
     return cuda.shfl_sync(EVERY_LANE, value, lane)
 
 

@@ -181,7 +181,8 @@ def summarise(swarms: Swarms, b: int, lane: int, size: int, mean_weight: float) 
     """Write E(P) and the other statistics of a swarm.
 
     Sums over members have the order of those on the CPU; only the diversity is added by lanes here. All
-    lanes meet in it, so that what the entries store afterwards is read by no lane any more.
+    lanes wait for each other before anything is written: here and after this call, lanes write numbers that
+    others have read at the beginning of the entry.
     """
     collisions, feasible = 0.0, 0
     place_sum = 0.0
@@ -200,6 +201,7 @@ def summarise(swarms: Swarms, b: int, lane: int, size: int, mean_weight: float) 
         spread += away * away
     deviation = math.sqrt(squares / (size - 1)) if size > 1 else 0.0
     diversity = math.sqrt(total(spread) / size)
+    wait()
     if lane == 0:
         swarms.size[b] = size
         swarms.summary[b, POPULATION_COLLISION] = mean_weight * mean + (1.0 - mean_weight) * deviation

@@ -11,6 +11,7 @@ from swarm_gym.gpu.loop import OPTIMIZERS, PROBLEMS, Entries, entries_for
 from swarm_gym.gpu.state import (
     allocate,
     as_kernels_see,
+    beside_torch,
     bytes_of,
     require_memory,
     tables_with_lanes,
@@ -28,12 +29,13 @@ from swarm_gym.simulation import HISTORY, Decisions, Simulation
 class DeviceSimulation(Simulation):
     """A simulation whose swarms live on a GPU, one warp each; see `swarm_gym.simulation.Simulation`.
 
-    Its arrays are tensors on that GPU. A swarm has the random numbers that it has on the CPU. Results differ
-    in the last digits, since a GPU rounds `a * b + c` once and has functions of its own.
+    Its arrays are tensors on that GPU, which is torch's current one when the simulation is made. A swarm has
+    the random numbers that it has on the CPU. Results differ in the last digits, since a GPU rounds
+    `a * b + c` once and has functions of its own. Every launch of a kernel waits for its end.
 
     Raises:
-        SettingError: for an optimizer, a kind of map, an event or a length of decision vectors that has no
-            kernels on the device, for more swarms than fit into its memory, or if there is no GPU.
+        SettingError: for an optimizer, a kind of map or a length of decision vectors that has no kernels on
+            the device, for more swarms than fit into its memory, or if there is no GPU.
     """
 
     xp = tensors()
@@ -94,11 +96,13 @@ class DeviceSimulation(Simulation):
         """
         self._chosen.copy_(chosen)
         self._decided.copy_(parameters)
-        seen = [as_kernels_see(one) for one in (self._chosen, self._sizes, self._decided)]
-        last = as_kernels_see(last) if isinstance(last, torch.Tensor) else last
         weight = self.settings.mean_weight
         try:
-            launch(entry, self.num_swarms, self._seen, self._tables, *seen, weight, last)
+            with beside_torch(self.device) as stream:
+                read = map(as_kernels_see, (self._chosen, self._sizes, self._decided))
+                last = as_kernels_see(last) if isinstance(last, torch.Tensor) else last
+                seen = (self._seen, self._tables, *read, weight, last)
+                launch(entry, self.num_swarms, *seen, stream=stream)
             # What a position, a fitness or a collision that is no number leaves behind.
             lost = self._chosen & self.xp.isnan(self.swarms.summary).any(axis=1)
             failed = bool(lost.any())
@@ -111,7 +115,7 @@ class DeviceSimulation(Simulation):
             b = int(lost.nonzero()[0])
             raise DeviceError(
                 f"a kernel of {self.optimizer.name!r} failed on swarm {b} in iteration "
-                f"{int(self.iteration[b]) + 1}: its members are no numbers any more"
+                f"{int(self.iteration[b]) + 1}: positions or costs of its members are NaN"
             )
 
 

@@ -46,7 +46,13 @@ def entry(function: Callable[..., None]) -> Any:
     return cuda.jit(run)
 
 
-def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any, ...]) -> None:
+def launch(
+    function: Any,
+    num_swarms: int,
+    num_lanes: int,
+    arguments: tuple[Any, ...],
+    stream: Any,  # the simulator runs nothing beside others
+) -> None:
     """Run an entry, one swarm after the other."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_INTERVAL)
@@ -70,7 +76,7 @@ def swarm_number() -> int:
 
 
 def from_lane(value: float, lane: int) -> float:
-    """Return the number of another lane."""
+    """Return the value that another lane has."""
     return _all(value)[lane]
 
 

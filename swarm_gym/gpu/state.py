@@ -5,6 +5,8 @@ same memory. In the simulator of numba-cuda, the device is the memory of the hos
 """
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,20 @@ def torch_device() -> torch.device:
             "the extra 'gpu'; NUMBA_ENABLE_CUDASIM=1, set before Python starts, simulates one, for tests"
         )
     return torch.device("cuda", torch.cuda.current_device())
+
+
+@contextmanager
+def beside_torch(device: torch.device) -> Iterator[Any]:
+    """Make a device the present one of CUDA; yield the stream in which torch works there.
+
+    Kernels in this stream begin when torch has ended its earlier work there; its later work waits for them.
+    """
+    if IS_SIMULATED:
+        yield 0
+        return
+    with torch.cuda.device(device):
+        handle = torch.cuda.current_stream().cuda_stream
+        yield cuda.external_stream(handle) if handle else 0
 
 
 def as_kernels_see(arrays: Any) -> Any:
@@ -123,4 +139,5 @@ def bytes_of(num_swarms: int, capacity: int, memory_columns: int, history_column
 def _free_memory() -> int:
     if IS_SIMULATED:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_AVPHYS_PAGES")
-    return int(torch.cuda.mem_get_info()[0])
+    unused = torch.cuda.memory_reserved() - torch.cuda.memory_allocated()  # kept by torch for new tensors
+    return int(torch.cuda.mem_get_info()[0]) + unused

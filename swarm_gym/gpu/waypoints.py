@@ -52,6 +52,7 @@ from swarm_gym.problem.geometry.bends import (
 )
 
 _BLOCK = 8  # segments that share tiles of obstacles
+_SPACING = 2.0**-53  # of the random numbers in [0, 1)
 
 
 @kernel
@@ -190,7 +191,7 @@ def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree
 def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: int, noise: float) -> float:
     """Return the offset of this lane in a smooth bend, see `swarm_gym.problem.geometry.bends.draw_bend`.
 
-    `noise` is a number of each lane, uniform in [0, 1); that of lane 0 is not used.
+    `noise` is a number of each lane, uniform in [0, 1), or 1 by rounding; that of lane 0 is not used.
     """
     drawn = from_lane(noise, LARGEST_OFFSET)
     offset = ZERO
@@ -200,12 +201,15 @@ def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: 
             offset = offset + weight * tables.modes[p, kind, h, lane]
     else:
         whole_turn = tables.modes.dtype.type(2.0 * math.pi)
+        # In float32, a number below 1 may round to 1, whose logarithm below would be infinite.
+        smallest = tables.modes.dtype.type(_SPACING)
         for h in range(0, NUM_MODES, 2):  # Box-Muller
             first, second = (
                 from_lane(noise, FIRST_COEFFICIENT + h),
                 from_lane(noise, FIRST_COEFFICIENT + h + 1),
             )
-            radius, angle = square_root(-TWO * logarithm(ONE - first)), whole_turn * second
+            rest = maximum(ONE - first, smallest)
+            radius, angle = square_root(-TWO * logarithm(rest)), whole_turn * second
             offset = offset + radius * cosine(angle) * tables.modes[p, kind, h, lane]
             offset = offset + radius * sine(angle) * tables.modes[p, kind, h + 1, lane]
     highest = largest(abs(offset))

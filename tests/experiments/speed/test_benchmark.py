@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from functools import cache, partial
 
+import numba
 import numpy as np
 import pytest
 from scipy.stats import ks_2samp
@@ -337,6 +338,15 @@ def test_the_bound_of_a_gpu_counts_the_obstacles_over_the_fullest_block():
     fullest = max(most.values())
     fixed = gpu.MOVE_OPERATIONS + gpu.SEGMENT_OPERATIONS
     assert gpu.operations_of_a_move("case1") == 32 * (fixed + fullest * gpu.CIRCLE_OPERATIONS)
+
+
+def test_registers_are_those_of_the_kernel_in_float64_though_one_in_float32_is_compiled():
+    def arguments(number):
+        return tuple(numba.typeof(np.zeros((1, 1), number)) for _ in range(gpu.PARAMETERS + 1))
+
+    variants = {arguments(np.float32): 120, arguments(np.float64): 96}
+    assert gpu.registers_of(variants, np.float64) == 96
+    assert gpu.registers_of(variants, np.float32) == 120
 
 
 def test_the_benchmark_of_a_gpu_refuses_where_there_is_none(monkeypatch):

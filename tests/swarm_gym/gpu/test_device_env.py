@@ -105,6 +105,19 @@ def test_copied_swarms_go_on_alike():
     assert torch.equal(after[0], after[1])
 
 
+@pytest.mark.parametrize("mask", [np.array, torch.tensor])
+def test_a_mask_of_numpy_or_torch_chooses_the_swarms_that_advance(mask):
+    env = make("cuda")
+    env.reset(seed=0)
+    chosen = mask([False, True])
+    chosen = chosen.to(env.simulation.device) if isinstance(chosen, torch.Tensor) else chosen
+    _, rewards, ended = env.step_running(np.full((2, 2), [4.0, 0.0]), chosen)
+    assert env.simulation.iteration.tolist() == [0, 1]
+    assert rewards[0] == 0.0
+    assert chosen.tolist() == [False, True]
+    assert not ended.any()
+
+
 def test_a_mask_chooses_the_swarms_that_begin_anew():
     env = make("cuda")
     env.reset(seed=0)
@@ -168,5 +181,5 @@ def test_a_kernel_that_fails_names_the_swarm_and_the_iteration():
     env.reset(seed=0)
     env.step(np.full((3, 2), [4.0, 0.0]))
     env.simulation.swarms.positions[1, :, 0] = torch.nan  # the best member does not move
-    with pytest.raises(DeviceError, match="on swarm 1 in iteration 2: its members are no numbers"):
+    with pytest.raises(DeviceError, match=r"on swarm 1 in iteration 2: positions or costs .* are NaN"):
         env.step(np.full((3, 2), [4.0, 0.0]))

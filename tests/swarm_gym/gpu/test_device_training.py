@@ -16,8 +16,8 @@ def test_a_training_on_the_device_learns_what_one_on_the_cpu_learns():
     config = TrainConfig(
         algorithm="device-ppo", warm_start="none", scenarios=("function:rastrigin-10",),
         initial_population_size=2, min_population_size=2, max_population_size=3, num_swarms=4,
-        group_size=2, gae_lambda=1.0, critic=False, noise_steps=0, hidden_layers=(8,), batch_size=100,
-        rollouts_per_chunk=1,
+        group_size=2, branches=(2,), gae_lambda=1.0, critic=False, noise_steps=0, hidden_layers=(8,),
+        batch_size=100, rollouts_per_chunk=1,
     )  # fmt: skip
     learned = []
     for device in ("cpu", "cuda"):

@@ -8,6 +8,9 @@ from scipy.stats import ks_2samp
 from helpers.devices import Pair
 from swarm_gym.arrays import as_numpy
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
+from swarm_gym.problem.geometry.bends import STOMP
+from swarm_gym.problem.tables import stack
+from swarm_gym.settings import make_problem
 from swarm_gym.vector_env import SwarmVectorEnv
 
 CASES = ("case1", "case2", "case3")
@@ -97,6 +100,29 @@ def test_new_members_of_all_sources_are_those_of_the_cpu(bends):
     for size, source in ((8, (1.0, 0.3, 0.0)), (6, (0.4, 0.8, 0.5)), (7, (0.0, 0.1, 1.0))):
         pair.step(size, 0.3, source)
         pair.assert_alike()
+
+
+def test_in_float32_a_bend_is_finite_where_random_numbers_round_to_one():
+    from swarm_gym.gpu.state import as_kernels_see, tables_with_lanes, torch_device
+    from swarm_gym.gpu.warps import entry, lane_number, launch
+    from swarm_gym.gpu.waypoints import draw_bend
+
+    torch = pytest.importorskip("torch")
+    amplitude, nearly_one = np.float32(0.5), 1.0 - 2.0**-53
+
+    @entry
+    def bend(tables, noise, places):
+        lane = lane_number()
+        places[lane] = draw_bend(tables, 0, lane, amplitude, STOMP, noise[lane])
+
+    tables = tables_with_lanes(stack([make_problem("case1").table]), np.float32)
+    placed = type(tables)._make(torch.as_tensor(array, device=torch_device()) for array in tables)
+    noise = torch.full((32,), nearly_one, dtype=torch.float64, device=torch_device()).float()
+    places = torch.zeros_like(noise)
+    launch(bend, 1, *map(as_kernels_see, (placed, noise, places)))
+    assert noise[0] == 1.0
+    assert torch.isfinite(places).all()
+    assert places.any()
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
