@@ -15,13 +15,12 @@ from swarm_gym.optimizers.firefly import FireflyParameters
 from swarm_gym.population import Swarms
 
 _COLUMN = FireflyParameters(*range(len(FireflyParameters._fields)))  # of the parameters of a swarm
+_NOISE, _ATTRACTIVENESS, _ABSORPTION = _COLUMN.noise, _COLUMN.attractiveness, _COLUMN.absorption
 
 
 def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
     """Return the function that advances a swarm by one iteration on a kind of problem."""
     repair, evaluate_path = problem.repair, population.evaluate_path
-    noise_column, attractiveness_column = _COLUMN.noise, _COLUMN.attractiveness
-    absorption_column = _COLUMN.absorption
 
     @kernel
     def iterate(
@@ -37,8 +36,8 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
         tally: Tally,
     ) -> tuple[Stream, Tally]:
         """Advance swarm `b` by one iteration; end early if the evaluation budget is spent."""
-        width = parameters[b, noise_column]
-        attractiveness, absorption = parameters[b, attractiveness_column], parameters[b, absorption_column]
+        width = parameters[b, _NOISE]
+        attractiveness, absorption = parameters[b, _ATTRACTIVENESS], parameters[b, _ABSORPTION]
         lower, upper, budget = tables.lower[p, lane], tables.upper[p, lane], swarms.budget[b]
         rounds = num_rounds(tables, p)
         for i in range(size):

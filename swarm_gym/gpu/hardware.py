@@ -14,6 +14,9 @@ except ImportError as error:
 
 EVERY_LANE = 0xFFFFFFFF
 
+# Of the type of their argument, float64 or float32.
+square_root, exponential, logarithm, sine, cosine = math.sqrt, math.exp, math.log, math.sin, math.cos
+
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a function that only functions on the device call."""
@@ -81,36 +84,6 @@ def ballot(flag: bool) -> int:
 def lowest_bit(word: int) -> int:
     """Return the number of the lowest bit that is set, -1 for 0."""
     return cuda.ffs(word) - 1
-
-
-@kernel
-def square_root(value: float) -> float:
-    """Return the square root."""
-    return math.sqrt(value)
-
-
-@kernel
-def exponential(value: float) -> float:
-    """Return e to the power of a number."""
-    return math.exp(value)
-
-
-@kernel
-def logarithm(value: float) -> float:
-    """Return the natural logarithm."""
-    return math.log(value)
-
-
-@kernel
-def sine(angle: float) -> float:
-    """Return the sine."""
-    return math.sin(angle)
-
-
-@kernel
-def cosine(angle: float) -> float:
-    """Return the cosine."""
-    return math.cos(angle)
 
 
 @kernel

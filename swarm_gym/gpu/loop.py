@@ -19,7 +19,6 @@ from swarm_gym.gpu.population import (
     load_tally,
     make_population_kernels,
     num_staying,
-    store_member,
     store_tally,
     summarise,
 )
@@ -115,7 +114,7 @@ def entries_for(optimizer: str, table: type) -> Entries:
 
 def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Any:
     settle, start = kernels.settle, kernels.start
-    evaluate_path, add_members = population.evaluate_path, population.add_members
+    adopt_members, add_members = population.adopt_members, population.add_members
 
     @entry
     def begin(
@@ -129,11 +128,8 @@ def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Any
         tally = Tally(0, math.inf, math.inf, math.inf)
         size = 0
         if given:
-            for i in range(sizes[b]):
-                place = swarms.positions[b, i, lane]
-                fitness, collision, tally = evaluate_path(swarms, b, tables, p, lane, place, tally)
-                store_member(swarms, b, lane, i, place, fitness, collision)
             size = sizes[b]
+            tally = adopt_members(swarms, b, tables, p, lane, size, tally)
             settle(swarms, b, tables, p, lane, 0, size)
         else:
             lower, upper = tables.initial_lower[p, lane], tables.initial_upper[p, lane]
@@ -187,7 +183,8 @@ def _make_step(kernels: OptimizerKernels, population: PopulationKernels, problem
 
 
 def _make_re_evaluate(kernels: OptimizerKernels, population: PopulationKernels) -> Any:
-    recall, evaluate_path = kernels.make_recall(population), population.evaluate_path
+    recall = kernels.make_recall(population)
+    adopt_members, evaluate_path = population.adopt_members, population.evaluate_path
 
     @entry
     def re_evaluate(
@@ -205,10 +202,7 @@ def _make_re_evaluate(kernels: OptimizerKernels, population: PopulationKernels) 
         p, best = swarms.problem[b], swarms.best_position[b, lane]
         tally = Tally(swarms.evaluations[b], math.inf, math.inf, math.inf)
         size = min(swarms.size[b], swarms.budget[b] - tally.evaluations)
-        for i in range(size):
-            place = swarms.positions[b, i, lane]
-            fitness, collision, tally = evaluate_path(swarms, b, tables, p, lane, place, tally)
-            store_member(swarms, b, lane, i, place, fitness, collision)
+        tally = adopt_members(swarms, b, tables, p, lane, size, tally)
         tally = recall(swarms, b, tables, p, lane, size, tally)
         if tally.evaluations < swarms.budget[b]:
             _, _, tally = evaluate_path(swarms, b, tables, p, lane, best, tally)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from swarm_gym.gpu.random_stream import Stream, draw
-from swarm_gym.gpu.warps import NUM_LANES, from_lane, kernel, total, wait
+from swarm_gym.gpu.warps import BLOCK, NUM_LANES, from_lane, kernel, total, wait
 from swarm_gym.population import (
     COLLISION_DEVIATION,
     DIVERSITY,
@@ -18,10 +18,9 @@ from swarm_gym.population import (
     POPULATION_COLLISION,
     Swarms,
 )
+from swarm_gym.population import outlives as _outlives
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.sources import AMPLITUDE, BECAME_BEST, BEST_SMOOTH, IMMIGRANTS, KIND_OF_BENDS, SMOOTH_SHARE
-
-_BLOCK = 8  # random numbers are drawn in blocks of this length
 
 
 class Tally(NamedTuple):
@@ -51,6 +50,7 @@ class PopulationKernels(NamedTuple):
     """The functions of populations on one kind of problem, see `make_population_kernels`."""
 
     evaluate_path: Callable[..., tuple[float, float, Tally]]
+    adopt_members: Callable[..., Tally]
     add_members: Callable[..., tuple[int, Stream, Tally]]
     change_size: Callable[..., tuple[int, Stream, Tally]]
 
@@ -88,19 +88,11 @@ def store_member(
 @kernel
 def num_rounds(tables: Any, p: int) -> int:
     """Return how often eight random numbers are drawn for the components of a position."""
-    return (tables.dimension[p] + _BLOCK) // _BLOCK
+    return (tables.dimension[p] + BLOCK) // BLOCK
 
 
-@kernel
-def outlives(fitness: float, collision: float, other_fitness: float, other_collision: float) -> bool:
-    """Return whether shrinking keeps a member rather than another one, see `swarm_gym.population`."""
-    feasible = collision <= FEASIBILITY_TOLERANCE
-    other_feasible = other_collision <= FEASIBILITY_TOLERANCE
-    if feasible != other_feasible:
-        return feasible
-    if feasible or collision == other_collision:
-        return fitness < other_fitness
-    return collision < other_collision
+# The rule of the CPU; without Numba's compiler, it is a function of Python already.
+outlives = kernel(getattr(_outlives, "py_func", _outlives))
 
 
 @kernel
@@ -231,6 +223,17 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
         return fitness, collision, Tally(tally.evaluations + 1, best, best_collision, feasible)
 
     @kernel
+    def adopt_members(
+        swarms: Swarms, b: int, tables: Any, p: int, lane: int, count: int, tally: Tally
+    ) -> Tally:
+        """Evaluate the first `count` positions as they stand, as the members; return the tally."""
+        for i in range(count):
+            place = swarms.positions[b, i, lane]
+            fitness, collision, tally = evaluate_path(swarms, b, tables, p, lane, place, tally)
+            store_member(swarms, b, lane, i, place, fitness, collision)
+        return tally
+
+    @kernel
     def add_members(
         swarms: Swarms,
         b: int,
@@ -299,4 +302,4 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
             )
         return size, stream, tally
 
-    return PopulationKernels(evaluate_path, add_members, change_size)
+    return PopulationKernels(evaluate_path, adopt_members, add_members, change_size)

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.gpu.warps import kernel
+from swarm_gym.gpu.warps import BLOCK, kernel
 
-_NUM_STREAMS = 8
 _SHIFT_RIGHT = np.uint64(11)
 _SHIFT_LEFT = np.uint64(3)
 _ROTATE_LEFT = np.uint64(24)
@@ -32,14 +31,14 @@ class Stream(NamedTuple):
 @kernel
 def load_stream(streams: NDArray[np.uint64], b: int, lane: int) -> Stream:
     """Return the stream of a lane, of those of all swarms, (B, 4, 8)."""
-    column = lane % _NUM_STREAMS
+    column = lane % BLOCK
     return Stream(streams[b, 0, column], streams[b, 1, column], streams[b, 2, column], streams[b, 3, column])
 
 
 @kernel
 def store_stream(streams: NDArray[np.uint64], b: int, lane: int, stream: Stream) -> None:
     """Write the stream of a lane to where `load_stream` reads it."""
-    if lane < _NUM_STREAMS:
+    if lane < BLOCK:
         streams[b, 0, lane] = stream.a
         streams[b, 1, lane] = stream.b
         streams[b, 2, lane] = stream.c
@@ -60,6 +59,6 @@ def draw(stream: Stream, lane: int, rounds: int) -> tuple[float, Stream]:
         a = b ^ (b >> _SHIFT_RIGHT)
         b = c + (c << _SHIFT_LEFT)
         c = ((c << _ROTATE_LEFT) | (c >> _ROTATE_RIGHT)) + word
-        if turn == lane // _NUM_STREAMS:
+        if turn == lane // BLOCK:
             number = float(word >> _SHIFT_RIGHT) * _UNIT
     return number, Stream(a, b, c, counter)

@@ -91,8 +91,8 @@ class DeviceSimulation(Simulation):
         """Run an entry for the chosen swarms, and wait for it.
 
         Raises:
-            DeviceError: naming the swarm and the iteration whose state is not a number afterwards, or the
-                iteration in which the kernel did not run to its end.
+            DeviceError: naming the swarm and the iteration whose state is not a number afterwards, or what
+                CUDA says of a kernel that did not run to its end.
         """
         self._chosen.copy_(chosen)
         self._decided.copy_(parameters)

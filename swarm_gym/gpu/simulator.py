@@ -103,29 +103,14 @@ def lowest_bit(word: int) -> int:
     return (word & -word).bit_length() - 1
 
 
-def square_root(value: Any) -> Any:
-    """Return the square root, a number of the same type."""
-    return type(value)(math.sqrt(value))
+def _of_its_type(function: Callable[[float], float]) -> Callable[[Any], Any]:
+    """Return a function whose values have the type of its argument, float64 or float32."""
+    return lambda value: type(value)(function(value))
 
 
-def exponential(value: Any) -> Any:
-    """Return e to the power of a number, a number of the same type."""
-    return type(value)(math.exp(value))
-
-
-def logarithm(value: Any) -> Any:
-    """Return the natural logarithm, a number of the same type."""
-    return type(value)(math.log(value))
-
-
-def sine(angle: Any) -> Any:
-    """Return the sine, a number of the same type."""
-    return type(angle)(math.sin(angle))
-
-
-def cosine(angle: Any) -> Any:
-    """Return the cosine, a number of the same type."""
-    return type(angle)(math.cos(angle))
+square_root, exponential, logarithm, sine, cosine = map(
+    _of_its_type, (math.sqrt, math.exp, math.log, math.sin, math.cos)
+)
 
 
 def wait() -> None:

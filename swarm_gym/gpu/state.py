@@ -14,11 +14,10 @@ import torch
 from numba import cuda
 
 from swarm_gym.errors import SettingError
-from swarm_gym.gpu.warps import IS_SIMULATED, NUM_LANES
+from swarm_gym.gpu.warps import BLOCK, IS_SIMULATED, NUM_LANES
 from swarm_gym.population import Swarms
 
-_BLOCK = 8  # segments that share tiles of obstacles
-_NUM_BLOCKS = NUM_LANES // _BLOCK
+_NUM_BLOCKS = NUM_LANES // BLOCK
 
 
 def torch_device() -> torch.device:

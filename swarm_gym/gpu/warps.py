@@ -15,7 +15,10 @@ from typing import Any
 import numba
 import numpy as np
 
+from swarm_gym.compiler import simd
+
 NUM_LANES = 32
+BLOCK = simd.NUM_LANES  # components or segments that share random numbers, sums and tiles, as on the CPU
 IS_SIMULATED = bool(numba.config.ENABLE_CUDASIM)
 
 _functions: ModuleType

@@ -9,6 +9,7 @@ import math
 from typing import Any
 
 from swarm_gym.gpu.warps import (
+    BLOCK,
     NUM_LANES,
     ONE,
     TWO,
@@ -51,7 +52,6 @@ from swarm_gym.problem.geometry.bends import (
     NUM_MODES,
 )
 
-_BLOCK = 8  # segments that share tiles of obstacles
 _SPACING = 2.0**-53  # of the random numbers in [0, 1)
 
 
@@ -117,7 +117,7 @@ def smaller_shifts(
     tables: WaypointTable, p: int, lane: int, left: float, rise: float, length: float
 ) -> float:
     """Return the sum of the smaller shifts of this lane's segment over all obstacles in contact."""
-    block, column = lane // _BLOCK, lane % _BLOCK
+    block, column = lane // BLOCK, lane % BLOCK
     shifts: Any = ZERO
     for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
         up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
@@ -142,7 +142,7 @@ def repair_segment(
     tables: WaypointTable, p: int, segment: int, left: float, right: float, repair_degree: float
 ) -> tuple[float, float]:
     """Return the ends of one segment after it was pushed out of one obstacle after the other."""
-    block, column = segment // _BLOCK, segment % _BLOCK
+    block, column = segment // BLOCK, segment % BLOCK
     for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
         if tables.rows[p, tables.first_row[p, tile] + PRESENCE, column] == -math.inf:
             continue
