@@ -134,15 +134,13 @@ def _require_equal_starts(config: TrainConfig, reference: Controller) -> None:
 def _make_env(
     config: TrainConfig, num_swarms: int, autoreset_mode: AutoresetMode, options: dict[str, Any]
 ) -> VectorEnv:
-    # The environment's own default is the CPU.
-    where: dict[str, Any] = {} if config.device == TrainConfig.device else {"device": config.device}
     return gymnasium.make_vec(
         environment_id(config.optimizer),
         num_envs=num_swarms,
         scenario=list(config.scenarios),
         autoreset_mode=autoreset_mode,
         num_threads=config.threads,
-        **where,
+        device=config.device,
         **options,
     )
 

@@ -51,15 +51,27 @@ class GroupBuffer(RolloutBuffer):
             self.values[:] = 0.0
             last_values = torch.zeros_like(last_values)
         super().compute_returns_and_advantage(last_values, dones)
-        held = self.noise_steps or len(self.advantages)
-        self.advantages = self.advantages[np.arange(len(self.advantages)) // held * held]
-        if self.group_size > 1:
-            groups = self.advantages.reshape(len(self.advantages), -1, self.group_size)
-            self.advantages = (groups - groups.mean(axis=2, keepdims=True)).reshape(self.advantages.shape)
+        self.advantages = beyond_the_group(self.advantages, self.group_size, self.noise_steps)
         if self.num_optimizers > 1:
             parts = self.advantages.reshape(len(self.advantages), self.num_optimizers, -1)
             deviations = parts.std(axis=(0, 2), keepdims=True) + SMALLEST_DEVIATION
             self.advantages = (parts / deviations).reshape(self.advantages.shape)
+
+
+def beyond_the_group(advantages: Any, group_size: int, noise_steps: int) -> Any:
+    """Return advantages of the steps in which the noise was drawn, minus their mean over the group.
+
+    Args:
+        advantages: (steps, B), an array of NumPy or a tensor.
+        group_size: number of swarms in a group, neighbours.
+        noise_steps: number of steps that share their noise; 0 is a whole episode.
+    """
+    held = noise_steps or len(advantages)
+    advantages = advantages[[step // held * held for step in range(len(advantages))]]
+    if group_size == 1:
+        return advantages
+    groups = advantages.reshape(len(advantages), -1, group_size)
+    return (groups - groups.mean(axis=2, keepdims=True)).reshape(advantages.shape)
 
 
 def advantages_and_returns(
@@ -95,9 +107,4 @@ def advantages_and_returns(
         next_advantage = advantages[step] = surprise + discount * gae_lambda * next_advantage
         next_value = values[step]
     returns = advantages + values
-    held = noise_steps or len(rewards)
-    drawn = torch.arange(len(rewards), device=rewards.device) // held * held
-    groups = advantages[drawn].unflatten(1, (-1, group_size))
-    if group_size > 1:
-        groups = groups - groups.mean(dim=2, keepdim=True)
-    return groups.flatten(1), returns
+    return beyond_the_group(advantages, group_size, noise_steps), returns
