@@ -13,6 +13,7 @@ from typing import Any
 
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.planner import Plan, plan
+from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.writing import FORMATS, format_of, write_plan
 from swarm_gym.scenarios import Point
 
@@ -46,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             max_evaluations=evaluations,
             max_seconds=seconds,
             seed=options.seed,
+            previous=None if options.previous is None else read_previous(options.previous),
             fallback=options.fallback == "exact",
         )
         print(_described(found))
@@ -97,6 +99,12 @@ def _parser() -> argparse.ArgumentParser:
         "episodes)",
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the first episode (default: 0)")
+    parser.add_argument(
+        "--previous",
+        type=Path,
+        metavar="FILE",
+        help="path from before the map changed, from which planning goes on: a .csv file of --output",
+    )
     parser.add_argument(
         "--fallback", choices=("exact",), help="take the exact planner's path if the swarm finds none"
     )

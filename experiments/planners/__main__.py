@@ -9,7 +9,7 @@ from pathlib import Path
 import tyro
 
 from experiments.planners.measuring import measure
-from experiments.planners.tables import tables
+from experiments.planners.tables import replanning_tables, tables
 from experiments.planners.tasks import MAPS, Task, draw_tasks
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
@@ -27,8 +27,10 @@ class PlannersConfig:
     """Kinds of maps, e.g. maze caves; a wrong name lists the valid ones."""
     tasks: int = 20
     """Number of tasks on each map."""
-    seeds: int = 3
+    seeds: int = 10
     """Number of runs of each planner on each task."""
+    replanning: bool = False
+    """Whether an obstacle has appeared on the shortest path, and planners plan again."""
     seconds: tuple[float, ...] = (0.1, 0.5)
     """Times after which paths are compared, in seconds; a run ends at the last."""
     seed: int = 0
@@ -42,6 +44,7 @@ def compare(config: PlannersConfig) -> list[Path]:
         MissingExtraError: if OMPL is missing.
         UnknownNameError: if there is no such kind of map.
         ValueError: if the times do not grow.
+        ScenarioError: if no map is left.
     """
     if sorted(set(config.seconds)) != list(config.seconds) or not config.seconds or config.seconds[0] <= 0.0:
         raise ValueError(f"--seconds: expected growing numbers above 0, got {config.seconds}")
@@ -49,15 +52,18 @@ def compare(config: PlannersConfig) -> list[Path]:
     for kind in config.maps:
         look_up("kind of map", kind, MAPS)
         try:
-            drawn += draw_tasks(kind, config.tasks, 1000 * config.seed + list(MAPS).index(kind))
+            seed = 1000 * config.seed + list(MAPS).index(kind)
+            drawn += draw_tasks(kind, config.tasks, seed, config.replanning)
         except ScenarioError as error:
             print(f"left out: {kind}: {error}")
+    if not drawn:
+        raise ScenarioError("no map is left to compare planners on")
     config.output.mkdir(parents=True, exist_ok=True)
-    runs = measure(drawn, config.seeds, config.seconds, config.output / "runs.jsonl")
-    made = tables(runs, config.seconds)
+    name, make = ("replanning", replanning_tables) if config.replanning else ("planning", tables)
+    made = make(measure(drawn, config.seeds, config.seconds, config.output / f"{name}.jsonl"), config.seconds)
     for table in made:
         table.write(config.output)
-    write_atomically(config.output / "README.md", "\n".join(table.markdown() for table in made))
+    write_atomically(config.output / f"{name}.md", "\n".join(table.markdown() for table in made))
     return [config.output / f"{table.name}.md" for table in made]
 
 

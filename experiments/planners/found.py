@@ -54,24 +54,18 @@ def validate(scenario: GridScenario, found: Found) -> Valid | None:
     if not np.allclose(path[[0, -1]], ends, atol=1e-6 * scenario.map.resolution):
         return None
     line = shapely.LineString(scenario.map.to_cells(path))
-    if not room(scenario.map).covers(line):
+    if walls(scenario.map, TOUCHING).query(line, predicate="intersects").size:
         return None
     length = line.length * scenario.map.resolution
-    return Valid(found.seconds, length, line.distance(walls(scenario.map)), found.of_swarm)
+    clearance = float(walls(scenario.map, 0.0).query_nearest(line, return_distance=True)[1].min())
+    return Valid(found.seconds, length, clearance, found.of_swarm)
 
 
-@lru_cache(maxsize=2)
-def room(grid: GridMap) -> shapely.Geometry:
-    """Return the area of the free cells and what may be touched around it, in cells."""
-    return _area(~grid.blocked).buffer(TOUCHING)
-
-
-@lru_cache(maxsize=2)
-def walls(grid: GridMap) -> shapely.Geometry:
-    """Return the area of the blocked cells and of a border around the map, in cells."""
-    return shapely.transform(_area(np.pad(grid.blocked, 1, constant_values=True)), lambda cells: cells - 1.0)
-
-
-def _area(cells: NDArray[np.bool_]) -> shapely.Geometry:
-    rows, columns = np.nonzero(cells)
-    return shapely.union_all(shapely.box(columns - 0.5, rows - 0.5, columns + 0.5, rows + 0.5))
+@lru_cache(maxsize=4)
+def walls(grid: GridMap, margin: float) -> shapely.STRtree:
+    """Return the blocked cells and a border around the map as squares, smaller by a margin on each side."""
+    rows, columns = np.nonzero(np.pad(grid.blocked, 1, constant_values=True))
+    half = 0.5 - margin
+    return shapely.STRtree(
+        shapely.box(columns - 1.0 - half, rows - 1.0 - half, columns - 1.0 + half, rows - 1.0 + half)
+    )

@@ -8,7 +8,16 @@ from pathlib import Path
 from tqdm import tqdm
 
 from experiments.planners.found import Valid, validate
-from experiments.planners.rivals import OMPL, Planner, exact, of_ompl, smoothed_a_star, tightened_a_star
+from experiments.planners.rivals import (
+    OMPL,
+    Planner,
+    exact,
+    exact_prepared,
+    of_ompl,
+    repaired_previous,
+    smoothed_a_star,
+    tightened_a_star,
+)
 from experiments.planners.swarms import SWARMS, of_swarm
 from experiments.planners.tasks import Task
 
@@ -18,9 +27,15 @@ SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled
 DETERMINISTIC: dict[str, Planner] = {
     "A*, smoothed": smoothed_a_star,
     "A*, final repair": tightened_a_star,
+    "previous path, final repair": repaired_previous,
     "exact, any angle": exact,
+    "exact, any angle, map prepared anew": exact_prepared,
 }
 NAMES = (*SWARMS, *(f"OMPL {name}" for name in OMPL), *DETERMINISTIC)
+GOING_ON = ("previous path, final repair", *(name for name, swarm in SWARMS.items() if swarm.goes_on))
+# Planners of tasks without and with a previous path.
+ON_MAPS = tuple(name for name in NAMES if name not in GOING_ON)
+AFTER_EVENTS = tuple(name for name in NAMES if name != "exact, any angle")
 
 
 @dataclass(frozen=True)
@@ -60,12 +75,14 @@ def measure(
 ) -> list[PlannerRun]:
     """Run every planner on every task, as far as runs are missing in the file, and return all runs.
 
+    Either all tasks have a previous path or none has; this decides which planners there are.
     Planners take turns, since the machine may be slow for a while; those without chance run once a task.
     """
     runs = {_key(run): run for run in read(file)}
-    planners = {name: planner_of(name) for name in NAMES}
+    names = ON_MAPS if tasks[0].previous is None else AFTER_EVENTS
+    planners = {name: planner_of(name) for name in names}
     for planner in planners.values():
-        planner(tasks[0].scenario, (SHORT,), 0)
+        planner(tasks[0], (SHORT,), 0)
     number: dict[str, int] = {}
     with file.open("a", encoding="utf-8") as out, tqdm(total=len(tasks), unit="task") as bar:
         for task in tasks:
@@ -76,7 +93,7 @@ def measure(
                     key = (task.kind, index, name, seed)
                     if key in runs or (seed > 0 and name in DETERMINISTIC):
                         continue
-                    found = planner(task.scenario, checkpoints, seed)
+                    found = planner(task, checkpoints, seed)
                     valid = [one for path in found if (one := validate(task.scenario, path)) is not None]
                     run = PlannerRun(*key, task.optimum, tuple(valid), len(found) - len(valid))
                     runs[key] = run

@@ -12,41 +12,59 @@ from typing import Any
 import numpy as np
 
 from experiments.planners.found import Found
+from experiments.planners.tasks import Task
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.planning.guide import way_of_a_star
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import GridScenario
+from swarm_gym.reference.any_angle import AnyAnglePlanner
 
 # A planner: task, times at which its path is asked for, in seconds, and seed -> the paths that it has found.
-Planner = Callable[[GridScenario, Sequence[float], int], list[Found]]
+Planner = Callable[[Task, Sequence[float], int], list[Found]]
 
 # The share of the time up to a checkpoint after which a path is taken, so that it can be shortened.
 SOLVING = 0.9
 OMPL = ("RRTConnect", "RRTstar", "InformedRRTstar", "BITstar")
 
 
-def smoothed_a_star(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def smoothed_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* on the cells, pulled tight."""
     began = time.perf_counter()
-    path = way_of_a_star(scenario)
+    path = way_of_a_star(task.scenario)
     return [Found(time.perf_counter() - began, path)]
 
 
-def tightened_a_star(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def tightened_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* after the final repair of this project: what swarms begin around."""
     began = time.perf_counter()
-    found = final_repair(GridProblem(scenario), way_of_a_star(scenario))
+    found = final_repair(GridProblem(task.scenario), way_of_a_star(task.scenario))
     return [] if found is None else [Found(time.perf_counter() - began, found.path)]
 
 
-def exact(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the shortest path at any angle."""
+def repaired_previous(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the previous path after final repair: what swarms begin around that go on from it."""
+    assert task.previous is not None
     began = time.perf_counter()
-    _, path = shortest_path(scenario)
+    found = final_repair(GridProblem(task.scenario), task.previous)
+    return [] if found is None else [Found(time.perf_counter() - began, found.path)]
+
+
+def exact(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the shortest path at any angle, on a map that has been prepared before."""
+    began = time.perf_counter()
+    _, path = shortest_path(task.scenario)
     return [Found(time.perf_counter() - began, path)]
+
+
+def exact_prepared(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    """Return the shortest path at any angle; its time has the preparation of the map in it."""
+    grid = task.scenario.map
+    began = time.perf_counter()
+    start, target = grid.to_cells([task.scenario.start, task.scenario.target]).tolist()
+    _, points = AnyAnglePlanner(grid.blocked).shortest_path(start, target)
+    return [Found(time.perf_counter() - began, grid.to_map(points))]
 
 
 def of_ompl(name: str) -> Planner:
@@ -57,8 +75,8 @@ def of_ompl(name: str) -> Planner:
     """
     base, geometric = _ompl()
 
-    def plan(scenario: GridScenario, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-        grid = scenario.map
+    def plan(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+        grid = task.scenario.map
         began = time.perf_counter()
         space = base.RealVectorStateSpace(2)
         bounds = base.RealVectorBounds(2)
@@ -73,7 +91,7 @@ def of_ompl(name: str) -> Planner:
         information.setup()
         setup = geometric.SimpleSetup(information)
         ends = []
-        for point in (scenario.start, scenario.target):
+        for point in (task.scenario.start, task.scenario.target):
             state = space.allocState()
             state[0], state[1] = grid.to_cells(point).tolist()
             ends.append(state)

@@ -1,4 +1,4 @@
-"""Tables of planners: what they have found by when, by map and over all, and differences at equal time."""
+"""Tables of planning and replanning: what was found by when, and differences at equal time."""
 
 from collections.abc import Sequence
 
@@ -31,29 +31,47 @@ def seconds_to_near(run: PlannerRun) -> float:
 
 
 def tables(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> list[Table]:
-    """Return the tables over all maps, by map, and of differences."""
-    return [_overall(runs, checkpoints), _by_map(runs, checkpoints[-1]), _differences(runs, checkpoints)]
+    """Return the tables of planning over all maps, by map, and of differences."""
+    return [
+        _overall("planners", "Planners on all maps", runs, checkpoints),
+        _by_map(runs, checkpoints[-1]),
+        _differences("planners-differences", runs, checkpoints),
+    ]
+
+
+def replanning_tables(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> list[Table]:
+    """Return the tables of replanning over all maps, and of differences."""
+    title = "Replanning on all maps after an obstacle has appeared on the shortest path"
+    return [
+        _overall("replanning", title, runs, checkpoints),
+        _differences("replanning-differences", runs, checkpoints),
+    ]
+
+
+def _names(runs: Sequence[PlannerRun]) -> list[str]:
+    present = {run.planner for run in runs}
+    return [name for name in NAMES if name in present]
 
 
 def _of(runs: Sequence[PlannerRun], planner: str, kind: str | None = None) -> list[PlannerRun]:
     return [run for run in runs if run.planner == planner and kind in (None, run.kind)]
 
 
-def _overall(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
+def _overall(name: str, title: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
     rows: list[tuple[Entry, ...]] = []
-    for name in NAMES:
-        own = _of(runs, name)
-        row: list[Entry] = [name, number(len(own), ",d"), share(_found_share(own, checkpoints[-1]))]
+    for planner in _names(runs):
+        own = _of(runs, planner)
+        row: list[Entry] = [planner, number(len(own), ",d"), share(_found_share(own, checkpoints[-1]))]
         row += [_mean_above(own, seconds) for seconds in checkpoints]
         row += [_near_share(own, seconds) for seconds in checkpoints]
         row += [_median_seconds(own), _median_clearance(own), _share_of_swarm(own)]
         rows.append(tuple(row))
     return Table(
-        "planners",
-        "Planners on all maps: share of runs that found a free path (by shapely); mean length above the "
+        name,
+        f"{title}: share of runs that found a free path (by shapely); mean length above the "
         f"exact shortest path at any angle, of these, and share of runs within {NEAR:.0%} of it, by time; "
         "median seconds until then; median least distance from a blocked cell, in cells; share of runs "
-        "whose last path is a swarm's, and not the path of A* that it began around",
+        "whose last path is a swarm's, and not the path that it began around",
         (
             "planner", "runs", "found", *(f"above exact, {s:g} s" for s in checkpoints),
             *(f"near, {s:g} s" for s in checkpoints), "seconds to near", "clearance", "by a swarm",
@@ -65,7 +83,7 @@ def _overall(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
 def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
     rows: list[tuple[Entry, ...]] = []
     for kind in dict.fromkeys(run.kind for run in runs):
-        for name in NAMES:
+        for name in _names(runs):
             own = _of(runs, name, kind)
             row = [kind, name, share(_found_share(own, seconds)), _mean_above(own, seconds)]
             rows.append((*row, _near_share(own, seconds), _median_seconds(own), _median_clearance(own)))
@@ -77,17 +95,18 @@ def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
     )
 
 
-def _differences(runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
+def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
     rows: list[tuple[Entry, ...]] = []
-    for ours in SWARMS:
-        for rival in (name for name in NAMES if name not in SWARMS):
+    names = _names(runs)
+    for ours in (planner for planner in names if planner in SWARMS):
+        for rival in (planner for planner in names if planner not in SWARMS):
             row: list[Entry] = [ours, rival]
             for seconds in checkpoints:
                 differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
                 row.append(_signed_share(float(differences.mean()), mean_interval(differences)))
             rows.append(tuple(row))
     return Table(
-        "planners-differences",
+        name,
         "Length above the exact shortest path: a swarm's minus that of another planner after the same time, "
         f"mean over tasks [95 % interval]; a run without a path counts as {MOST:.0%} above; below 0 the "
         "swarm's paths are shorter",

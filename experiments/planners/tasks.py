@@ -1,11 +1,18 @@
-"""The tasks that planners are compared on: maps by kind, and drawn pairs of start and target."""
+"""The tasks that planners are compared on: maps by kind, and drawn pairs of start and target.
 
-from dataclasses import dataclass
+A task of replanning has a path besides, and an obstacle that has appeared on it.
+"""
+
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from swarm_gym.errors import NoPathError
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import GridScenario, make_scenario
+from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
+
+Floats = NDArray[np.float64]
 
 # A scenario on each map, by kind of map. Those of Moving AI and ROS are files of the data folder.
 MAPS: dict[str, str] = {
@@ -14,6 +21,10 @@ MAPS: dict[str, str] = {
     "maze": "moving-ai:maze-128-128-10?start=34,114&goal=14,73",
     "rooms": "moving-ai:room-64-64-8?start=10,58&goal=42,14",
     "random": "moving-ai:random-64-64-20?start=63,44&goal=39,18",
+    "city (Berlin)": "moving-ai:Berlin_1_256?start=0,0&goal=255,255",
+    "city (Paris)": "moving-ai:Paris_1_256?start=0,0&goal=255,250",
+    "warehouse": "moving-ai:warehouse-20-40-10-2-2?start=1,1&goal=338,162",
+    "office (Willow Garage)": "ros:willow-2010-02-18-0.10?start=10.15,56.55&goal=35.15,3.25",
     "ROS (turtlebot3_world)": "ros:turtlebot3_world?start=-2,-0.5&goal=2,0.5",
     "ROS (playground)": "ros:playground?start=0,0&goal=3,0",
     "generated rooms": "rooms:0",
@@ -21,6 +32,11 @@ MAPS: dict[str, str] = {
 }
 # The straight line from start to target is at least this share of the longer side of the map's free part.
 LEAST_LENGTH = 0.4
+# Obstacles that appear are discs: smallest and largest radius, as shares of the longer side of the map. Their
+# centres are on the path, after the first and before the last of these shares of its length.
+RADII = (0.02, 0.08)
+PLACES = (0.2, 0.8)
+MOST_DISCS = 50  # drawn for two ends before others are drawn
 
 
 @dataclass(frozen=True)
@@ -31,15 +47,23 @@ class Task:
         kind: kind of the map, a key of `MAPS`.
         scenario: map, start and target.
         optimum: length of that path, in map units.
+        previous: the shortest path before an obstacle appeared, (k, 2), in map units; None where none has.
     """
 
     kind: str
     scenario: GridScenario
     optimum: float
+    previous: Floats | None = field(default=None, compare=False)
 
 
-def draw_tasks(kind: str, count: int, seed: int) -> list[Task]:
+def draw_tasks(kind: str, count: int, seed: int, replanning: bool = False) -> list[Task]:
     """Return tasks on the map of a kind, between drawn cells that are connected and far apart.
+
+    Args:
+        kind: a key of `MAPS`.
+        count: number of tasks.
+        seed: seed of the draws.
+        replanning: whether an obstacle has appeared on the shortest path.
 
     Raises:
         ScenarioError: if the file of the map is missing.
@@ -53,8 +77,35 @@ def draw_tasks(kind: str, count: int, seed: int) -> list[Task]:
     tasks: list[Task] = []
     while len(tasks) < count:
         start, target = cells[rng.integers(len(cells), size=2)]
-        if np.hypot(*(target - start)) >= least:
-            ends = tuple(grid.to_map(start).tolist()), tuple(grid.to_map(target).tolist())
-            scenario = GridScenario(f"{kind}, task {len(tasks)}", grid, *ends)
-            tasks.append(Task(kind, scenario, shortest_path(scenario)[0]))
+        if np.hypot(*(target - start)) < least:
+            continue
+        ends = tuple(grid.to_map(start).tolist()), tuple(grid.to_map(target).tolist())
+        scenario = GridScenario(f"{kind}, task {len(tasks)}", grid, *ends)
+        length, path = shortest_path(scenario)
+        if not replanning:
+            tasks.append(Task(kind, scenario, length))
+        elif (blocked := _blocked(scenario, path, rng)) is not None:
+            tasks.append(Task(kind, blocked, shortest_path(blocked)[0], path))
     return tasks
+
+
+def _blocked(scenario: GridScenario, path: Floats, rng: np.random.Generator) -> GridScenario | None:
+    """Return the scenario with a disc on a path that leaves another way; None if no drawn one does."""
+    grid = scenario.map
+    rows, columns = np.indices(grid.blocked.shape)
+    ends = np.array([grid.cell_of(scenario.start), grid.cell_of(scenario.target)])
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    for _ in range(MOST_DISCS):
+        at = rng.uniform(*PLACES) * lengths[-1]
+        x, y = (np.interp(at, lengths, coordinates) for coordinates in path.T)
+        column, row = grid.to_cells((x, y))
+        radius = max(rng.uniform(*RADII) * max(grid.width, grid.height), 1.0)
+        if np.hypot(*(ends - (column, row)).T).min() <= radius + 1.0:
+            continue
+        disc = (columns - column) ** 2 + (rows - row) ** 2 <= radius**2
+        changed = GridMap(grid.name, grid.blocked | disc, grid.resolution, grid.origin, grid.y_up)
+        try:
+            return replace(scenario, map=changed)
+        except NoPathError:
+            continue
+    return None

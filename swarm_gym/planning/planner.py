@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.clearance import clearance_of
@@ -18,6 +18,7 @@ from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
+from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.scaling import scaled_to_cases
 from swarm_gym.planning.tasks import Task, read_task
 from swarm_gym.problem import GridProblem, MapProblem
@@ -64,9 +65,9 @@ class Plan:
         seconds: time that planning took, without that of `gap`.
         gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
             None where it is unknown.
-        found_by: "swarm"; "swarm and planner" if pieces of its path were planned anew; "guide" if nothing was
-            shorter than the path of A*, pulled tight, around which a swarm begins on a grid map; or "exact
-            planner".
+        found_by: "swarm"; "guide" if nothing was shorter than the path of A*, pulled tight, around which a
+            swarm begins on a grid map; "previous path" if nothing was shorter than that path after its
+            repair; each with " and planner" if pieces of the path were planned anew; or "exact planner".
         stopped: whether Ctrl-C ended planning.
         improvements: the paths that were the shortest one in turn, the last of which is `path`; not
             that of the exact planner.
@@ -96,6 +97,7 @@ def plan(
     max_evaluations: int | None = None,
     max_seconds: float | None = None,
     seed: int = 0,
+    previous: ArrayLike | None = None,
     fallback: bool = False,
 ) -> Plan:
     """Return a free path from start to goal, found by a swarm.
@@ -103,7 +105,8 @@ def plan(
     Episodes run until a budget is spent, each from another seed; without a budget, `EPISODES` do. The best
     path of each is made free, see `swarm_gym.final_repair`, and the shortest is kept. On grid maps, swarms
     begin around a path of A*: the first around the shortest one, the others around paths that a block
-    somewhere on the best path so far leaves.
+    somewhere on the best path so far leaves. With a previous path, planning goes on from it: its repair is
+    the first path, and on grid maps the first swarm begins around that.
 
     Args:
         where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON with polygons), a scenario,
@@ -117,6 +120,8 @@ def plan(
         max_evaluations: evaluations after which no further episode begins, and at least one does.
         max_seconds: seconds after which planning ends.
         seed: seed of the first episode.
+        previous: points of a path from start to goal, (k, 2), in map units: the path that was valid before
+            the map changed.
         fallback: whether the exact planner's path is returned if the swarm finds none.
 
     Raises:
@@ -134,6 +139,8 @@ def plan(
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance)
     search = _Search(task, optimizer, controller, seed, began)
+    if previous is not None:
+        search.begin_with(require_previous(previous, task.given))
     limit = math.inf if max_seconds is None else began + max_seconds
     most = math.inf if max_evaluations is None else max_evaluations
     stopped = False
@@ -187,7 +194,7 @@ class _Search:
         name = optimizer or usual
         known = controller or (usual_controller if name == usual else "fixed:60")
         self._controller: Controller = make_controller(known)
-        self._to_map = (lambda path: path) if scaled is None else scaled.to_map
+        self._factor = 1.0 if scaled is None else scaled.factor
         scenario = task.grown if scaled is None else scaled.scenario
         options: dict[str, Any] = {"iterations": ITERATIONS.get(name, FEW_ITERATIONS)}
         if scaled is None and "bezier" in get_optimizer(name).encodings:
@@ -196,6 +203,7 @@ class _Search:
         self._task, self._seed = task, seed
         self._guide: Floats | None = None
         self._began = began
+        self._episodes = 0
         self.improvements: list[Improvement] = []
         self.evaluations = 0
 
@@ -203,6 +211,10 @@ class _Search:
     def best(self) -> Floats | None:
         """The shortest free path so far, (k, 2), in map units; None if there is none yet."""
         return self.improvements[-1].path if self.improvements else None
+
+    def begin_with(self, path: Floats) -> None:
+        """Keep the repair of a path, (k, 2), in map units; the first swarm begins around it."""
+        self._keep(self._factor * path, "previous path")
 
     def run(self, limit: float) -> None:
         """Run an episode, at most until that time of the monotonic clock, and keep its path if it is best."""
@@ -212,6 +224,7 @@ class _Search:
         if self._guide is not None:
             self._keep(self._guide, "guide")
         self._seed += 1
+        self._episodes += 1
         before, ended = self.evaluations, False
         while not ended and time.monotonic() < limit:
             observation, _, ended, _, info = self._env.step(self._controller.act(observation[None])[0])
@@ -228,26 +241,29 @@ class _Search:
 
     def _keep(self, path: Floats, found_by: str) -> None:
         """Make a path free, and keep it if it is the shortest one."""
-        problem = self._env.simulation.problem_of(0)
+        problem = self._env.simulation.problems[0]
         assert isinstance(problem, MapProblem)
         found = final_repair(problem, path)
         if found is None:
             return
         self.evaluations += found.evaluations
-        mapped = self._to_map(found.path)
+        mapped = found.path / self._factor
         mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
         if self.best is None or length_of(mapped) < length_of(self.best):
-            found_by = "swarm and planner" if found.planned else found_by
+            found_by = f"{found_by} and planner" if found.planned else found_by
             self.improvements.append(Improvement(time.monotonic() - self._began, mapped, found_by))
 
     def _next_guide(self) -> Floats | None:
-        """Return the way that the next episode begins around, on grid maps: first that of A*, then others."""
+        """Return the way that the next episode begins around, on grid maps.
+
+        At first it is that of A*, or the repair of a previous path; then others.
+        """
         scenario = self._task.grown
         if not isinstance(scenario, GridScenario):
             return None
-        way = None
-        if self.best is not None:
-            way = other_way(scenario, self.best, np.random.default_rng(self._seed))
+        way = self.best
+        if way is not None and self._episodes > 0:
+            way = other_way(scenario, way, np.random.default_rng(self._seed))
         return way_of_a_star(scenario) if way is None else way
 
     def _first(self) -> dict[str, Any] | None:

@@ -2,12 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon, Scenario
-
-Floats = NDArray[np.float64]
 
 DISTANCE = 960.0  # from start to target in the paper's cases, in map units
 
@@ -23,10 +18,6 @@ class Scaled:
 
     scenario: Scenario
     factor: float
-
-    def to_map(self, path: Floats) -> Floats:
-        """Return a path, (k, 2), in units of the original."""
-        return np.asarray(path) / self.factor
 
 
 def scaled_to_cases(scenario: Scenario) -> Scaled:

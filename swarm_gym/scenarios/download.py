@@ -64,6 +64,10 @@ TURTLEBOT_SIMULATOR = Source(
     "https://raw.githubusercontent.com/turtlebot/turtlebot_simulator/beae4b3cdf806fe82ab75fd933189c67e89ed8b0/",
     "TurtleBot simulator (github.com/turtlebot), BSD License",
 )
+TURTLEBOT_APPS = Source(
+    "https://raw.githubusercontent.com/turtlebot/turtlebot_apps/4bbafc7bfdfc5888ba03b52611bdb56d86b22967/",
+    "TurtleBot applications (github.com/turtlebot), BSD License",
+)
 
 
 def _moving_ai(path: str, size: int, sha256: str) -> RemoteFile:
@@ -76,6 +80,11 @@ def _turtlebot3(name: str, size: int, sha256: str) -> RemoteFile:
 
 def _turtlebot(name: str, size: int, sha256: str) -> RemoteFile:
     return RemoteFile(TURTLEBOT_SIMULATOR, f"turtlebot_gazebo/maps/{name}", f"ros/{name}", size, sha256)
+
+
+def _willow(ending: str, size: int, sha256: str) -> RemoteFile:
+    name = f"willow-2010-02-18-0.10.{ending}"
+    return RemoteFile(TURTLEBOT_APPS, f"turtlebot_navigation/maps/{name}", f"ros/{name}", size, sha256)
 
 
 # Files of each map.
@@ -121,6 +130,27 @@ MAPS: dict[str, tuple[RemoteFile, ...]] = {
             "2281ef15df0c94efc79b7c62f0c60ce4cb22c43c2cc584226d307c7676d53986",
         ),
     ),
+    "Berlin_1_256": (
+        _moving_ai(
+            "maps/mapf/Berlin_1_256.map",
+            65828,
+            "c1be6a222e9b138e64d65ad50da92fca447f75191af9aa3022994fe3487abe56",
+        ),
+    ),
+    "Paris_1_256": (
+        _moving_ai(
+            "maps/mapf/Paris_1_256.map",
+            65829,
+            "85ec535004685c9fb474954a24bd14395a21cea338bdcfdf7d9a2f21c587f87d",
+        ),
+    ),
+    "warehouse-20-40-10-2-2": (
+        _moving_ai(
+            "maps/mapf/warehouse-20-40-10-2-2.map",
+            55961,
+            "eae2a3f5298b1e113bfc32b5b4404f5de5105365d237df63cc9dc9e2d1c73713",
+        ),
+    ),
     "turtlebot3_world": (
         _turtlebot3(
             "turtlebot3_world.yaml", 144, "4841b5cc958b92f192cf5cf58445ee7b5f1d94dc63b580e2bc676737050e247d"
@@ -136,6 +166,10 @@ MAPS: dict[str, tuple[RemoteFile, ...]] = {
         _turtlebot(
             "playground.pgm", 44868, "88bd66840425e395c238e220c8de88ef5684b8f82aa260466952f772540dd3d2"
         ),
+    ),
+    "willow-2010-02-18-0.10": (
+        _willow("yaml", 145, "e10d1ba93e8f204a581641a5da85d6803c89c4216e619637a2fcfe0317d290af"),
+        _willow("pgm", 344182, "d7644ea5eabbbc77dcb6f136774f9b159a6514151f9c411bbd6c383f592bd6e0"),
     ),
 }
 

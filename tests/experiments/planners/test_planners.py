@@ -7,7 +7,7 @@ import pytest
 
 from experiments.planners.__main__ import PlannersConfig, compare
 from experiments.planners.found import Found, Valid, validate
-from experiments.planners.measuring import NAMES, PlannerRun, read
+from experiments.planners.measuring import AFTER_EVENTS, ON_MAPS, PlannerRun, read
 from experiments.planners.tables import length_above, seconds_to_near, tables
 from experiments.planners.tasks import draw_tasks
 from swarm_gym.errors import UnknownNameError
@@ -64,8 +64,8 @@ def test_lengths_and_times_are_of_what_was_found_by_then():
 
 
 def test_differences_are_negative_where_the_swarm_is_shorter_and_a_miss_counts_twice_the_optimum():
-    runs = [run_of(name, (0.1, 11.0), task=task) for name in NAMES for task in (0, 1)]
-    swarm = NAMES[0]
+    runs = [run_of(name, (0.1, 11.0), task=task) for name in ON_MAPS for task in (0, 1)]
+    swarm = ON_MAPS[0]
     runs = [run for run in runs if run.planner != swarm]
     runs += [run_of(swarm, (0.1, 10.5)), run_of(swarm, task=1)]
     overall, _, differences = tables(runs, (0.2, 1.0))
@@ -80,14 +80,14 @@ def test_a_small_comparison_has_free_paths_only_and_goes_on_where_it_stopped(tmp
     pytest.importorskip("ompl", reason="needs the extra `planners`")
     config = PlannersConfig(tmp_path, ("caves",), tasks=1, seeds=1, seconds=(0.2, 0.4))
     assert all(file.exists() for file in compare(config))
-    runs = read(tmp_path / "runs.jsonl")
-    assert {run.planner for run in runs} == set(NAMES)
+    runs = read(tmp_path / "planning.jsonl")
+    assert {run.planner for run in runs} == set(ON_MAPS)
     assert sum(run.refused for run in runs) == 0
     (exact,) = (run for run in runs if run.kind == "caves" and run.planner == "exact, any angle")
     assert length_above(exact, 10.0) == pytest.approx(0.0, abs=1e-9)
-    before = (tmp_path / "runs.jsonl").read_text()
+    before = (tmp_path / "planning.jsonl").read_text()
     compare(config)
-    assert (tmp_path / "runs.jsonl").read_text() == before
+    assert (tmp_path / "planning.jsonl").read_text() == before
     assert json.loads(before.splitlines()[0])["found"]
 
 
@@ -101,3 +101,26 @@ def test_times_that_do_not_grow_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"growing.*\(0.5, 0.1\)"):
         compare(PlannersConfig(tmp_path / "none", seconds=(0.5, 0.1)))
     assert not (tmp_path / "none").exists()
+
+
+def test_in_tasks_of_replanning_an_obstacle_is_on_the_previous_path_and_leaves_a_longer_one():
+    tasks = draw_tasks("caves", 4, 3, replanning=True)
+    assert tasks == draw_tasks("caves", 4, 3, replanning=True)
+    for task in tasks:
+        assert validate(task.scenario, Found(0.0, task.previous)) is None
+        previous = float(np.hypot(*np.diff(task.previous, axis=0).T).sum())
+        assert task.optimum == shortest_path(task.scenario)[0] > previous
+        np.testing.assert_allclose(task.previous[[0, -1]], [task.scenario.start, task.scenario.target])
+
+
+def test_a_small_comparison_of_replanning_has_free_paths_of_every_planner(tmp_path):
+    pytest.importorskip("ompl", reason="needs the extra `planners`")
+    config = PlannersConfig(tmp_path, ("generated rooms",), 1, 1, replanning=True, seconds=(0.2, 0.4))
+    files = compare(config)
+    assert [file.name for file in files] == ["replanning.md", "replanning-differences.md"]
+    runs = read(tmp_path / "replanning.jsonl")
+    assert {run.planner for run in runs} == set(AFTER_EVENTS)
+    assert sum(run.refused for run in runs) == 0
+    for name in ("exact, any angle, map prepared anew", "swarm, fixed size, from the previous path"):
+        (run,) = (run for run in runs if run.planner == name)
+        assert 0.0 <= length_above(run, 10.0) + 1e-9 < 0.2

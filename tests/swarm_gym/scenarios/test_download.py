@@ -139,7 +139,7 @@ def test_a_public_file_is_named_by_a_commit_and_known_by_its_content(file):
     assert len(commit) == 40
     int(commit, 16)
     assert len(file.sha256) == 64
-    assert 0 < file.size < 100_000 + 100_000
+    assert 0 < file.size < 500_000
 
 
 @pytest.mark.parametrize(

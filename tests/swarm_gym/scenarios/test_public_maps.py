@@ -25,6 +25,10 @@ TASKS = (
     "ros:turtlebot3_world?start=-2,-0.5&goal=2,0.5",
     "ros:turtlebot3_world?start=-2,-0.5&goal=2,0.5&inflate=0.1",
     "ros:playground?start=0,0&goal=3,0",
+    "moving-ai:Berlin_1_256?start=0,0&goal=255,255",
+    "moving-ai:Paris_1_256?start=0,0&goal=255,250",
+    "moving-ai:warehouse-20-40-10-2-2?start=1,1&goal=338,162",
+    "ros:willow-2010-02-18-0.10?start=10.15,56.55&goal=35.15,3.25",
 )
 
 

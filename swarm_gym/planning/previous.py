@@ -1,0 +1,66 @@
+"""A previous path: the path that was valid before the map changed, from which planning goes on."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.errors import SettingError
+from swarm_gym.scenarios import MapScenario
+
+Floats = NDArray[np.float64]
+
+SAME = 1e-6  # how far ends may be from start and goal, as a share of the distance between these
+
+
+def require_previous(path: ArrayLike, scenario: MapScenario) -> Floats:
+    """Return a previous path as an array, (k, 2), in map units.
+
+    Args:
+        path: points from the start to the goal of the scenario, (k, 2).
+        scenario: the map as it is now.
+
+    Raises:
+        SettingError: if it has another shape, numbers that are not finite, or other ends.
+    """
+    try:
+        points = np.array(path, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SettingError(f"previous: expected points of shape (k, 2), got {path!r:.80}") from error
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        raise SettingError(f"previous: expected at least two points, shape (k, 2), got shape {points.shape}")
+    if not np.isfinite(points).all():
+        raise SettingError(f"previous: expected finite numbers, got {points[~np.isfinite(points)][0]}")
+    limit = SAME * scenario.straight_line
+    for name, given, expected in (
+        ("starts", points[0], scenario.start),
+        ("ends", points[-1], scenario.target),
+    ):
+        if np.hypot(*(given - expected)) > limit:
+            x, y = given.tolist()
+            raise SettingError(f"previous: expected a path that {name} at {expected}, got {(x, y)}")
+    points[0], points[-1] = scenario.start, scenario.target
+    return points
+
+
+def read_previous(file: Path) -> Floats:
+    """Return the path of a CSV file with columns x and y, (k, 2), as `--output path.csv` writes it.
+
+    Raises:
+        SettingError: if the file is missing or has other content.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingError(f"previous: {file} cannot be read: {error}") from error
+    if not lines or lines[0].strip() != "x,y":
+        first = lines[0] if lines else ""
+        raise SettingError(f"previous: {file}, line 1: expected x,y, got {first!r:.80}")
+    points: list[tuple[float, float]] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            x, y = map(float, line.split(","))
+        except ValueError as error:
+            raise SettingError(f"previous: {file}, line {number}: expected x,y, got {line!r:.80}") from error
+        points.append((x, y))
+    return np.array(points, dtype=np.float64).reshape(-1, 2)
