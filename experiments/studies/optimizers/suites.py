@@ -22,8 +22,6 @@ ON_CASES = (
     "improved-fish-swarm", "hybrid-fish-swarm",
 )  # fmt: skip
 ON_CELLS = ("ant-colony", "glowworm")
-RULES_NOT_TUNED = ("hybrid-fish-swarm", "ant-colony")
-NOT_TUNED_FURTHER = ("ant-colony",)  # without blind schedules beside the base, since they take long
 # Of rooms:0 to rooms:7 and caves:0 to caves:7, those on which 60 members of particle swarms, elite genetic
 # algorithms, multivariate optimization and HAAFSA end with a free path in each of six validation runs. On the
 # others the penalty of paths that are not free decides all means.
@@ -46,8 +44,6 @@ def rules_tuned(optimizer: str) -> tuple[str, ...]:
     """Return the names of the rules that were tuned for an optimizer, with as many steps as the policies."""
     if optimizer == FIREFLY:
         return RULES_TUNED_FOR_FIREFLIES
-    if optimizer in RULES_NOT_TUNED:
-        return ()
     return training_seeds(f"tuned:optimizers-{optimizer}-schedule", TRAINING_SEEDS)
 
 
@@ -57,9 +53,7 @@ def base(optimizer: str) -> str:
 
 
 def blind(optimizer: str) -> tuple[str, ...]:
-    """Return the names of the blind schedules that were tuned with as many steps as the policies, if any."""
-    if optimizer in NOT_TUNED_FURTHER:
-        return ()
+    """Return the names of the blind schedules that were tuned with as many steps as the policies."""
     return training_seeds(f"open-loop:optimizers-{optimizer}", TRAINING_SEEDS, 1)
 
 
