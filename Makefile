@@ -142,8 +142,9 @@ docs-study: study-full ## fill docs/study.md and docs/study-tables.md from all s
 	$(call online,experiments.branching --output results/study/branching)
 	$(BIN)/python -m experiments.publish study study-tables
 
-docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, and fill docs/planners.md (half an hour)
+docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, and fill docs/planners.md (three hours)
 	$(BIN)/python -m experiments.planners
+	$(BIN)/python -m experiments.planners --replanning --tasks 10 --seeds 3
 	$(BIN)/python -m experiments.publish planners
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md

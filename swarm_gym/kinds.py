@@ -65,8 +65,8 @@ KINDS: dict[type, Kind] = {
         "analytic maps",
         _analytic_problem,
         {
-            "waypoints": ("encoding", "num_waypoints", "length_weight", "final_repair"),
-            "walk": ("encoding", "penalty", "cell_size", "final_repair"),
+            "waypoints": ("encoding", "num_waypoints", "length_weight", "clearance", "final_repair"),
+            "walk": ("encoding", "penalty", "cell_size", "clearance", "final_repair"),
         },
         sourced=("waypoints",),
     ),
@@ -74,9 +74,9 @@ KINDS: dict[type, Kind] = {
         "grid maps",
         _grid_problem,
         {
-            "waypoints": ("encoding", "num_waypoints", "penalty", "final_repair"),
-            "bezier": ("encoding", "num_control_points", "penalty", "final_repair"),
-            "walk": ("encoding", "penalty", "final_repair"),
+            "waypoints": ("encoding", "num_waypoints", "penalty", "clearance", "final_repair"),
+            "bezier": ("encoding", "num_control_points", "penalty", "clearance", "final_repair"),
+            "walk": ("encoding", "penalty", "clearance", "final_repair"),
         },
         sourced=("waypoints", "bezier"),
     ),

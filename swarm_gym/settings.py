@@ -13,8 +13,17 @@ from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, kind_of, names_of_kinds
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.problem import Problem
 from swarm_gym.problem.grid.winding import warn_of_winding
-from swarm_gym.scenarios import AnyScenario, GridScenario, StaticScenario, World, make_scenarios, worlds_of
-from swarm_gym.sources import MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridScenario,
+    Scenario,
+    StaticScenario,
+    World,
+    grown,
+    make_scenarios,
+    worlds_of,
+)
+from swarm_gym.sources import AMPLITUDES, GUIDED, MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
 
 
 @dataclass(frozen=True)
@@ -35,14 +44,19 @@ class Settings:
         penalty: lambda, at least 0: the fitness that each of about 1000 equal parts of a path costs on grid
             maps if it is blocked, or each cell's length of the blocked part of a walk.
         cell_size: side of the cells that analytic maps are converted to for walks.
+        clearance: distance that paths keep from obstacles, in map units, at least 0: the obstacles of all
+            maps grow by it, for cost, repair, exact checks and optima alike, see
+            `swarm_gym.scenarios.growing`. Not for robots that drive.
         iterations: g_max, number of steps of an episode, at least 1.
         initial_population_size: PS(0), size of the first population, within the two limits below.
         min_population_size: smallest population size that an action can ask for.
         max_population_size: largest population size that an action can ask for; memory grows with it.
-        source: source of new members: "uniform", as in the papers, "smooth" or "mixed"; see
-            `swarm_gym.sources`. Points of a walk and vectors of test functions can only be uniform.
+        source: source of new members: "uniform", as in the papers, "smooth", "mixed" or "guided"; see
+            `swarm_gym.sources`. Points of a walk and vectors of test functions can only be uniform. Where a
+            robot drives, they cannot be guided.
         smooth_share: probability in [0, 1] that a new member is smooth; for the source "mixed" only.
-        amplitude: largest offset of smooth members as a share of the workspace's width, in [0.01, 1].
+        amplitude: largest offset of smooth members as a share of the workspace's width, in [0.01, 1]; None is
+            0.5, and 0.05 for the source "guided".
         bends: kind of smooth members, a name in `swarm_gym.problem.geometry.bends.BENDS`.
         mean_weight: k in [0, 1] of E(P) = k mean + (1 - k) std.
         action: layout of actions, a name in `swarm_gym.action.ACTIONS`.
@@ -72,13 +86,14 @@ class Settings:
     length_weight: float = 0.3
     penalty: float = 500.0
     cell_size: float = 2.0
+    clearance: float = 0.0
     iterations: int = 100
     initial_population_size: int = 80
     min_population_size: int = 2
     max_population_size: int = 200
     source: str = "uniform"
     smooth_share: float = 0.5
-    amplitude: float = 0.5
+    amplitude: float | None = None
     bends: str = "harmonics"
     mean_weight: float = 0.1
     action: str = "natural"
@@ -99,8 +114,9 @@ class Settings:
         self.check_population_size("initial_population_size", self.initial_population_size)
         require_integer("reference_evaluations", self.reference_evaluations, 1)
         require_number("mean_weight", self.mean_weight, 0.0, 1.0)
+        require_number("clearance", self.clearance, 0.0, 1e9)
         look_up("source", self.source, dict.fromkeys(SOURCES))
-        Source(self.smooth_share, self.amplitude)
+        Source(self.smooth_share, self._amplitude)
         kind_of_bends(self.bends)
         self._check_price()
         if not isinstance(self.final_repair, bool):
@@ -153,6 +169,7 @@ class Settings:
 
         Raises:
             SettingError: if an event follows the last iteration of an episode, or comes after it.
+            ScenarioError: if obstacles that have grown by the clearance leave no path.
         """
         worlds = tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
         for world in worlds:
@@ -162,7 +179,14 @@ class Settings:
                     f"expected one after iteration 1 to {self.iterations - 1}, since episodes have "
                     f"{self.iterations}"
                 )
-        return worlds
+        if self.clearance == 0.0:
+            return worlds
+        return tuple(
+            world._replace(scenario=grown(world.scenario, self.clearance))
+            if isinstance(world.scenario, Scenario | GridScenario)
+            else world
+            for world in worlds
+        )
 
     def problems(self) -> list[Problem]:
         """Return the problems of all worlds, which are of one kind and dimension.
@@ -196,8 +220,12 @@ class Settings:
     @property
     def new_members(self) -> Source:
         """The source of new members, where no action decides it."""
-        share = {UNIFORM: 0.0, SMOOTH: 1.0, MIXED: self.smooth_share}[self.source]
-        return Source(share, self.amplitude)
+        share = {UNIFORM: 0.0, SMOOTH: 1.0, MIXED: self.smooth_share, GUIDED: 1.0}[self.source]
+        return Source(share, self._amplitude)
+
+    @property
+    def _amplitude(self) -> float:
+        return AMPLITUDES[self.source] if self.amplitude is None else self.amplitude
 
     @property
     def decides_sources(self) -> bool:
@@ -230,7 +258,7 @@ class Settings:
         if self.source == UNIFORM and not self.decides_sources:
             unused |= {"amplitude", "bends"}
         for name in sorted(unused & set(given)):
-            others = [MIXED] if name == "smooth_share" else [SMOOTH, MIXED]
+            others = [MIXED] if name == "smooth_share" else [SMOOTH, MIXED, GUIDED]
             raise SettingError(
                 f"option {name!r} has no effect with source {self.source!r}; remove it, or choose source "
                 f"{' or '.join(map(repr, others))}"

@@ -5,6 +5,7 @@
 | `uniform` | uniform in a box |
 | `smooth` | smooth bends beside the start-target line, see `swarm_gym.problem.geometry.bends` |
 | `mixed` | smooth with the probability `smooth_share`, else uniform |
+| `guided` | smooth bends beside planned ways through different corridors, see `swarm_gym.ways` |
 
 The box of a first population has the scenario's initial bounds; later it is the box that the population spans
 (eq. 12 of the SPSFA paper).
@@ -28,8 +29,10 @@ from swarm_gym.problem.tables import Table, draw_bend
 
 Floats = NDArray[np.float64]
 
-UNIFORM, SMOOTH, MIXED = "uniform", "smooth", "mixed"
-SOURCES = (UNIFORM, SMOOTH, MIXED)
+UNIFORM, SMOOTH, MIXED, GUIDED = "uniform", "smooth", "mixed", "guided"
+SOURCES = (UNIFORM, SMOOTH, MIXED, GUIDED)
+# Largest offset of bends as a share of the workspace's width, where nothing else is asked for.
+AMPLITUDES = {UNIFORM: 0.5, SMOOTH: 0.5, MIXED: 0.5, GUIDED: 0.05}
 
 # Decisions on new members in the order of a sourced action, and their smallest and largest values.
 SOURCE_RANGES = {"smooth_share": (0.0, 1.0), "amplitude": (0.01, 1.0), "immigrants": (0.0, 1.0)}
@@ -126,6 +129,7 @@ def draw_newcomer(
     share = source[SMOOTH_SHARE]
     if share > 0.0:
         if noise[0] < share:
+            noise[0] = noise[0] / share  # uniform in [0, 1) again
             draw_bend(table, source[AMPLITUDE], int(source[KIND_OF_BENDS]), noise, path)
             return True
         fill_uniform(stream, noise)  # the first of the old numbers is known to be large

@@ -12,6 +12,8 @@ from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
 from swarm_gym.scenarios import drive_of
 from swarm_gym.settings import Settings
+from swarm_gym.sources import GUIDED
+from swarm_gym.ways import with_ways
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +44,10 @@ class Worlds:
     def __init__(self, settings: Settings, num_swarms: int):
         problems = settings.problems()
         num_spare = num_swarms if any(map(drive_of, settings.scenarios)) else 0
+        if num_spare > 0:
+            _refuse_for_robots(settings)
+        if settings.source == GUIDED:
+            problems = [with_ways(problem) for problem in problems]
         begins = np.array([world.iteration for world in settings.worlds])
         self.begins = np.append(begins, np.zeros(num_spare, dtype=np.int64))
         self.num_worlds = len(problems)
@@ -134,3 +140,21 @@ class Worlds:
         self.lower_bounds[number] = problem.lower_bound
         self.gap_units[number] = problem.gap_unit
         self.tables = put(self.tables, number, problem.table)
+
+
+def _refuse_for_robots(settings: Settings) -> None:
+    """Raise an error if an option does not hold where robots drive.
+
+    Raises:
+        SettingError: naming the option.
+    """
+    reasons = {
+        f"source {GUIDED!r}": settings.source == GUIDED and "ways are planned once",
+        f"clearance {settings.clearance:g}": settings.clearance > 0.0 and "an obstacle may appear beside it",
+    }
+    for option, reason in reasons.items():
+        if reason:
+            raise SettingError(
+                f"{option} cannot hold for a robot that drives, since {reason}; remove it, or choose a "
+                "scenario without a drive"
+            )

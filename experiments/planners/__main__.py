@@ -10,7 +10,7 @@ import tyro
 
 from experiments.planners.measuring import measure
 from experiments.planners.tables import replanning_tables, tables
-from experiments.planners.tasks import MAPS, Task, draw_tasks
+from experiments.planners.tasks import MAPS, Task, draw_tasks, planning_task, replanning_task
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError, ScenarioError
@@ -30,7 +30,7 @@ class PlannersConfig:
     seeds: int = 10
     """Number of runs of each planner on each task."""
     replanning: bool = False
-    """Whether an obstacle has appeared on the shortest path, and planners plan again."""
+    """Compare replanning: an obstacle has appeared on the shortest path, and planners plan again."""
     seconds: tuple[float, ...] = (0.1, 0.5)
     """Times after which paths are compared, in seconds; a run ends at the last."""
     seed: int = 0
@@ -48,12 +48,13 @@ def compare(config: PlannersConfig) -> list[Path]:
     """
     if sorted(set(config.seconds)) != list(config.seconds) or not config.seconds or config.seconds[0] <= 0.0:
         raise ValueError(f"--seconds: expected growing numbers above 0, got {config.seconds}")
+    make_task = replanning_task if config.replanning else planning_task
     drawn: list[Task] = []
     for kind in config.maps:
         look_up("kind of map", kind, MAPS)
         try:
             seed = 1000 * config.seed + list(MAPS).index(kind)
-            drawn += draw_tasks(kind, config.tasks, seed, config.replanning)
+            drawn += draw_tasks(kind, config.tasks, seed, make_task)
         except ScenarioError as error:
             print(f"left out: {kind}: {error}")
     if not drawn:

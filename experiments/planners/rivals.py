@@ -15,11 +15,11 @@ from experiments.planners.found import Found
 from experiments.planners.tasks import Task
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.final_repair import final_repair
-from swarm_gym.planning.guide import way_of_a_star
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference import shortest_path
 from swarm_gym.reference.any_angle import AnyAnglePlanner
+from swarm_gym.ways import shortest_way
 
 # A planner: task, times at which its path is asked for, in seconds, and seed -> the paths that it has found.
 Planner = Callable[[Task, Sequence[float], int], list[Found]]
@@ -32,14 +32,14 @@ OMPL = ("RRTConnect", "RRTstar", "InformedRRTstar", "BITstar")
 def smoothed_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* on the cells, pulled tight."""
     began = time.perf_counter()
-    path = way_of_a_star(task.scenario)
+    path = shortest_way(task.scenario)
     return [Found(time.perf_counter() - began, path)]
 
 
 def tightened_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* after the final repair of this project: what swarms begin around."""
     began = time.perf_counter()
-    found = final_repair(GridProblem(task.scenario), way_of_a_star(task.scenario))
+    found = final_repair(GridProblem(task.scenario), shortest_way(task.scenario))
     return [] if found is None else [Found(time.perf_counter() - began, found.path)]
 
 

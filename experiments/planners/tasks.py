@@ -3,6 +3,7 @@
 A task of replanning has a path besides, and an obstacle that has appeared on it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -56,14 +57,30 @@ class Task:
     previous: Floats | None = field(default=None, compare=False)
 
 
-def draw_tasks(kind: str, count: int, seed: int, replanning: bool = False) -> list[Task]:
+# A function of the kind of map, the scenario and a generator that makes a task of them; None if it cannot.
+MakeTask = Callable[[str, GridScenario, np.random.Generator], Task | None]
+
+
+def planning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> Task:  # noqa: ARG001
+    """Return the task of a scenario as it is."""
+    return Task(kind, scenario, shortest_path(scenario)[0])
+
+
+def replanning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> Task | None:
+    """Return the task after an obstacle has appeared on the shortest path; None if it leaves no other."""
+    _, path = shortest_path(scenario)
+    blocked = _blocked(scenario, path, rng)
+    return None if blocked is None else Task(kind, blocked, shortest_path(blocked)[0], path)
+
+
+def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_task) -> list[Task]:
     """Return tasks on the map of a kind, between drawn cells that are connected and far apart.
 
     Args:
         kind: a key of `MAPS`.
         count: number of tasks.
         seed: seed of the draws.
-        replanning: whether an obstacle has appeared on the shortest path.
+        make_task: makes a task of a drawn scenario; where it cannot, another scenario is drawn.
 
     Raises:
         ScenarioError: if the file of the map is missing.
@@ -80,12 +97,9 @@ def draw_tasks(kind: str, count: int, seed: int, replanning: bool = False) -> li
         if np.hypot(*(target - start)) < least:
             continue
         ends = tuple(grid.to_map(start).tolist()), tuple(grid.to_map(target).tolist())
-        scenario = GridScenario(f"{kind}, task {len(tasks)}", grid, *ends)
-        length, path = shortest_path(scenario)
-        if not replanning:
-            tasks.append(Task(kind, scenario, length))
-        elif (blocked := _blocked(scenario, path, rng)) is not None:
-            tasks.append(Task(kind, blocked, shortest_path(blocked)[0], path))
+        task = make_task(kind, GridScenario(f"{kind}, task {len(tasks)}", grid, *ends), rng)
+        if task is not None:
+            tasks.append(task)
     return tasks
 
 

@@ -80,6 +80,8 @@ def repair(tables: FunctionTable, p: int, lane: int, place: float, repair_degree
 
 
 @kernel
-def draw_bend(tables: FunctionTable, p: int, lane: int, amplitude: float, kind: int, noise: float) -> float:
+def draw_bend(
+    tables: FunctionTable, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
+) -> float:
     """Return 0: vectors of test functions are no paths, and their sources are always uniform."""
     return 0.0

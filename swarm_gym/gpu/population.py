@@ -38,7 +38,7 @@ class ProblemKernels(NamedTuple):
     Attributes:
         evaluate: (tables, p, lane, place) -> fitness and degree of collision.
         repair: (tables, p, lane, place, repair_degree) -> the component of this lane after one repair pass.
-        draw_bend: (tables, p, lane, amplitude, kind, noise) -> the component of this lane in a smooth bend.
+        draw_bend: (tables, p, lane, amplitude, kind, noise, share) -> this lane's component of a smooth bend.
     """
 
     evaluate: Callable[..., tuple[float, float]]
@@ -259,7 +259,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
             smooth = share > 0.0 and from_lane(noise, 0) < share
             if smooth:
                 kind = int(swarms.source[b, KIND_OF_BENDS])
-                place = draw_bend(tables, p, lane, swarms.source[b, AMPLITUDE], kind, noise)
+                place = draw_bend(tables, p, lane, swarms.source[b, AMPLITUDE], kind, noise, share)
             else:
                 if share > 0.0:  # the first of the old numbers is known to be large
                     drawn, stream = draw(stream, lane, rounds)

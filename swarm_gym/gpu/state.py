@@ -95,7 +95,7 @@ def tables_with_lanes(tables: Any, number: type[np.floating] = np.float64) -> An
 
 
 _OVER_COMPONENTS = (
-    "lower", "upper", "initial_lower", "initial_upper", "middle", "across", "modes", "optimum",
+    "lower", "upper", "initial_lower", "initial_upper", "middles", "across", "modes", "optimum",
 )  # fmt: skip
 
 

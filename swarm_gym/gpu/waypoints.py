@@ -188,11 +188,16 @@ def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree
 
 
 @kernel
-def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: int, noise: float) -> float:
+def draw_bend(
+    tables: WaypointTable, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
+) -> float:
     """Return the offset of this lane in a smooth bend, see `swarm_gym.problem.geometry.bends.draw_bend`.
 
-    `noise` is a number of each lane, uniform in [0, 1), or 1 by rounding; that of lane 0 is not used.
+    `noise` is a number of each lane, uniform in [0, 1), or 1 by rounding; that of lane 0, which is below
+    `share`, chooses the middle path.
     """
+    num_middles = tables.middles.shape[1]
+    chosen = min(int(from_lane(noise, 0) / share * num_middles), num_middles - 1)
     drawn = from_lane(noise, LARGEST_OFFSET)
     offset = ZERO
     if kind == HARMONICS:
@@ -214,5 +219,5 @@ def draw_bend(tables: WaypointTable, p: int, lane: int, amplitude: float, kind: 
             offset = offset + radius * sine(angle) * tables.modes[p, kind, h + 1, lane]
     highest = largest(abs(offset))
     scale = drawn * amplitude * tables.width[p] / highest if highest > 0.0 else ZERO
-    place = tables.middle[p, lane] + scale * offset * tables.across[p, lane]
+    place = tables.middles[p, chosen, lane] + scale * offset * tables.across[p, lane]
     return minimum(maximum(place, tables.lower[p, lane]), tables.upper[p, lane])

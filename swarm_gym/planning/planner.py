@@ -17,7 +17,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
-from swarm_gym.planning.guide import guided_population, other_way, way_of_a_star
+from swarm_gym.planning.guide import guided_population
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.scaling import scaled_to_cases
 from swarm_gym.planning.tasks import Task, read_task
@@ -25,6 +25,7 @@ from swarm_gym.problem import GridProblem, MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point
+from swarm_gym.ways import other_way, shortest_way
 
 Floats = NDArray[np.float64]
 
@@ -264,7 +265,7 @@ class _Search:
         way = self.best
         if way is not None and self._episodes > 0:
             way = other_way(scenario, way, np.random.default_rng(self._seed))
-        return way_of_a_star(scenario) if way is None else way
+        return shortest_way(scenario) if way is None else way
 
     def _first(self) -> dict[str, Any] | None:
         """Return the reset options of an episode: on grid maps, members around a planned way."""

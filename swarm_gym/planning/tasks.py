@@ -3,15 +3,15 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from swarm_gym.errors import NoPathError, ScenarioError, shown
+from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.planning.geojson import read_geojson
-from swarm_gym.planning.growing import grown, grown_grid
 from swarm_gym.scenarios import (
     AnyScenario,
     GridScenario,
     MapScenario,
     Point,
     Scenario,
+    grown,
     make_scenario,
 )
 from swarm_gym.scenarios.formats.data_files import find_data_file
@@ -55,16 +55,7 @@ def read_task(
         NoPathError: if obstacles separate start and goal, also after they have grown.
     """
     given = _given(where, start, goal)
-    if margin == 0.0:
-        return Task(given, given, 0.0)
-    try:
-        larger = _grown(given, margin)
-    except ScenarioError as error:
-        kind = NoPathError if isinstance(error, NoPathError) else ScenarioError
-        raise kind(
-            f"{error}; obstacles have grown by {margin:g}, for the robot's radius and the clearance"
-        ) from error
-    return Task(given, larger, margin)
+    return Task(given, given if margin == 0.0 else grown(given, margin), margin)
 
 
 def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
@@ -83,9 +74,3 @@ def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | N
     if start is not None:
         scenario = replace(scenario, start=start)
     return scenario if goal is None else replace(scenario, target=goal)
-
-
-def _grown(given: MapScenario, margin: float) -> MapScenario:
-    if isinstance(given, GridScenario):
-        return replace(given, map=grown_grid(given.map, margin))
-    return grown(given, margin)

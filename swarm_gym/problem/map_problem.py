@@ -19,9 +19,11 @@ class MapProblem(Problem):
 
     Attributes:
         scenario: the map and the task.
+        ways: (K, dimension) the paths that smooth new members lie beside; None is the straight line.
     """
 
     scenario: MapScenario
+    ways: Floats | None = None
 
     @property
     @abstractmethod

@@ -12,7 +12,7 @@ def columns(dimension: int) -> int:
 
 
 def pad(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an array over components, (dimension,), with zeros up to all columns, (C,)."""
-    out = np.zeros(columns(len(values)))
-    out[: len(values)] = values
+    """Return an array over components, (..., dimension), with zeros up to all columns, (..., C)."""
+    out = np.zeros((*values.shape[:-1], columns(values.shape[-1])))
+    out[..., : values.shape[-1]] = values
     return out

@@ -24,6 +24,7 @@ from swarm_gym.scenarios.dynamic.scenario import (
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.growing import grown
 from swarm_gym.scenarios.ioh_scenario import IohScenario
 from swarm_gym.scenarios.raster import rasterised
 from swarm_gym.scenarios.registry import (
@@ -62,6 +63,7 @@ __all__ = [
     "World",
     "drive_of",
     "expand_name",
+    "grown",
     "make_scenario",
     "make_scenarios",
     "rasterised",

@@ -145,7 +145,7 @@ class Problem:
         self.initial_lower, self.initial_upper = self.lower, self.upper
         self.unit_length = math.sqrt(self.dimension)
         self._nearest = problem.table.nearest
-        self.num_points = problem.num_points
+        self.num_points, self.ways = problem.num_points, problem.ways
         across = Waypoints(problem.scenario, self.num_points)
         self.width = max(high - low for low, high in zip(across.lower, across.upper, strict=True))
 

@@ -1,7 +1,8 @@
-"""Plain-Python oracle for sources of new members: uniform in a box, or smooth bends beside the line.
+"""Plain-Python oracle for sources of new members: uniform in a box, or smooth bends beside the line or ways.
 
-A problem gives its bounds, `num_points`, `width` (largest extent across the line) and `beside_the_line`. That
-turns the offsets of evenly spaced points from the start-target line into a decision vector.
+A problem gives its bounds, `num_points`, `width` (largest extent across the line), `beside_the_line` and
+`ways`. The former turns the offsets of evenly spaced points from the start-target line into a decision
+vector; the latter are the decision vectors that bends lie beside instead of the line, or None.
 """
 
 import math
@@ -41,6 +42,10 @@ def bend(problem, source, numbers):
     largest = max(abs(offset) for offset in offsets)
     scale = numbers[1] * source.amplitude * problem.width / largest
     vector = problem.beside_the_line([scale * offset for offset in offsets])
+    if problem.ways is not None:
+        way = problem.ways[int(numbers[0] / source.smooth_share * len(problem.ways))]
+        line = problem.beside_the_line([0.0] * len(offsets))
+        vector = [a + (b - c) for a, b, c in zip(way, vector, line, strict=True)]
     return [naive.clip(*values) for values in zip(vector, problem.lower, problem.upper, strict=True)]
 
 

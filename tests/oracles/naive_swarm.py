@@ -14,7 +14,7 @@ class Analytic:
     """The oracle of an `AnalyticProblem`."""
 
     def __init__(self, problem):
-        self.scenario, self.length_weight = problem.scenario, problem.length_weight
+        self.scenario, self.length_weight, self.ways = problem.scenario, problem.length_weight, problem.ways
         self.dimension = self.num_points = problem.num_waypoints
         self.unit_length = math.sqrt(self.dimension)
         self.lower, self.upper = naive.bounds(self.scenario, self.dimension)

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,17 +10,15 @@ import pytest
 import shapely
 
 import swarm_gym
+from helpers.plans import assert_free, obstacles_of
 from helpers.shapes import shape
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan, planner
 from swarm_gym.planning.drawing import GOAL, OBSTACLE, PAPER, PATH, START
-from swarm_gym.planning.growing import grown
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario
-from swarm_gym.scenarios.formats.data_files import data_folder
-from swarm_gym.scenarios.formats.moving_ai import read_scenarios
+from swarm_gym.scenarios import Circle, Polygon, Scenario, grown, make_scenario
 
 L_SHAPE = [[2, 1], [8, 1], [8, 3], [4, 3], [4, 9], [2, 9], [2, 1]]
 FIELD = {
@@ -35,28 +32,6 @@ FIELD = {
         },
     ],
 }
-
-
-def obstacles_of(scenario):
-    """Return everything that is blocked as one shape."""
-    if not isinstance(scenario, GridScenario):
-        return shapely.union_all([shape(obstacle, 512) for obstacle in scenario.obstacles])
-    grid, rows, columns = scenario.map, *np.nonzero(scenario.map.blocked)
-    corners = [grid.to_map(np.stack([columns + a, rows + b], axis=-1)) for a, b in ((-0.5, -0.5), (0.5, 0.5))]
-    low, high = np.minimum(*corners), np.maximum(*corners)
-    return shapely.union_all(shapely.box(*low.T, *high.T))
-
-
-def assert_free(found, radius=0.0):
-    """The path joins start and goal, is as long and as far from obstacles as it says, and enters none."""
-    scenario, line = found.map, shapely.LineString(found.path)
-    np.testing.assert_array_equal(found.path[[0, -1]], [scenario.start, scenario.target])
-    assert found.length == pytest.approx(line.length)
-    blocked = obstacles_of(scenario)
-    assert line.intersection(blocked.buffer(-1e-5)).length == 0.0
-    assert line.distance(blocked) >= radius - 1e-4
-    assert found.clearance == pytest.approx(line.distance(blocked), abs=1e-3)
-    assert found.gap >= -1e-6
 
 
 @pytest.mark.parametrize("radius", [0.0, 12.0])
@@ -264,90 +239,3 @@ def test_other_values_are_refused():
         main(["--map", "case1", "--budget", "many"])
     with pytest.raises(SystemExit):
         main(["--map", "case1", "--start", "1;2"])
-
-
-PUBLIC = {
-    "maze-128-128-10.map": "maze-128-128-10-random-1.scen",
-    "room-64-64-8.map": "room-64-64-8-random-1.scen",
-    "random-64-64-20.map": "random-64-64-20-random-1.scen",
-    "arena.map": "arena.map.scen",
-    "den400d.map": "den400d.map.scen",
-}
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if "maze" in name else pytest.mark.slow) for name in PUBLIC]
-)
-def test_public_maps_have_free_paths_within_two_per_cent(name):
-    folder = data_folder() / "movingai"
-    if not (folder / name).exists():
-        pytest.skip(f"needs {name} in the folder that SWARM_GYM_DATA names")
-    tasks = read_scenarios(folder / PUBLIC[name])
-    chosen = np.random.default_rng(0).choice(len(tasks), 10, replace=False)
-    gaps = []
-    for task in (tasks[k] for k in chosen):
-        found = plan(folder / name, task.start, task.goal)
-        assert_free(found)
-        gaps.append(found.gap)
-    assert np.mean(np.array(gaps) <= 0.02) >= 0.9
-
-
-def wall_on(scenario, path):
-    """Return the scenario with a round obstacle on the middle of a path, and the obstacle's place."""
-    line = shapely.LineString(path)
-    at = line.interpolate(0.5, normalized=True)
-    if isinstance(scenario, GridScenario):
-        column, row = scenario.map.to_cells((at.x, at.y))
-        rows, columns = np.indices(scenario.map.blocked.shape)
-        disc = (columns - column) ** 2 + (rows - row) ** 2 <= 3.0**2
-        grid = scenario.map
-        changed = GridMap("changed", grid.blocked | disc, grid.resolution, grid.origin, grid.y_up)
-        return replace(scenario, map=changed)
-    obstacles = (*scenario.obstacles, Circle(at.x, at.y, 40.0))
-    return replace(scenario, obstacles=obstacles)
-
-
-@pytest.mark.parametrize("name", ["caves:1", "case3"])
-def test_planning_goes_on_from_the_path_before_an_obstacle_appeared(name):
-    before = plan(name, seed=2)
-    changed = wall_on(before.map, before.path)
-    again = plan(changed, seed=2, previous=before.path)
-    assert_free(again)
-    first = again.improvements[0]
-    assert first.found_by.startswith("previous path")
-    assert shapely.LineString(first.path).intersection(obstacles_of(changed).buffer(-1e-5)).length == 0.0
-    lengths = [shapely.LineString(improvement.path).length for improvement in again.improvements]
-    assert lengths == sorted(lengths, reverse=True)
-    assert again.length == pytest.approx(lengths[-1])
-
-
-def test_a_previous_path_that_is_still_the_shortest_is_kept():
-    exact = shortest_path(make_scenario("rooms:0"))[1]
-    found = plan("rooms:0", previous=exact)
-    assert found.found_by == "previous path"
-    assert found.gap == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("previous", "message"),
-    [
-        ([(0.0, 0.0)], r"at least two points.*\(1, 2\)"),
-        ("path", "expected points"),
-        ([(0.0, 0.0), (0.0, np.nan)], "finite"),
-        ([(0.0, 0.0), (5.0, 5.0)], r"starts at .*got \(0.0, 0.0\)"),
-    ],
-)
-def test_a_previous_path_that_does_not_fit_is_refused(previous, message):
-    with pytest.raises(SettingError, match=f"previous: .*{message}"):
-        plan("rooms:0", previous=previous)
-
-
-def test_the_command_reads_the_previous_path_that_it_wrote(tmp_path, capsys):
-    file = tmp_path / "path.csv"
-    assert main(["--map", "rooms:0", "--output", str(file)]) == 0
-    assert main(["--map", "rooms:0", "--previous", str(file), "--budget", "1"]) == 0
-    assert "found by     " in capsys.readouterr().out
-    for content, message in (("a,b\n", "line 1"), ("x,y\n1,2\n3\n", "line 3"), (None, "cannot be read")):
-        file.unlink() if content is None else file.write_text(content)
-        assert main(["--map", "rooms:0", "--previous", str(file)]) == 2
-        assert message in capsys.readouterr().err

@@ -222,7 +222,7 @@ def test_bends_lie_beside_the_line_from_the_robot_to_the_target(options):
         env.step(action_of("firefly", 9, 1.0, 1.0, 0.3, 0.5))
         worlds, number = env.simulation.worlds, env.simulation.swarms.problem[0]
         problem, begun = worlds.problems[number], worlds.problems[0]
-        for name in ("width", "middle", "across", "modes"):
+        for name in ("width", "middles", "across", "modes"):
             np.testing.assert_array_equal(getattr(worlds.tables, name)[number], getattr(problem.table, name))
         low, high = problem.bounds
         positions = members(env)[:, : problem.dimension]

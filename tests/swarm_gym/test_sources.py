@@ -24,6 +24,7 @@ from swarm_gym.problem.geometry.bends import BENDS
 from swarm_gym.scenarios import Circle, Scenario
 from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH, IMMIGRANTS, SOURCE_DECISIONS, kind_of_bends
 from swarm_gym.sources import Source as OwnSource
+from swarm_gym.ways import with_ways
 
 all_optimizers = pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
 # Optimizers that shrink and grow member by member.
@@ -35,6 +36,9 @@ PROBLEMS = {
     "polyline": lambda: small_grid_problem("waypoints", 5, seed=5),
     "curve": lambda: small_grid_problem("bezier", 3, seed=4),
     "curve of many points": lambda: small_grid_problem("bezier", 6, seed=2),
+    "guided waypoints": lambda: with_ways(make_problem("case1", 9)),
+    "guided polyline": lambda: with_ways(small_grid_problem("waypoints", 5, seed=5)),
+    "guided curve": lambda: with_ways(small_grid_problem("bezier", 3, seed=4)),
 }
 # A source of each sort, with immigrants.
 SOURCES = {

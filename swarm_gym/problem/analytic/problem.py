@@ -1,7 +1,7 @@
 """Problems on analytic maps: waypoints among circles and convex polygons."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -28,11 +28,13 @@ class AnalyticProblem(MapProblem):
         scenario: the map and the task.
         num_waypoints: n, the dimension of a decision vector.
         length_weight: mu in (0, 1], the weight of the length in the fitness; 1 - mu is that of the collision.
+        ways: (K, num_waypoints) the paths that smooth new members lie beside; None is the straight line.
     """
 
     scenario: Scenario
     num_waypoints: int = 31
     length_weight: float = 0.3
+    ways: Floats | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         require_analytic(self.scenario)
@@ -47,7 +49,7 @@ class AnalyticProblem(MapProblem):
     @cached_property
     def table(self) -> WaypointTable:
         """The problem as the kernels read it."""
-        return tabulate(self.scenario, self.pairs, self.num_waypoints, self.length_weight)
+        return tabulate(self.scenario, self.pairs, self.num_waypoints, self.length_weight, self.ways)
 
     @cached_property
     def pairs(self) -> list[Pair]:
@@ -83,11 +85,15 @@ class AnalyticProblem(MapProblem):
 
     def begun_at(self, start: Point) -> "AnalyticProblem":
         """Return the same problem from another start."""
-        return replace(self, scenario=replace(self.scenario, start=start, initial_range=None))
+        return replace(self, scenario=replace(self.scenario, start=start, initial_range=None), ways=None)
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
         """Return the offsets at which the same paths pass beside the new line, inside the workspace."""
-        return np.clip(resampled(before.points(vectors), self.scenario, self.num_waypoints), *self.bounds)
+        return self.along(before.points(vectors))
+
+    def along(self, paths: Floats) -> Floats:
+        """Return decision vectors, (m, n), along polylines, (m, k, 2), inside the workspace."""
+        return np.clip(resampled(paths, self.scenario, self.num_waypoints), *self.bounds)
 
     def is_clear(self, path: Floats) -> bool:
         """Return whether a polyline enters no obstacle."""

@@ -59,7 +59,7 @@ class WaypointTable(NamedTuple):
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
     width: Any  # largest extent of the workspace across the line, at a waypoint; in a stacked table an array
-    middle: Floats  # (C,) decision vector of the straight line
+    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     squared_spacing: Floats  # (C,) squared x' length of the segments; tiny beyond them
@@ -81,7 +81,7 @@ def select(tables: WaypointTable, index: int) -> WaypointTable:
         tables.initial_lower[index],
         tables.initial_upper[index],
         tables.width[index],
-        tables.middle[index],
+        tables.middles[index],
         tables.across[index],
         tables.modes[index],
         tables.squared_spacing[index],
@@ -106,9 +106,17 @@ def points_beside(line: Floats, across: Floats, offsets: Floats) -> Floats:
 
 
 def tabulate(
-    scenario: Scenario, pairs: list[Pair], num_waypoints: int, length_weight: float
+    scenario: Scenario, pairs: list[Pair], num_waypoints: int, length_weight: float, ways: Floats | None
 ) -> WaypointTable:
-    """Return the problem table of a scenario and its pairs; `length_weight` is mu."""
+    """Return the problem table of a scenario and its pairs.
+
+    Args:
+        scenario: the map and the task.
+        pairs: the pairs of a segment and an obstacle over it.
+        num_waypoints: n, number of waypoints.
+        length_weight: mu.
+        ways: (K, n) the paths that smooth bends lie beside; the straight line if there are none.
+    """
     spacing = spacing_of(scenario, num_waypoints)
     shapes = rotated_shapes(scenario)
     lower, upper = offset_bounds(scenario, spacing * np.arange(1.0, num_waypoints + 1), scenario.workspace)
@@ -126,7 +134,7 @@ def tabulate(
         pad(initial_lower),
         pad(initial_upper),
         float((upper - lower).max()),
-        pad(np.zeros(num_waypoints)),
+        pad(np.zeros((1, num_waypoints)) if ways is None else ways),
         pad(np.ones(num_waypoints)),
         modes_of_components(np.arange(num_waypoints), num_waypoints),
         squared_spacing,

@@ -1,4 +1,6 @@
-"""Smooth bends: paths whose offsets from the start-target line are sums of a few smooth modes.
+"""Smooth bends: paths whose offsets from a middle path are sums of a few smooth modes.
+
+The middle path is the start-target line, or one of some planned ways, see `swarm_gym.ways`.
 
 A bend has no zigzag, unlike a path whose components are drawn one by one. There are two kinds of modes:
 
@@ -31,7 +33,7 @@ BENDS = {"harmonics": HARMONICS, "stomp": STOMP}
 NUM_HARMONICS = 3
 DECAY = 1.5  # exponent of the decay of harmonics; see docs/readings.md
 NUM_MODES = 6  # with two more random numbers they fit into the smallest number of columns, 8
-LARGEST_OFFSET, FIRST_COEFFICIENT = 1, 2  # places in an array of random numbers; place 0 is the caller's
+LARGEST_OFFSET, FIRST_COEFFICIENT = 1, 2  # places in an array of random numbers
 
 
 @lru_cache(maxsize=64)
@@ -75,12 +77,14 @@ def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floa
     """Write a bend into a path, (C + 1,).
 
     Args:
-        table: problem table with the fields `middle`, `across`, `modes` and `width`.
+        table: problem table with the fields `middles`, `across`, `modes` and `width`.
         amplitude: largest offset as a share of the width of the workspace, in (0, 1].
         kind: kind of modes, a value of `BENDS`.
-        noise: (C,) numbers uniform in [0, 1), of which place 0 is not used; changed in place.
+        noise: (C,) numbers uniform in [0, 1); that in place 0 chooses the middle path; changed in place.
         path: path that is written; components stay within the bounds of the table.
     """
+    num_middles = table.middles.shape[0]
+    middle = table.middles[min(int(noise[0] * num_middles), num_middles - 1)]
     if kind == HARMONICS:
         count = NUM_HARMONICS
         for h in range(count):
@@ -91,7 +95,7 @@ def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floa
             k = FIRST_COEFFICIENT + h
             radius, angle = math.sqrt(-2.0 * math.log(1.0 - noise[k])), 2.0 * math.pi * noise[k + 1]
             noise[k], noise[k + 1] = radius * math.cos(angle), radius * math.sin(angle)
-    num_columns = table.middle.shape[0]
+    num_columns = middle.shape[0]
     for h in range(count):
         mode, weight = table.modes[kind, h], broadcast(noise[FIRST_COEFFICIENT + h])
         for k in range(0, num_columns, NUM_LANES):
@@ -110,7 +114,7 @@ def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floa
         largest = max(largest, noise[lane])
     scale = broadcast(drawn * amplitude * table.width / largest if largest > 0.0 else 0.0)
     for k in range(0, num_columns, NUM_LANES):
-        place = load(table.middle, k) + scale * load(path, k + 1) * load(table.across, k)
+        place = load(middle, k) + scale * load(path, k + 1) * load(table.across, k)
         store(path, k + 1, minimum(maximum(place, load(table.lower, k)), load(table.upper, k)))
 
 

@@ -1,7 +1,7 @@
 """Problems on grid maps: Bezier curves or waypoints among blocked cells."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.checks import look_up, require_integer, require_number
+from swarm_gym.problem.geometry.curves import nearest_curves
 from swarm_gym.problem.geometry.rotated_axes import resampled
 from swarm_gym.problem.grid import encoding
 from swarm_gym.problem.grid.encoding import Encoding
@@ -35,12 +36,14 @@ class GridProblem(GridMapProblem):
         encoding: a name in `ENCODINGS`.
         num_points: free control points of a Bezier curve, or waypoints.
         penalty: lambda, the fitness that each of `table.num_pieces` equal parts of a path costs if blocked.
+        ways: (K, D) the paths that smooth new members lie beside; None is the straight line.
     """
 
     scenario: GridScenario
     encoding: str = "bezier"
     num_points: int = 4
     penalty: float = 500.0
+    ways: Floats | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         look_up("encoding", self.encoding, ENCODINGS)
@@ -60,7 +63,7 @@ class GridProblem(GridMapProblem):
     @cached_property
     def table(self) -> GridTable:
         """The problem as the kernels read it."""
-        return tabulate(self.scenario.map, self.curve, self.penalty)
+        return tabulate(self.scenario.map, self.curve, self.penalty, self.ways)
 
     @property
     def lower_bound(self) -> float:
@@ -84,9 +87,16 @@ class GridProblem(GridMapProblem):
 
     def carried_over(self, vectors: Floats, before: Problem) -> Floats:
         """Return offsets at which the same paths pass beside the new line; control points stay in place."""
-        if self.encoding != "waypoints":
-            return vectors
-        return np.clip(resampled(before.points(vectors), self.scenario, self.num_points), *self.bounds)
+        return vectors if self.encoding == "bezier" else self.along(before.points(vectors))
+
+    def along(self, paths: Floats) -> Floats:
+        """Return decision vectors, (m, D), along polylines, (m, k, 2); Bezier curves by least squares."""
+        found = (
+            nearest_curves(paths, self.num_points)
+            if self.encoding == "bezier"
+            else resampled(paths, self.scenario, self.num_points)
+        )
+        return np.clip(found, *self.bounds)
 
     @property
     def identity(self) -> tuple[Any, ...]:

@@ -42,7 +42,7 @@ class GridTable(NamedTuple):
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
     width: Any  # largest extent of the map across the line, at a control point; in a stacked table an array
-    middle: Floats  # (C,) decision vector of the straight line
+    middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
     base: Floats  # (P, 2) control points of the zero vector
@@ -73,7 +73,7 @@ def select(tables: GridTable, index: int) -> GridTable:
         tables.initial_lower[index],
         tables.initial_upper[index],
         tables.width[index],
-        tables.middle[index],
+        tables.middles[index],
         tables.across[index],
         tables.modes[index],
         tables.base[index],
@@ -90,8 +90,15 @@ def select(tables: GridTable, index: int) -> GridTable:
     )
 
 
-def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
-    """Return the problem table of a map and an encoding, with lambda fitness per blocked piece."""
+def tabulate(grid: GridMap, encoding: Encoding, penalty: float, ways: Floats | None) -> GridTable:
+    """Return the problem table of a map and an encoding.
+
+    Args:
+        grid: the map.
+        encoding: the encoding.
+        penalty: lambda, fitness per blocked piece.
+        ways: (K, D) the paths that smooth bends lie beside; the straight line if there are none.
+    """
     cells = _cells(grid)
     first, weights, steps = _in_blocks(encoding)
     origin = grid.to_cells(np.zeros(2))
@@ -107,7 +114,7 @@ def tabulate(grid: GridMap, encoding: Encoding, penalty: float) -> GridTable:
         pad(encoding.lower),
         pad(encoding.upper),
         float(encoding.width),
-        pad(encoding.middle),
+        pad(encoding.middle[None] if ways is None else ways),
         pad(encoding.across),
         modes_of_components(encoding.owner, len(encoding.base) - 2),
         grid.to_cells(encoding.base),

@@ -9,7 +9,7 @@ from experiments.planners.__main__ import PlannersConfig, compare
 from experiments.planners.found import Found, Valid, validate
 from experiments.planners.measuring import AFTER_EVENTS, ON_MAPS, PlannerRun, read
 from experiments.planners.tables import length_above, seconds_to_near, tables
-from experiments.planners.tasks import draw_tasks
+from experiments.planners.tasks import draw_tasks, replanning_task
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridMap, GridScenario
@@ -104,8 +104,8 @@ def test_times_that_do_not_grow_are_refused(tmp_path):
 
 
 def test_in_tasks_of_replanning_an_obstacle_is_on_the_previous_path_and_leaves_a_longer_one():
-    tasks = draw_tasks("caves", 4, 3, replanning=True)
-    assert tasks == draw_tasks("caves", 4, 3, replanning=True)
+    tasks = draw_tasks("caves", 4, 3, replanning_task)
+    assert tasks == draw_tasks("caves", 4, 3, replanning_task)
     for task in tasks:
         assert validate(task.scenario, Found(0.0, task.previous)) is None
         previous = float(np.hypot(*np.diff(task.previous, axis=0).T).sum())

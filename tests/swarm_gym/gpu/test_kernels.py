@@ -91,14 +91,15 @@ def test_in_float32_a_test_function_is_that_of_the_cpu_but_for_rounding(optimize
     np.testing.assert_allclose(theirs.fitness[0, :3].cpu(), ours.fitness[0, :3], rtol=1e-3)
 
 
+@pytest.mark.parametrize("source", [{"source": "mixed", "smooth_share": 0.5}, {"source": "guided"}])
 @pytest.mark.parametrize("bends", ["harmonics", "stomp"])
-def test_new_members_of_all_sources_are_those_of_the_cpu(bends):
-    options = {"source": "mixed", "smooth_share": 0.5, "bends": bends}
+def test_new_members_of_all_sources_are_those_of_the_cpu(bends, source):
+    options = {"bends": bends, **source}
     pair = Pair("particle-swarm", scenario="case2", window=5, **options)
     pair.reset(seed=2)
     pair.assert_alike()
-    for size, source in ((8, (1.0, 0.3, 0.0)), (6, (0.4, 0.8, 0.5)), (7, (0.0, 0.1, 1.0))):
-        pair.step(size, 0.3, source)
+    for size, decided in ((8, (1.0, 0.3, 0.0)), (6, (0.4, 0.8, 0.5)), (7, (0.0, 0.1, 1.0))):
+        pair.step(size, 0.3, decided)
         pair.assert_alike()
 
 
@@ -113,7 +114,7 @@ def test_in_float32_a_bend_is_finite_where_random_numbers_round_to_one():
     @entry
     def bend(tables, noise, places):
         lane = lane_number()
-        places[lane] = draw_bend(tables, 0, lane, amplitude, STOMP, noise[lane])
+        places[lane] = draw_bend(tables, 0, lane, amplitude, STOMP, noise[lane], 1.0)
 
     tables = tables_with_lanes(stack([make_problem("case1").table]), np.float32)
     placed = type(tables)._make(torch.as_tensor(array, device=torch_device()) for array in tables)

@@ -15,13 +15,14 @@ from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
-from swarm_gym.planning.guide import guided_population, way_of_a_star
+from swarm_gym.planning.guide import guided_population
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import TOLERANCE, blocked_length, path_is_free
 from swarm_gym.problem.grid import crossings
 from swarm_gym.problem.tables import evaluate_entry
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
+from swarm_gym.ways import shortest_way
 
 
 def _named(name, *tasks):
@@ -180,7 +181,7 @@ def optimised(optimizer, scenario, encoding, num_points, seed):
     )
     options = None
     if encoding == "bezier":
-        options = {"initial_population": guided_population(problem, way_of_a_star(scenario), 32, seed)}
+        options = {"initial_population": guided_population(problem, shortest_way(scenario), 32, seed)}
     env.reset(seed=seed, options=options)
     for _ in range(20):
         env.step(np.array([32.0, 1.0]))

@@ -4,30 +4,42 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from swarm_gym.scenarios import Circle, GridMap, Obstacle, Polygon, Scenario
-from swarm_gym.scenarios.grid_map import MAX_SIDE
+from swarm_gym.errors import NoPathError, ScenarioError
+from swarm_gym.scenarios.dynamic.scenario import MapScenario
+from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
+from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon
 
 CORNERS = 32  # of the polygon around a disc, by which polygons grow
 FINE = 4.0  # cells of a grown grid map are as small as the margin over this, if the map is not too large then
 MOST_CELLS = 2**22
 
 
-def grown(scenario: Scenario, margin: float) -> Scenario:
+def grown(scenario: MapScenario, margin: float) -> MapScenario:
     """Return the scenario with obstacles that have grown by a margin, in map units.
 
     The corners of a grown polygon are round. They are replaced by polygons around them, which are larger by
-    0.5 % of the margin at most.
+    0.5 % of the margin at most. A grid map is cut into smaller cells, and a cell is blocked if a point of it
+    is closer to a blocked cell than the margin; passages that are wider than twice the margin by less than
+    1.5 small cells are closed.
+
+    Raises:
+        ScenarioError: if an end is inside a grown obstacle.
+        NoPathError: if grown obstacles separate the ends.
     """
-    return replace(scenario, obstacles=tuple(_grown(obstacle, margin) for obstacle in scenario.obstacles))
+    try:
+        if isinstance(scenario, GridScenario):
+            return replace(scenario, map=_grown_grid(scenario.map, margin))
+        return replace(scenario, obstacles=tuple(_grown(obstacle, margin) for obstacle in scenario.obstacles))
+    except ScenarioError as error:
+        kind = NoPathError if isinstance(error, NoPathError) else ScenarioError
+        raise kind(
+            f"{error}; obstacles have grown by {margin:g}, for the robot's radius and the clearance"
+        ) from error
 
 
-def grown_grid(grid: GridMap, margin: float) -> GridMap:
-    """Return the map, in smaller cells, with all cells blocked of which a point is closer than the margin.
-
-    Passages that are wider than twice the margin by less than 1.5 small cells are closed.
-    """
+def _grown_grid(grid: GridMap, margin: float) -> GridMap:
     most = min(MAX_SIDE // max(grid.width, grid.height), math.isqrt(MOST_CELLS // grid.blocked.size))
     parts = max(1, min(math.ceil(FINE * grid.resolution / margin), most))
     side = grid.resolution / parts
@@ -41,6 +53,8 @@ def grown_grid(grid: GridMap, margin: float) -> GridMap:
 def _grown(obstacle: Obstacle, margin: float) -> Obstacle:
     if isinstance(obstacle, Circle):
         return Circle(obstacle.x, obstacle.y, obstacle.radius + margin)
+    from scipy.spatial import ConvexHull
+
     angles = np.arange(CORNERS) * math.tau / CORNERS
     around = margin / math.cos(math.pi / CORNERS) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     points = (np.array(obstacle.vertices)[:, None] + around).reshape(-1, 2)
