@@ -135,7 +135,8 @@ def _found_share(runs: Sequence[PlannerRun], seconds: float) -> float:
 def _mean_above(runs: Sequence[PlannerRun], seconds: float) -> Entry:
     above = np.array([length_above(run, seconds) for run in runs])
     above = above[np.isfinite(above)]
-    return share(float(above.mean()), ".2f") if above.size else MISSING
+    # Rounded, so that what rounding errors leave of 0 is printed without a sign.
+    return share(float(np.round(above.mean(), 9)) + 0.0, ".2f") if above.size else MISSING
 
 
 def _near_share(runs: Sequence[PlannerRun], seconds: float) -> Entry:
