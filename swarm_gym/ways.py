@@ -15,7 +15,7 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
 from swarm_gym.problem.geometry.curves import evenly_spaced
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reference import shortest_grid_path, shortest_path, smooth
+from swarm_gym.reference import shortest_grid_path, smooth
 from swarm_gym.scenarios import GridScenario, MapScenario, rasterised
 
 Floats = NDArray[np.float64]
@@ -51,6 +51,8 @@ def planned_ways(scenario: MapScenario, most: int = NUM_WAYS) -> list[Floats]:
     try:
         on_cells = _on_cells(scenario)
     except ScenarioError:
+        from swarm_gym.reference import shortest_path  # loads what environments else do without
+
         return [shortest_path(scenario)[1]]
     rng, inside = np.random.default_rng(0), _inside_blocks(on_cells)
     ways = [shortest_way(on_cells)]
