@@ -30,7 +30,11 @@ KERNEL_SOURCES = (
     "sources.py",
     "problem",
     "optimizers",
-    "reference",
+    "reference/a_star.py",
+    "reference/any_angle.py",
+    "reference/grid_sight.py",
+    "reference/priority_queue.py",
+    "reference/waypoint_optimum.py",
 )
 COMPILE_TIMEOUT = 600.0  # seconds that a process waits for the kernel that another one compiles
 

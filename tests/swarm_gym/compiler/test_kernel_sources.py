@@ -34,7 +34,7 @@ def has_kernels(tree):
 
 def is_kernel_source(module):
     """Return whether a module, by its dotted name, lies in one of the places."""
-    parts = [place.removesuffix(".py") for place in KERNEL_SOURCES]
+    parts = [place.removesuffix(".py").replace("/", ".") for place in KERNEL_SOURCES]
     return any(f"{module}.".startswith(f"swarm_gym.{part}.") for part in parts)
 
 
@@ -90,7 +90,7 @@ WITH_KERNELS = [name for name, tree in MODULES.items() if has_kernels(tree)]
 def test_every_place_exists_and_has_kernels():
     for place in KERNEL_SOURCES:
         assert (PACKAGE / place).exists()
-        start = f"swarm_gym.{place.removesuffix('.py')}."
+        start = f"swarm_gym.{place.removesuffix('.py').replace('/', '.')}."
         assert any(f"{name}.".startswith(start) for name in WITH_KERNELS)
 
 
