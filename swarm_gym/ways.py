@@ -90,9 +90,7 @@ def other_way(scenario: GridScenario, way: Floats, rng: np.random.Generator) -> 
     grid = scenario.map
     at = evenly_spaced(way, PLACES)[rng.integers(1, PLACES - 1)]
     radius = rng.uniform(*BLOCKS) * max(grid.width, grid.height)
-    column, row = grid.to_cells(at)
-    columns, rows = np.arange(grid.width), np.arange(grid.height)[:, None]
-    disc = (columns - column) ** 2 + (rows - row) ** 2 <= radius**2
+    disc = grid.disc(grid.to_cells(at), radius)
     for end in (scenario.start, scenario.target):
         end_column, end_row = grid.cell_of(end)
         disc[end_row, end_column] = False

@@ -106,18 +106,18 @@ def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_
 def _blocked(scenario: GridScenario, path: Floats, rng: np.random.Generator) -> GridScenario | None:
     """Return the scenario with a disc on a path that leaves another way; None if no drawn one does."""
     grid = scenario.map
-    rows, columns = np.indices(grid.blocked.shape)
     ends = np.array([grid.cell_of(scenario.start), grid.cell_of(scenario.target)])
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     for _ in range(MOST_DISCS):
         at = rng.uniform(*PLACES) * lengths[-1]
         x, y = (np.interp(at, lengths, coordinates) for coordinates in path.T)
-        column, row = grid.to_cells((x, y))
+        centre = grid.to_cells((x, y))
         radius = max(rng.uniform(*RADII) * max(grid.width, grid.height), 1.0)
-        if np.hypot(*(ends - (column, row)).T).min() <= radius + 1.0:
+        if np.hypot(*(ends - centre).T).min() <= radius + 1.0:
             continue
-        disc = (columns - column) ** 2 + (rows - row) ** 2 <= radius**2
-        changed = GridMap(grid.name, grid.blocked | disc, grid.resolution, grid.origin, grid.y_up)
+        changed = GridMap(
+            grid.name, grid.blocked | grid.disc(centre, radius), grid.resolution, grid.origin, grid.y_up
+        )
         try:
             return replace(scenario, map=changed)
         except NoPathError:

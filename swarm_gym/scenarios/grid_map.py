@@ -132,6 +132,17 @@ class GridMap:
         column, row = cell
         return 0 <= column < self.width and 0 <= row < self.height and not self.blocked[row, column]
 
+    def disc(self, centre: ArrayLike, radius: float) -> NDArray[np.bool_]:
+        """Return the cells (height, width) whose centres lie in a disc.
+
+        Args:
+            centre: (2,) cell coordinates (column, row) of its centre, which need not be whole numbers.
+            radius: its radius in cells.
+        """
+        column, row = np.asarray(centre, dtype=np.float64)
+        columns, rows = np.arange(self.width), np.arange(self.height)[:, None]
+        return (columns - column) ** 2 + (rows - row) ** 2 <= radius**2
+
     def inflated(self, radius: float) -> "GridMap":
         """Return the map for a robot of that radius, in map units.
 

@@ -338,3 +338,13 @@ def test_a_name_that_leads_out_of_the_folder_is_refused(folder, name):
     put(folder.parent / "a.map")
     put(folder / "a.map")
     refused(lambda: find_data_file(name), repr(name))
+
+
+@pytest.mark.parametrize(("centre", "radius"), [((2.0, 1.0), 1.0), ((0.3, -0.6), 1.7), ((9.0, 9.0), 2.0)])
+def test_a_disc_has_the_cells_whose_centres_lie_in_it(centre, radius):
+    made = grid()
+    expected = [
+        [math.dist((column, row), centre) <= radius for column in range(made.width)]
+        for row in range(made.height)
+    ]
+    assert made.disc(centre, radius).tolist() == expected
