@@ -22,7 +22,7 @@ def make_tables(suite: Suite, results: Results) -> list[Table]:
         UnknownNameError: if the suite names a table that no study has.
     """
     makers = [look_up("table", name, TABLES) for name in suite.tables]
-    outcomes = results.outcomes(suite.controllers, suite.seeds, suite.options)
+    outcomes = results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
     return [table for make in makers for table in make(suite, outcomes)]
 
 

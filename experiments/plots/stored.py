@@ -35,7 +35,9 @@ class Stored:
     @cached_property
     def outcomes(self) -> Outcomes:
         """The numbers of all runs, none of which may be missing."""
-        return self.results.outcomes(self.suite.controllers, self.suite.seeds, self.suite.options)
+        return self.results.outcomes(
+            self.suite.controllers, self.suite.seeds, self.suite.options, self.suite.alone
+        )
 
     @cached_property
     def snapshots(self) -> dict[RunKey, list[Snapshot]]:

@@ -73,7 +73,7 @@ def make_report(request: Request, results: Results) -> Report:
             f"The runs are of {len(made_with)} versions, so they may not be comparable. "
             f"{describe_provenance(made_with).strip()}"
         )
-    outcomes = results.outcomes(part.controllers, part.seeds, part.options)
+    outcomes = results.outcomes(part.controllers, part.seeds, part.options, part.alone)
     chosen = _chosen(request, part, outcomes)
     gaps, without = _gaps(part, outcomes)
     tables = make_tables(dataclasses.replace(part, tables=(*part.tables, *gaps.tables)), results)

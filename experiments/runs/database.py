@@ -161,6 +161,7 @@ class Results:
         controllers: Sequence[str],
         seeds: Mapping[str, Sequence[int]],
         options: Mapping[str, Any] | None = None,
+        alone: Sequence[str] = (),
     ) -> Outcomes:
         """Return the numbers of runs, without paths and traces.
 
@@ -168,6 +169,7 @@ class Results:
             controllers: names of the controllers.
             seeds: seeds by name of the scenario; all scenarios have the same number of seeds.
             options: options of all environments of the suite.
+            alone: names of the controllers that are also groups of their own.
 
         Raises:
             ResultsError: if a run is missing.
@@ -197,7 +199,7 @@ class Results:
 
         fitness, collision, evaluations, seconds = values
         numbers = fitness, collision, evaluations, seconds
-        return Outcomes(tuple(controllers), tuple(seeds), *numbers, load, options or {})
+        return Outcomes(tuple(controllers), tuple(seeds), *numbers, load, options or {}, tuple(alone))
 
     def provenances(
         self, controllers: Sequence[str], seeds: Mapping[str, Sequence[int]]

@@ -110,6 +110,7 @@ class Outcomes:
         seconds: processor time of the run.
         load: function that reads the stored runs of a controller on a scenario, with paths and traces.
         options: options of all environments, on which the optima of scenarios may depend.
+        alone: names of the controllers that are also groups of their own.
     """
 
     controllers: tuple[str, ...]
@@ -120,6 +121,7 @@ class Outcomes:
     seconds: Floats
     load: Callable[[str, str], list[Any]] = _nothing_stored
     options: Mapping[str, Any] = field(default_factory=dict)
+    alone: tuple[str, ...] = ()
 
     def runs(self, controller: str, scenario: str) -> list[Any]:
         """Return the runs of one controller on one scenario by seed, with paths and traces (`run.Run`)."""
@@ -133,7 +135,7 @@ class Outcomes:
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
         """Return the controllers that differ in their training seed only, by the key of their group."""
-        return group_controllers(self.controllers)
+        return group_controllers(self.controllers, self.alone)
 
     @cached_property
     def sets(self) -> dict[str, tuple[tuple[str, ...], ...]]:

@@ -23,16 +23,19 @@ class Family:
         name: name as it is printed.
         controllers: names for `agents.make_controller`; figures connect their groups, ordered by evaluations.
         blind: whether the controllers see nothing but the iteration.
+        alone: those of the controllers that are also reported on by themselves, beside their group: tunings
+            that were chosen among all of their recipe.
     """
 
     name: str
     controllers: tuple[str, ...]
     blind: bool = False
+    alone: tuple[str, ...] = ()
 
     @property
     def groups(self) -> tuple[str, ...]:
         """Return the keys of the groups of the controllers."""
-        return tuple(group_controllers(self.controllers))
+        return tuple(group_controllers(self.controllers, self.alone))
 
 
 def controllers_of(families: Iterable[Family]) -> tuple[str, ...]:
@@ -84,6 +87,12 @@ class Suite:
     claims: tuple[GroupClaim, ...] = ()
     yardsticks: Mapping[str, Callable[[str], float]] = field(default_factory=dict)
     replayed: tuple[str, ...] = ()
+
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """Return the controllers that are also reported on by themselves."""
+        chosen = [controller for family in self.families for controller in family.alone]
+        return tuple(controller for controller in chosen if controller in self.controllers)
 
     @cached_property
     def seeds(self) -> dict[str, range]:

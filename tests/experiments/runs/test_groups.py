@@ -1,5 +1,6 @@
 """Training seeds of a recipe belong together, and so do scenarios of a set; suites are sound data."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 
 import pytest
@@ -9,7 +10,7 @@ from agents.runs.seeds import TEST, VALIDATION
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
-from experiments.runs.suite import FRESH_SEEDS
+from experiments.runs.suite import FRESH_SEEDS, Family, Suite
 from experiments.studies.controllers import training_seeds
 from experiments.studies.dynamic.suites import NEVER_USED as OF_CHANGES
 from experiments.studies.learned.suites import NEVER_USED as NEWEST
@@ -32,6 +33,26 @@ def test_training_seeds_of_a_recipe_are_one_group():
         "fixed:60": ("fixed:60",),
         "learned:b/*": ("learned:b/0",),
     }
+
+
+def test_a_chosen_tuning_is_in_its_group_and_stands_alone():
+    family = Family("loops", ("open-loop:a/0@1", "open-loop:a/1@1"), blind=True, alone=("open-loop:a/1@1",))
+    expected = {
+        "open-loop:a/*@1": ("open-loop:a/0@1", "open-loop:a/1@1"),
+        "open-loop:a/1@1": ("open-loop:a/1@1",),
+    }
+    assert group_controllers(family.controllers, family.alone) == expected
+    assert family.groups == tuple(expected)
+    suite = Suite("any", ("spsfa", *family.controllers), ("case1",), 1, "spsfa", families=(family,))
+    assert suite.alone == ("open-loop:a/1@1",)
+    # A part of the suite without that tuning has no such group.
+    assert replace(suite, controllers=("spsfa", "open-loop:a/0@1")).alone == ()
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_what_stands_alone_in_a_suite_is_in_its_family(suite):
+    for family in suite.families:
+        assert set(family.alone) <= set(family.controllers)
 
 
 @pytest.mark.parametrize("alone", ["learned:a", "learned:runs/mine/best.safetensors", "fixed:60"])
