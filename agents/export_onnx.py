@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from swarm_gym.command import command
-from swarm_gym.controllers.learned.manifest import LSTM
+from swarm_gym.controllers.learned.manifest import CHOICES, LSTM
 from swarm_gym.controllers.learned.policy_file import Weights, load_policy, resolve
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
@@ -57,7 +57,12 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
         if number < num_layers - 1:
             entry = f"layer {number}"
             nodes.append(helper.make_node("Tanh", [affine], [entry]))
-    nodes.append(helper.make_node("Clip", [affine, "low", "high"], [ACTION]))
+    decided = affine
+    if manifest["network"] == CHOICES:
+        decided = "decided"
+        nodes.append(helper.make_node("ArgMax", [affine], ["best"], axis=1, keepdims=0))
+        nodes.append(helper.make_node("Gather", ["choices", "best"], [decided], axis=0))
+    nodes.append(helper.make_node("Clip", [decided, "low", "high"], [ACTION]))
 
     def described(names: Sequence[str], width: int) -> list[Any]:
         return [helper.make_tensor_value_info(name, TensorProto.FLOAT, ["N", width]) for name in names]

@@ -23,7 +23,7 @@ class TrainConfig:
     resume: bool = False
     """Resume the stopped run of that name from its last checkpoint."""
     algorithm: str = "ppo"
-    """Learning algorithm: ppo, device-ppo, recurrent-ppo or evolution."""
+    """Learning algorithm: ppo, device-ppo, recurrent-ppo, dqn or evolution."""
     device: str = "cpu"
     """Device of the swarms and of the learner's tensors, cpu or cuda; cuda is for device-ppo only."""
     threads: int = 1
@@ -94,8 +94,8 @@ class TrainConfig:
     learning_rate: float = 3e-4
     """Step size of Adam."""
     decay_steps: int = 0
-    """Number of environment steps over which learning_rate falls linearly to 0, for ppo and device-ppo only;
-    0 keeps it. It must not be below total_steps, since the steps after it would teach nothing."""
+    """Number of environment steps over which learning_rate falls linearly to 0, for ppo, device-ppo and
+    dqn only; 0 keeps it. It must not be below total_steps, since the steps after it would teach nothing."""
     averaging: float = 0.0
     """Share that an update keeps of the running mean of the actor's weights, which are the policy's, for ppo
     and device-ppo only; 0 takes the last weights."""
@@ -117,6 +117,20 @@ class TrainConfig:
     """Number of candidates per generation, for evolution only; it has to divide the number of swarms."""
     sigma: float = 0.1
     """Initial step size of the weights, for evolution only."""
+    size_choices: tuple[float, ...] = (-0.3, -0.15, 0.0, 0.15, 0.3)
+    """Numbers in [-1, 1] that a policy by dqn chooses from for the size; corrections if there is a base."""
+    degree_choices: tuple[float, ...] = (-0.4, 0.0, 0.4)
+    """Numbers in [-1, 1] that a policy by dqn chooses from for the repair degree."""
+    replay_size: int = 200_000
+    """Number of environment steps that are kept to learn from, for dqn only."""
+    return_steps: int = 1
+    """Number of steps whose rewards are summed before the network estimates the rest, for dqn only."""
+    gradient_steps: int = 4
+    """Number of minibatches after each step of all swarms, for dqn only."""
+    target_steps: int = 10_000
+    """Number of environment steps after which the target network is replaced, for dqn only."""
+    exploration_steps: int = 300_000
+    """Number of environment steps over which the share of random choices falls to 5 %, for dqn only."""
     rollouts_per_chunk: int = 10
     """Number of rollouts, or generations, per chunk; a chunk ends with validation and a checkpoint."""
     validation_scenarios: tuple[str, ...] = ()

@@ -172,6 +172,7 @@ class TrainingRun:
             "features": self.learner.features,
             "max_evaluations": config.max_evaluations or None,
             "num_decisions": self.learner.num_decisions,
+            **self.learner.shape(),
             "optimizer": config.optimizer,
             **({"also_on": list(config.also_on)} if config.also_on else {}),
             "price": list(config.price),

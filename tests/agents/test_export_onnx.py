@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.export_onnx import STATE, main
-from helpers.trainings import add_memory, make_policy
+from helpers.trainings import add_choices, add_memory, make_policy
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import ITERATION
@@ -17,10 +17,11 @@ reference = pytest.importorskip("onnx.reference", reason="needs the extra `onnx`
 SIZE = 5
 
 
-@pytest.fixture(params=[False, True], ids=["feedforward", "an LSTM before its layers"])
+@pytest.fixture(params=["feedforward", "lstm", "choices"])
 def policy(tmp_path, request):
     path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(1))
-    return add_memory(path, np.random.default_rng(2), SIZE) if request.param else path
+    change = {"feedforward": lambda path, *_: path, "lstm": add_memory, "choices": add_choices}
+    return change[request.param](path, np.random.default_rng(2), SIZE)
 
 
 def test_the_model_decides_as_the_controller_step_by_step_and_holds_the_manifest(policy, tmp_path):

@@ -17,6 +17,12 @@ TINY = {
 STEPS = 4 * 100  # one rollout of one episode per swarm
 # Evolution costs next to nothing: four candidates.
 EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4}
+# DQN begins to learn after one rollout, and forgets what is older than two.
+DQN = {
+    "algorithm": "dqn", "warm_start": "none", "replay_size": 2 * STEPS, "gradient_steps": 1,
+    "return_steps": 3, "target_steps": STEPS // 2, "exploration_steps": 2 * STEPS,
+    "size_choices": (-0.5, 0.0, 0.5),
+}  # fmt: skip
 
 
 def tiny_config(folder, **options):
@@ -84,6 +90,17 @@ def add_memory(path, rng, size):
     weights["lstm.weight"] = rng.normal(size=(4 * size, len(manifest["features"]) + size)).astype(np.float32)
     weights["lstm.bias"] = rng.normal(size=4 * size).astype(np.float32)
     save_policy(path, weights, {**manifest, "network": "lstm", "lstm_size": size})
+    return path
+
+
+def add_choices(path, rng, number):
+    """Make the policy of a file choose from that many random actions."""
+    weights, manifest = load_policy(path)
+    last = len(manifest["hidden_layers"])
+    weights[f"{last}.weight"] = rng.normal(size=(number, 8)).astype(np.float32)
+    weights[f"{last}.bias"] = rng.normal(size=number).astype(np.float32)
+    weights["choices"] = rng.uniform(-1.5, 1.5, (number, manifest["num_decisions"])).astype(np.float32)
+    save_policy(path, weights, {**manifest, "network": "choices", "num_choices": number})
     return path
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from agents.training.config import TrainConfig
 from agents.training.learners.device_ppo import DevicePPOLearner
+from agents.training.learners.dqn import DQNLearner
 from agents.training.learners.evolution import EvolutionLearner
 from agents.training.learners.group_options import require_groups
 from agents.training.learners.learner import Learner
@@ -20,6 +21,7 @@ LEARNERS: dict[str, Callable[[TrainConfig], Learner]] = {
     "ppo": PPOLearner,
     "device-ppo": DevicePPOLearner,
     "recurrent-ppo": RecurrentPPOLearner,
+    "dqn": DQNLearner,
     "evolution": EvolutionLearner,
 }
 

@@ -17,10 +17,17 @@ ALGORITHMS_OF = {
     "branch_at_events": ("ppo",),
     "branches": _IN_GROUPS,
     "critic": _IN_GROUPS,
-    "decay_steps": _IN_GROUPS,
+    "decay_steps": (*_IN_GROUPS, "dqn"),
+    "degree_choices": ("dqn",),
     "device": ("device-ppo",),
+    "exploration_steps": ("dqn",),
+    "gradient_steps": ("dqn",),
     "group_size": _IN_GROUPS,
     "noise_steps": _IN_GROUPS,
+    "replay_size": ("dqn",),
+    "return_steps": ("dqn",),
+    "size_choices": ("dqn",),
+    "target_steps": ("dqn",),
 }
 LARGEST_AVERAGING = 0.9999
 

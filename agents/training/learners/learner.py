@@ -39,6 +39,10 @@ class Learner(ABC):
         Networks that are not feedforward have further tensors, see `learned.networks`.
         """
 
+    def shape(self) -> dict[str, int]:
+        """Return further entries of the manifest that the shapes of tensors follow from."""
+        return {}
+
     @abstractmethod
     def state(self) -> dict[str, Any]:
         """Return the state for the next chunk: tensors, numbers, strings and containers of these."""

@@ -21,7 +21,7 @@ MAX_TEXT = 1000  # characters of a name
 MAX_FEATURES = 1000
 MAX_NUMBER = 10**9
 
-FEEDFORWARD, LSTM = "feedforward", "lstm"
+FEEDFORWARD, LSTM, CHOICES = "feedforward", "lstm", "choices"
 PRICED = "priced"  # observation layout with the price
 
 
@@ -54,6 +54,8 @@ def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
         _require(path, manifest, "max_evaluations", _integer(manifest["initial_population_size"]))
     if manifest["network"] == LSTM:
         _require(path, manifest, "lstm_size", _integer(1, MAX_WIDTH))
+    if manifest["network"] == CHOICES:
+        _require(path, manifest, "num_choices", _integer(1, MAX_WIDTH))
     if observes_price(manifest):
         _require(path, manifest, "price", _PRICES)
     if "also_on" in manifest:
@@ -89,7 +91,11 @@ def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
         size = manifest["lstm_size"]
         shapes["lstm.weight"], shapes["lstm.bias"] = (4 * size, inputs + size), (4 * size,)
         inputs = size
-    for number, outputs in enumerate([*manifest["hidden_layers"], manifest["num_decisions"]]):
+    last = manifest["num_decisions"]
+    if manifest["network"] == CHOICES:
+        last = manifest["num_choices"]
+        shapes["choices"] = (last, manifest["num_decisions"])
+    for number, outputs in enumerate([*manifest["hidden_layers"], last]):
         shapes[f"{number}.weight"], shapes[f"{number}.bias"] = (outputs, inputs), (outputs,)
         inputs = outputs
     return shapes
@@ -186,7 +192,7 @@ _REQUIRED = {
     "max_evaluations": _optional(_integer(1)),
     "max_population_size": _integer(1),
     "min_population_size": _integer(1),
-    "network": _one_of(FEEDFORWARD, LSTM),
+    "network": _one_of(FEEDFORWARD, LSTM, CHOICES),
     "num_decisions": _integer(1, MAX_WIDTH),
     "observation": _Entry("an observation layout, or several joined by +", _is_observation),
     "optimizer": _one_of(*OPTIMIZERS, code=True),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from swarm_gym.action import Action, make_action
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.learned.manifest import (
+    CHOICES,
     FEEDFORWARD,
     LSTM,
     PolicyFileError,
@@ -91,7 +92,7 @@ class FeedforwardController(Controller):
         hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
             hidden = np.tanh(affine(hidden, weight, bias))
-        return carried_out(affine(hidden, *self._layers[-1]), proposal)
+        return carried_out(self._decided(affine(hidden, *self._layers[-1])), proposal)
 
     def _read_weights(self, weights: Weights) -> None:
         """Keep the weights, layer by layer."""
@@ -101,6 +102,10 @@ class FeedforwardController(Controller):
     def _features(self, seen: NDArray) -> NDArray:
         """Return the input of the first layer, given the policy's observations (B, features) in float32."""
         return seen
+
+    def _decided(self, outputs: NDArray) -> NDArray:
+        """Return the decisions (B, k), given the outputs of the last layer."""
+        return outputs
 
     def _checked_price(self, path: Path, price: float | None) -> float | None:
         """Return the price that the policy observes; by default the middle of its training's range."""
@@ -195,8 +200,25 @@ class RecurrentController(FeedforwardController):
         return self._hidden
 
 
+class ChoiceController(FeedforwardController):
+    """The action, of several, whose return a trained network estimates to be the largest.
+
+    The file has a tensor `choices` of actions, (n, k), where n is the manifest's `num_choices`. The last
+    layer has an output for each of them. Of equal estimates the first one counts.
+    """
+
+    network = CHOICES
+
+    def _read_weights(self, weights: Weights) -> None:
+        super()._read_weights(weights)
+        self._choices = weights["choices"]
+
+    def _decided(self, outputs: NDArray) -> NDArray:
+        return self._choices[outputs.argmax(axis=1)]
+
+
 NETWORKS: dict[str, type[FeedforwardController]] = {
-    network.network: network for network in (FeedforwardController, RecurrentController)
+    network.network: network for network in (FeedforwardController, RecurrentController, ChoiceController)
 }
 
 

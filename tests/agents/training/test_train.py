@@ -16,7 +16,7 @@ from agents.runs.seeds import TEST, VALIDATION, training_seed
 from agents.training.config import TrainConfig
 from agents.training.learners import make_learner
 from agents.training.sb3_vec_env import SB3VecEnv
-from helpers.trainings import EVOLUTION, STEPS, make_rule, run_whole_and_stopped, tiny_config, train
+from helpers.trainings import DQN, EVOLUTION, STEPS, make_rule, run_whole_and_stopped, tiny_config, train
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
@@ -62,6 +62,8 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
             {"base": "spsfa-tip", "warm_start": "none", "reward": "paired", "reference": START_OF_4},
             marks=pytest.mark.slow,
         ),
+        # The last rollouts replace the first ones in the memory of DQN.
+        (2, 4, DQN),
         # With a whole covariance, and with its diagonal.
         (4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": ()}),
         pytest.param(4, 8, {**EVOLUTION, "num_swarms": 8, "hidden_layers": (20,)}, marks=pytest.mark.slow),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from agents import make_controller
 from helpers.mutations import fuzzed, mutated
-from helpers.trainings import add_memory, change_policy, make_policy
+from helpers.trainings import add_choices, add_memory, change_policy, make_policy
 from swarm_gym.controllers.learned.policy_file import (
     MAX_FILE,
     MAX_HEADER,
@@ -40,6 +40,10 @@ def policy(tmp_path):
 
 def with_memory(path):
     return add_memory(path, np.random.default_rng(1), SIZE)
+
+
+def with_choices(path):
+    return add_choices(path, np.random.default_rng(1), SIZE)
 
 
 def refused(path, *expected):
@@ -131,10 +135,11 @@ def test_what_is_no_regular_file_is_refused(tmp_path):
 INSERTIONS = (b"null", b"-1", b"9" * 30, b"[", b"{", b'"', b"1e999", b"NaN", b"\\u0000", b"\0" * 8)
 
 
-@pytest.mark.parametrize("network", ["feedforward", "lstm"])
+@pytest.mark.parametrize("network", ["feedforward", "lstm", "choices"])
 @pytest.mark.fuzzed
 def test_any_bytes_are_a_policy_or_refused(policy, network):
-    data = (policy if network == "feedforward" else with_memory(policy)).read_bytes()
+    change = {"feedforward": lambda path: path, "lstm": with_memory, "choices": with_choices}
+    data = change[network](policy).read_bytes()
     header, tensors = parts_of(data)
 
     @given(
@@ -275,6 +280,13 @@ def test_a_missing_tensor_is_refused_and_a_memory_without_a_size(policy):
     for key in ("lstm_size", "initial_population_size"):
         save_policy(policy, weights, {name: manifest[name] for name in manifest if name != key})
         refused(policy, f"lacks {key}")
+
+
+@pytest.mark.parametrize("number", [None, 0, SIZE + 1, 10**9])
+def test_a_file_with_another_number_of_choices_than_it_says_is_refused(policy, number):
+    weights, manifest = load_policy(with_choices(policy))
+    save_policy(policy, weights, {**manifest, "num_choices": number})
+    refused(policy, "tensor 'choices'" if number == SIZE + 1 else "num_choices")
 
 
 def test_more_may_be_said_than_is_needed(policy):

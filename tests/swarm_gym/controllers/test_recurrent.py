@@ -100,7 +100,7 @@ def test_every_layout_tells_the_beginning_of_an_episode(layout):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"network": "transformer"}, "network must be one of feedforward, lstm.*transformer"),
+        ({"network": "transformer"}, "network must be one of choices, feedforward, lstm.*transformer"),
         ({"network": ["lstm"]}, "network must be one of"),
         ({"lstm_size": 7}, "tensor 'lstm.weight'"),
         ({"network": "feedforward"}, "tensor '0.weight'"),
