@@ -2,10 +2,11 @@
 
 Controllers `learned:three-cases/0`, `learned:three-cases/1`, ... form one group, whose key is
 `learned:three-cases/*`, or `learned:three-cases/*@0.3` with a price. Any other controller is a group of its
-own, under its own name. A tuning that was chosen among those of its recipe can stand alone, too. Scenarios `random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set,
-`random-fields:test`. Events of one kind at several times are a set, too: `dynamic:case1-gate@20` is of
-`dynamic:case1-gate`, with or without a robot that drives. The instances of a BBOB function in one dimension
-are a set, `function:bbob-8-5`. Any other scenario is a set of its own.
+own, under its own name. A tuning that was chosen among those of its recipe can stand alone, too. Scenarios
+`random-fields:test:0`, `random-fields:test:1`, ... are drawn from one set, `random-fields:test`. Events of
+one kind at several times are a set, too: `dynamic:case1-gate@20` is of `dynamic:case1-gate`, with or without
+a robot that drives. The instances of a BBOB function in one dimension are a set, `function:bbob-8-5`. Any
+other scenario is a set of its own.
 """
 
 import re

@@ -89,7 +89,7 @@ def test_policies_that_are_told_different_prices_are_different_groups():
 def test_what_a_suite_names_is_there_and_ships(suite):
     assert set(suite.tables) <= set(TABLES)
     assert set(suite.figures) <= set(figures())
-    groups = group_controllers(suite.controllers)
+    groups = group_controllers(suite.controllers, suite.alone)
     assert suite.baseline in groups
     assert {group for family in suite.families for group in family.groups} <= set(groups)
     assert len(set(suite.controllers)) == len(suite.controllers)

@@ -178,7 +178,7 @@ def test_claims_are_about_controllers_that_their_suites_run():
     files = sorted((ROOT / "experiments/studies").glob("*/claims.toml"))
     assert len(files) >= 2
     for one in (claim for file in files for claim in load_claims(file)):
-        groups = group_controllers(SUITES[one.suite].controllers)
+        groups = group_controllers(SUITES[one.suite].controllers, SUITES[one.suite].alone)
         assert one.group in groups, one.sentence
         assert one.rival in {"", *groups, *SUITES[one.suite].yardsticks}, one.sentence
         known = {*scenario_sets(SUITES[one.suite].scenarios), *SUITES[one.suite].scenarios, EVERY_SET}
