@@ -171,7 +171,6 @@ PACKAGED_POLICIES = {
     "ablation-from-start": 5,
     "ablation-imitation": 5,
     "ablation-steps-1M": 5,
-    "ablation-dqn": 5,
     "dynamic-told": 5,
     "case1": 5,
     "case2": 5,
