@@ -23,7 +23,7 @@ class Family:
         name: name as it is printed.
         controllers: names for `agents.make_controller`; figures connect their groups, ordered by evaluations.
         blind: whether the controllers see nothing but the iteration.
-        alone: those of the controllers that are also reported on by themselves, beside their group: tunings
+        alone: controllers of the family that are also reported on by themselves, beside their group: tunings
             that were chosen among all of their recipe.
     """
 

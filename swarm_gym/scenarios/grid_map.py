@@ -137,7 +137,7 @@ class GridMap:
 
         Args:
             centre: (2,) cell coordinates (column, row) of its centre, which need not be whole numbers.
-            radius: its radius in cells.
+            radius: radius in cells.
         """
         column, row = np.asarray(centre, dtype=np.float64)
         columns, rows = np.arange(self.width), np.arange(self.height)[:, None]
