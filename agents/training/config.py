@@ -120,7 +120,7 @@ class TrainConfig:
     size_choices: tuple[float, ...] = (-0.3, -0.15, 0.0, 0.15, 0.3)
     """Numbers in [-1, 1] that a policy by dqn chooses from for the size; corrections if there is a base."""
     degree_choices: tuple[float, ...] = (-0.4, 0.0, 0.4)
-    """Numbers in [-1, 1] that a policy by dqn chooses from for the repair degree."""
+    """Numbers in [-1, 1] that a policy by dqn chooses from for the repair degree, as for the size."""
     replay_size: int = 200_000
     """Number of environment steps that are kept to learn from, for dqn only."""
     return_steps: int = 1

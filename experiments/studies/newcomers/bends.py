@@ -65,4 +65,4 @@ def stored_outcomes(suite: Suite, folder: Path) -> Outcomes:
         ResultsError: if the database is missing or lacks runs.
     """
     with closing(Results.stored(folder / f"{suite.name}.sqlite")) as results:
-        return results.outcomes(suite.controllers, suite.seeds, suite.options)
+        return results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
