@@ -28,8 +28,8 @@ FITTED = {
     "reacting-loop": "reacting loop",
     "tuned": "tuned schedule",
 }
-# Names of groups of training or tuning seeds, where they differ: what is tuned need not be a schedule.
-GROUPS = {"tuned": "tuned"}
+# Recipes with several training or tuning seeds; what is tuned in them need not be a schedule.
+SEVERAL_SEEDS = {**FITTED, "tuned": "tuned"}
 
 
 def label(controller: str) -> str:
@@ -52,12 +52,13 @@ def label(controller: str) -> str:
 
 def _controller_label(name: ControllerName) -> str:
     if name.seed == ALL_SEEDS and name.family in FITTED:
-        return f"{GROUPS.get(name.family, FITTED[name.family])} {name.recipe}{name.price_suffix}"
+        return f"{SEVERAL_SEEDS[name.family]} {name.recipe}{name.price_suffix}"
     if name.family == "fixed":
         members, parts = _members(name)
         return f"FA-{members} ({', '.join(parts)})" if parts else f"FA-{members}"
     if name.family in FITTED and name.argument:
-        return f"{FITTED[name.family]} ({name.argument})"
+        families = FITTED if name.seed is None else SEVERAL_SEEDS
+        return f"{families[name.family]} ({name.argument})"
     if name.family in ("spsfa", "spsfa-tip"):
         family, parameters = name.family.upper(), name.argument.replace(",", ", ")
         return f"{family} ({parameters})" if parameters else family

@@ -186,10 +186,6 @@ def _refuse(config: TrainConfig) -> None:
     Raises:
         ValueError: naming the option and its value.
     """
-    if config.warm_start != "none":
-        raise ValueError(
-            f"device-ppo imitates no controller: warm_start must be 'none', got {config.warm_start!r}"
-        )
     if config.reward == PAIRED:
         raise ValueError(f"device-ppo has no reward {PAIRED!r}; choose {ENV_REWARD!r}, or algorithm 'ppo'")
     if config.max_evaluations:

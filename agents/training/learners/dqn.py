@@ -178,8 +178,6 @@ def _require_usable(config: TrainConfig) -> None:
         require_integer(name, getattr(config, name), 1)
     require_integer("return_steps", config.return_steps, 1, config.iterations)
     require_integer("exploration_steps", config.exploration_steps, 0)
-    if config.warm_start != "none":
-        raise ValueError(f"dqn imitates no controller: warm_start must be 'none', got {config.warm_start!r}")
     if config.max_evaluations:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"

@@ -46,10 +46,6 @@ class EvolutionLearner(Learner):
                 "evolution: all candidates have the same starts, so a paired reward changes nothing; "
                 f"use reward {ENV_REWARD!r}"
             )
-        if config.warm_start != "none":
-            raise ValueError(
-                f"evolution imitates no controller: warm_start must be 'none', got {config.warm_start!r}"
-            )
         self.num_steps = 0
         self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
         self.features = feature_names(config, self._base)

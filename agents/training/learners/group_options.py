@@ -29,6 +29,7 @@ ALGORITHMS_OF = {
     "size_choices": ("dqn",),
     "target_steps": ("dqn",),
 }
+IMITATING = ("ppo", "recurrent-ppo")  # the algorithms that can imitate a controller first
 LARGEST_AVERAGING = 0.9999
 
 
@@ -46,6 +47,10 @@ def require_groups(config: TrainConfig) -> None:
         if config.algorithm not in algorithms and value != getattr(TrainConfig, name):
             allowed = " or ".join(map(repr, algorithms))
             raise ValueError(f"{name} {value!r} is for algorithm {allowed} only, got {config.algorithm!r}")
+    if config.warm_start != "none" and config.algorithm not in IMITATING:
+        raise ValueError(
+            f"{config.algorithm} imitates no controller: warm_start must be 'none', got {config.warm_start!r}"
+        )
     require_integer("group_size", config.group_size, 1, config.num_swarms)
     require_integer("noise_steps", config.noise_steps, 0, config.iterations)
     require_number("averaging", config.averaging, 0.0, LARGEST_AVERAGING)

@@ -361,6 +361,7 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
         ("learned:three-cases/3", "learned (three-cases/3)"),
         ("open-loop:three-cases-constant", "open loop (three-cases-constant)"),
         ("tuned:random-fields", "tuned schedule (random-fields)"),
+        ("tuned:dynamic-periodic/3@1", "tuned (dynamic-periodic/3@1)"),
         ("learned:three-cases/*", "learned three-cases"),
         ("learned:three-cases/*@0.3", "learned three-cases@0.3"),
         ("improved-fish-swarm(200)+fixed:100", "IAFSA, 100 members, 200 iterations"),
