@@ -22,7 +22,8 @@ from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reward import NEED_AN_OPTIMUM, Transition, make_reward
+from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, Transition, make_reward
+from swarm_gym.robots import require_drives
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
@@ -65,6 +66,8 @@ class SwarmBatch:
         )
         if self.settings.reward in NEED_AN_OPTIMUM:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
+        if self.settings.reward in NEED_ROBOTS:
+            require_drives(self.settings.scenarios, f"reward {self.settings.reward!r}")
         self._scenario_names = np.array(
             [problem.scenario.name for problem in self.simulation.problems], dtype=object
         )
@@ -128,6 +131,7 @@ class SwarmBatch:
                 ended,
                 simulation.offline_weight(),
                 simulation.optimality_gap,
+                simulation.detours,
                 xp,
             )
         )

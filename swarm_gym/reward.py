@@ -7,11 +7,13 @@
 | `final-gap` | -log(final gap) at the end, minus the cost of every step |
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
 | `offline-error` | -100 * optimality gap, averaged since the first event, minus the cost of every step |
+| `detour` | -100 * detour of a robot at the end, minus the cost of every step |
 
 The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
 times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
 functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
-fitness - optimum) / optimum, see `swarm_gym.reference`.
+fitness - optimum) / optimum, see `swarm_gym.reference`. The detour is (driven length - shortest way) /
+shortest way, where the shortest way leads from start to target on the map after all events.
 """
 
 from collections.abc import Callable
@@ -24,6 +26,8 @@ from swarm_gym.arrays import Namespace
 from swarm_gym.own_code import find
 
 Floats = NDArray[np.float64]
+
+LARGEST_DETOUR = 1.0  # that the reward `detour` counts
 
 
 class Transition(NamedTuple):
@@ -39,6 +43,8 @@ class Transition(NamedTuple):
             map, or since the beginning where there is none; 0 before the event.
         optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
             call it.
+        detour: function that returns the detours (B,) of robots that drive, infinite for those that are not
+            at the target; rewards that do not need them never call it.
         xp: namespace of the arrays, whose functions rewards use: the module `numpy`, or that of tensors, see
             `swarm_gym.arrays`.
     """
@@ -50,6 +56,7 @@ class Transition(NamedTuple):
     ended: NDArray[np.bool_]
     offline_weight: Floats
     optimality_gap: Callable[[], Floats]
+    detour: Callable[[], Floats]
     xp: Namespace = np
 
 
@@ -95,6 +102,17 @@ def offline_error(transition: Transition) -> Floats:
     return -100.0 * transition.optimality_gap() * transition.offline_weight - transition.cost
 
 
+def detour(transition: Transition) -> Floats:
+    """Return minus the detour of a robot in percent at the end and 0 before it, minus the cost of every step.
+
+    A robot that does not arrive counts as one that drives twice the shortest way. So does one that drives
+    farther than that.
+    """
+    xp = transition.xp
+    percent = -100.0 * xp.minimum(transition.detour(), LARGEST_DETOUR)
+    return xp.where(transition.ended, percent, 0.0) - transition.cost
+
+
 def final_gap(transition: Transition) -> Floats:
     """Return -log(final gap) at the end and 0 before it, minus the cost of every step.
 
@@ -110,9 +128,12 @@ REWARDS: dict[str, Reward] = {
     "final-gap": final_gap,
     "optimality": optimality,
     "offline-error": offline_error,
+    "detour": detour,
 }
 # Rewards that need a scenario whose optimum is known.
 NEED_AN_OPTIMUM = ("optimality", "offline-error")
+# Rewards that need robots that drive in all scenarios.
+NEED_ROBOTS = ("detour",)
 
 
 def make_reward(name: str) -> Reward:

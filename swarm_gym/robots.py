@@ -5,7 +5,7 @@ free of obstacles; otherwise it waits. From then on the swarm plans from the rob
 has a problem of its own, and the memory of the optimizer is carried over to that problem.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import MapProblem, WalkProblem
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.scenarios import Point, drive_of
+from swarm_gym.scenarios import AnyScenario, Point, drive_of
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import Worlds
 
@@ -33,6 +33,7 @@ class Robots:
     Attributes:
         places: (B, 2) positions of the robots, in map coordinates.
         driven: (B,) distances that they have driven in this episode, in map units.
+        arrived: (B,) whether they are at the target.
         trajectories: for each robot the points, (x, y), that it has passed, from the start to its position.
     """
 
@@ -47,12 +48,16 @@ class Robots:
         self._first, self._every, self._distance = np.array(numbers)[scenario_of].T
         self.places = np.zeros((num_swarms, 2))
         self.driven = np.zeros(num_swarms)
+        self.arrived = np.zeros(num_swarms, dtype=np.bool_)
+        self._scenario_of = scenario_of
+        self._shortest: dict[int, float] = {}  # length of the shortest way by the number of a scenario
         self.trajectories: list[list[Point]] = [[] for _ in range(num_swarms)]
 
     def begin(self, rows: Integers) -> None:
         """Put the robots of swarms that begin episodes at the starts."""
         self._world[rows] = self._swarms.problem[rows]
         self.driven[rows] = 0.0
+        self.arrived[rows] = False
         for row in rows.tolist():
             start = self._problem(row).scenario.start
             self.places[row], self.trajectories[row] = start, [start]
@@ -107,15 +112,37 @@ class Robots:
                     self._cut_walk(row, piece, there)
                 self._give(row, there, int(world[row]))
                 moved[row] = True
+            self.arrived[row] = arrives
             self.places[row] = piece[-1]
             self.driven[row] += length_of(piece)
             self.trajectories[row] += [(x, y) for x, y in piece[1:].tolist()]
         return moved
 
+    def detours(self) -> Floats:
+        """Return (B,) how far the robots drove above the shortest way, as a share of it.
+
+        The shortest way leads from the start to the target on the map after all events. Infinity stands for a
+        robot that is not at the target.
+        """
+        found = np.full(len(self.driven), np.inf)
+        for row in np.flatnonzero(self.arrived).tolist():
+            found[row] = self.driven[row] / self._shortest_way(int(self._world[row])) - 1.0
+        return found
+
+    def _shortest_way(self, world: int) -> float:
+        """Return the length of the shortest way on the last map of the scenario of a world."""
+        scenario = int(self._scenario_of[world])
+        if scenario not in self._shortest:
+            from swarm_gym.reference import shortest_path  # loads what environments else do without
+
+            last = int(np.flatnonzero(self._scenario_of == scenario)[-1])
+            self._shortest[scenario] = shortest_path(self._problem(0, last).scenario)[0]
+        return self._shortest[scenario]
+
     def copy_rows(self, rows: Integers) -> None:
         """Make the robot of swarm i a copy of that of swarm rows[i]; the swarms were copied before."""
         problems = list(self._worlds.problems)
-        for array in (self._world, self.places, self.driven):
+        for array in (self._world, self.places, self.driven, self.arrived):
             array[...] = array[rows]
         self.trajectories = [list(self.trajectories[row]) for row in rows]
         for row, number in enumerate(self._swarms.problem.tolist()):
@@ -182,6 +209,20 @@ def make_robots(
             "that it cannot drive; choose another optimizer or a scenario without a drive"
         )
     return Robots(worlds, settings, optimizer, swarms)
+
+
+def require_drives(scenarios: Iterable[AnyScenario], purpose: str) -> None:
+    """Raise an error if there is a scenario in which no robot drives.
+
+    Raises:
+        SettingError: naming the first of these scenarios.
+    """
+    for scenario in scenarios:
+        if drive_of(scenario) is None:
+            raise SettingError(
+                f"{purpose} needs robots that drive, but in scenario {scenario.name!r} none does; choose one "
+                "with a drive, as in dynamic:case1-gate@70-drive@40,every=5,distance=60"
+            )
 
 
 def piece_of(path: Floats, distance: float) -> tuple[Floats, bool]:

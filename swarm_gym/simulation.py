@@ -334,6 +334,10 @@ class Simulation:
         unit = self.xp.where(optimum == 0.0, 1.0, optimum)
         return (self.swarms.best_fitness - optimum) / unit
 
+    def detours(self) -> Floats:
+        """Return (B,) detours, see `Robots.detours`; infinity where no robot drives."""
+        return self.full(np.inf) if self.robots is None else self.robots.detours()
+
     def positions(self, row: int) -> Floats:
         """Return the positions of the living members of a swarm, (size, dimension), a view."""
         return self.swarms.positions[row, : self.swarms.size[row], : self.dimension]

@@ -13,6 +13,7 @@ from agents.tuning.config import TuneConfig
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.registration import environment_id
+from swarm_gym.reward import LARGEST_DETOUR
 from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
@@ -21,7 +22,7 @@ Floats = NDArray[np.float64]
 class Outcomes(NamedTuple):
     """Results of n controllers on the same E episodes; every array has shape (n, E).
 
-    The loss is a measure of the gap (`LOSSES`) + price * evaluations / reference evaluations. For
+    The loss is a measure of the result (`LOSSES`) + price * evaluations / reference evaluations. For
     controllers with the same PS(0), it is the negative sum of the environment's rewards, up to a constant of
     the episode. It includes the evaluations of the first population, so that controllers with different PS(0)
     can be compared.
@@ -64,11 +65,16 @@ def _offline_error(simulation: Simulation) -> Floats:
     return 100.0 * simulation.optimality_gap() * simulation.offline_weight()
 
 
-# Measures of the gap, by the name of the reward: what an iteration adds to it, (B,); lower is better.
+def _detour(simulation: Simulation) -> Floats:
+    return np.where(simulation.running, 0.0, 100.0 * np.minimum(simulation.detours(), LARGEST_DETOUR))
+
+
+# Measures of a result, by the name of the reward: what an iteration adds to it, (B,); lower is better.
 LOSSES: dict[str, Callable[[Simulation], Floats]] = {
     "final": _logarithmic,
     "optimality": _per_cent,
     "offline-error": _offline_error,
+    "detour": _detour,
 }
 
 
@@ -110,7 +116,7 @@ class SideBySide:
     def run(self, controllers: Sequence[Controller], seed: int) -> Outcomes:
         """Evaluate controllers; episode e of each has the seed `seed` + e and the same scenario.
 
-        Episodes may end early, for instance when a robot that follows glowworms has arrived.
+        Episodes may end early, for instance when a robot has arrived.
         """
         count, episodes = self._shape
         observations = self._begin(controllers, seed)

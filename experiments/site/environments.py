@@ -19,12 +19,17 @@ from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reset_options import RESET_OPTIONS
-from swarm_gym.reward import NEED_AN_OPTIMUM, REWARDS
+from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS
 from swarm_gym.settings import Settings
 
 SCENARIO = "case1"
 # A budget of evaluations, which paced actions need.
 BUDGET = 100_000
+# What the scenarios of an environment must have, by the name of the reward.
+NEEDS_OF_REWARDS = {
+    **dict.fromkeys(NEED_AN_OPTIMUM, "a known optimum"),
+    **dict.fromkeys(NEED_ROBOTS, "robots that drive"),
+}
 # Columns of a table of scores that its page shows.
 SCORE_COLUMNS = (
     "controller", "scenario_set", "first_seed", "num_seeds", "gap", "evaluations", "feasible", "digest",
@@ -295,7 +300,7 @@ def _rewards() -> str:
         (
             code(name),
             first_sentence(reward).removeprefix("Return "),
-            "a known optimum" if name in NEED_AN_OPTIMUM else "–",
+            NEEDS_OF_REWARDS.get(name, "–"),
         )
         for name, reward in REWARDS.items()
     ]

@@ -97,7 +97,7 @@ ACTION_LAYOUTS = (
     "sourced", "sourced-normalised", "sourced-paced",
 )  # fmt: skip
 REWARD_NAMES = (
-    "progress", "final", "final-gap", "optimality",
+    "progress", "final", "final-gap", "optimality", "offline-error", "detour",
 )  # fmt: skip
 SINGLE_SCENARIOS = (
     "case1", "case2", "case3",
@@ -206,7 +206,8 @@ PRESETS = (
     "optimizers-all-named", "optimizers-particle-swarm-sizes", "optimizers-elite-genetic-sizes",
     "optimizers-multivariate-sizes", "optimizers-generational-firefly-sizes",
     "optimizers-fish-swarm-sizes", "optimizers-improved-fish-swarm-sizes",
-    "optimizers-hybrid-fish-swarm-sizes", "optimizers-firefly-sizes",
+    "optimizers-hybrid-fish-swarm-sizes", "optimizers-firefly-sizes", "dynamic", "dynamic-told",
+    "dynamic-robots",
 )  # fmt: skip
 SUITE_NAMES = (
     "paper", "headline", "generalisation", "out-of-distribution", "parameters", "moa-paper",

@@ -11,9 +11,6 @@ from agents.training.config import TrainConfig
 from agents.training.learners import LEARNERS
 from agents.training.presets import PresetError, load_preset, preset_names
 
-# Controllers whose first populations some presets take instead of those of the controller that they correct.
-FIRST_SIZE_OF = dict.fromkeys(("dynamic", "dynamic-told"), "reacting-loop:dynamic-fields-reacting/0@1")
-
 
 @pytest.mark.parametrize("name", preset_names())
 def test_every_packaged_preset_loads(name):
@@ -21,7 +18,7 @@ def test_every_packaged_preset_loads(name):
     assert config.preset == name
     assert config.algorithm in LEARNERS
     if config.base != "none":  # as many members as the controller that it corrects
-        base = make_controller(FIRST_SIZE_OF.get(name, config.base), config.limits)
+        base = make_controller(config.base, config.limits)
         assert config.initial_population_size == base.initial_population_size
 
 

@@ -81,7 +81,11 @@ def test_candidates_meet_the_same_episodes_as_in_the_single_environment_whatever
 @pytest.mark.parametrize(
     ("reward", "scenario"),
     # `final` does not charge a controller for an event, and its loss does.
-    [*((name, "case3") for name in LOSSES), *((n, "dynamic:case3-gate@50") for n in LOSSES if n != "final")],
+    [
+        *((name, "case3") for name in LOSSES if name != "detour"),
+        *((name, "dynamic:case3-gate@50") for name in LOSSES if name not in ("final", "detour")),
+        ("detour", "dynamic:case3-gate@50-drive@40,every=5,distance=120"),
+    ],
 )
 def test_the_loss_is_the_return_with_the_sign_turned_up_to_a_constant_of_the_episode(reward, scenario):
     config = TuneConfig(**{**TINY, "scenarios": (scenario,)}, price=0.5, reward=reward)
