@@ -17,7 +17,7 @@ def make_choices(sizes: tuple[float, ...], degrees: tuple[float, ...]) -> NDArra
 
 
 class ChoiceVecEnv(VecEnvWrapper):
-    """Swarms whose actions are the numbers of rows.
+    """Swarms in which an action is the number of a row of `choices`.
 
     Args:
         env: environment whose actions have k numbers.

@@ -80,7 +80,7 @@ class TrainConfig:
     warm_start: str = "spsfa-tip"
     """Controller that the policy imitates before the training; none trains from random weights."""
     hidden_layers: tuple[int, ...] = (64, 64)
-    """Sizes of the hidden tanh layers, for the actor and for the critic."""
+    """Sizes of the hidden tanh layers of the policy, and of the critic where there is one."""
     lstm_size: int = 32
     """Number of LSTM units before the hidden layers; for recurrent-ppo only."""
     log_std: float = -1.6

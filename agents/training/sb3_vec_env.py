@@ -1,4 +1,4 @@
-"""The environment that PPO is trained in: a base proposes decisions, and a reference is subtracted."""
+"""Swarms for stable-baselines3 in which a base proposes decisions and a reference is subtracted."""
 
 from typing import Any
 

@@ -12,7 +12,6 @@ from swarm_gym.observation import OBSERVATIONS
 TINY = {
     "num_swarms": 4, "scenarios": ("case3",), "initial_population_size": 4, "max_population_size": 12,
     "batch_size": 100, "epochs": 2, "rollouts_per_chunk": 1, "validation_seeds": 2, "hidden_layers": (8,),
-    "lstm_size": 5,
 }  # fmt: skip
 STEPS = 4 * 100  # one rollout of one episode per swarm
 # Evolution costs next to nothing: four candidates.
@@ -20,7 +19,7 @@ EVOLUTION = {"algorithm": "evolution", "warm_start": "none", "candidates": 4}
 # DQN begins to learn after one rollout, and forgets what is older than two.
 DQN = {
     "algorithm": "dqn", "warm_start": "none", "replay_size": 2 * STEPS, "gradient_steps": 1,
-    "return_steps": 3, "target_steps": STEPS // 2, "exploration_steps": 2 * STEPS,
+    "return_steps": 3, "target_steps": 120, "exploration_steps": 2 * STEPS,
     "size_choices": (-0.5, 0.0, 0.5),
 }  # fmt: skip
 

@@ -6,10 +6,10 @@ To add one, write a subclass of `learner.Learner` and enter it in `LEARNERS`.
 from collections.abc import Callable
 
 from agents.training.config import TrainConfig
+from agents.training.learners.algorithm_options import require_options
 from agents.training.learners.device_ppo import DevicePPOLearner
 from agents.training.learners.dqn import DQNLearner
 from agents.training.learners.evolution import EvolutionLearner
-from agents.training.learners.group_options import require_groups
 from agents.training.learners.learner import Learner
 from agents.training.learners.ppo import PPOLearner
 from agents.training.learners.recurrent import RecurrentPPOLearner
@@ -34,7 +34,7 @@ def make_learner(config: TrainConfig) -> Learner:
         ValueError: for options that the algorithm cannot use.
     """
     learner = look_up("algorithm", config.algorithm, LEARNERS)
-    require_groups(config)
+    require_options(config)
     if config.base != "none" and config.warm_start != "none":
         raise ValueError(
             f"base {config.base!r} and warm_start {config.warm_start!r} exclude each other: a policy that "

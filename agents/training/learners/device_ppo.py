@@ -15,12 +15,12 @@ from stable_baselines3.common.utils import set_random_seed
 from agents.runs.seeds import TRAINING_START
 from agents.training.config import TrainConfig
 from agents.training.imitation import ROLLOUTS, Demonstration, imitate
+from agents.training.learners.algorithm_options import has_groups
 from agents.training.learners.clipped_update import Steps, update
 from agents.training.learners.device_base import TensorBase
 from agents.training.learners.device_rollout import DeviceSwarms, Rollout, run_episode
 from agents.training.learners.environments import feature_names, make_swarms
 from agents.training.learners.group_advantages import advantages_and_returns
-from agents.training.learners.group_options import has_groups
 from agents.training.learners.learner import Learner
 from agents.training.learners.ppo import actor_layers, policy_options, step_size
 from agents.training.paired_reward import ENV_REWARD, PAIRED

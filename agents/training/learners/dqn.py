@@ -1,8 +1,9 @@
 """Deep Q-networks, by stable-baselines3: the policy chooses from a grid of sizes and repair degrees.
 
 Source: V. Mnih et al., "Human-level control through deep reinforcement learning", Nature 518 (2015), with
-returns over several steps, R. Sutton, "Learning to predict by the methods of temporal differences", Machine
-Learning 3 (1988). The network estimates the return of each choice; the policy takes the largest.
+returns over several steps as in M. Hessel et al., "Rainbow", AAAI 2018. They are not corrected for choices
+that were random or that the network would not make any more. The network estimates the return of each
+choice; the policy takes the choice with the largest estimate.
 """
 
 import warnings
@@ -10,10 +11,11 @@ from typing import Any
 
 import numpy as np
 import torch
+from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
 from stable_baselines3 import DQN
 from stable_baselines3.common.logger import Logger
-from stable_baselines3.common.utils import set_random_seed
 
 from agents.training.choice_vec_env import ChoiceVecEnv, make_choices
 from agents.training.config import TrainConfig
@@ -24,12 +26,36 @@ from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.controllers.learned.policy_file import Weights
 
-# Share of the steps with random choices: it falls from 1 to this one over `exploration_steps`.
+# Share of random choices: it falls from 1 to this one over `exploration_steps`. In the first rollout all
+# choices are random, since nothing is learned before it ends.
 LEAST_EXPLORATION = 0.05
-# At first the network prefers no correction, or the middle of the ranges, by so much in units of the reward.
+# At first the network prefers the choice next to no correction, or without a base next to the middle of the
+# ranges, by so much in units of the reward.
 PREFERENCE = 0.01
-# What is kept of the last steps of all swarms; `timeouts` stay False, since episodes end by themselves.
+# What is kept of the last steps of all swarms; `timeouts` stay False, since no episode is truncated.
 REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones")
+
+
+class ExploringDQN(DQN):
+    """The library's DQN, in which every swarm draws for itself whether its next choice is random."""
+
+    action_space: Discrete
+
+    def predict(
+        self,
+        observation: Any,
+        state: Any = None,
+        episode_start: Any = None,
+        deterministic: bool = False,
+    ) -> tuple[NDArray, Any]:
+        """Return the numbers of the choices of B swarms, some of them random unless `deterministic`."""
+        chosen, state = super().predict(observation, state, episode_start, deterministic=True)
+        if not deterministic:
+            numbers = self.action_space.np_random
+            explores = numbers.random(len(chosen)) < self.exploration_rate
+            drawn = numbers.integers(self.action_space.n, size=len(chosen))
+            chosen = np.where(explores, drawn, chosen)
+        return chosen, state
 
 
 class DQNLearner(Learner):
@@ -41,7 +67,6 @@ class DQNLearner(Learner):
         self.config = config
         _require_usable(config)
         torch.set_num_threads(1)  # as for PPO
-        set_random_seed(config.seed)
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
@@ -53,8 +78,7 @@ class DQNLearner(Learner):
         swarms = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.choices = make_choices(config.size_choices, config.degree_choices)
         self.env = ChoiceVecEnv(swarms, self.choices)
-        self._steps_of_rollout = swarms.get_attr("settings")[0].iterations * config.num_swarms
-        require_integer("replay_size", config.replay_size, self._steps_of_rollout)
+        self._steps_of_rollout = _steps_of_rollout(config)
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
@@ -64,7 +88,7 @@ class DQNLearner(Learner):
         return self.model.num_timesteps
 
     def begin(self) -> None:
-        """Prefer the choice next to zero, so that a policy with a base decides as its base at first."""
+        """Prefer the choice next to zero: where zero is one, a policy with a base begins as its base."""
         last = self._layers()[-1]
         with torch.no_grad():
             last.weight.zero_()
@@ -75,9 +99,7 @@ class DQNLearner(Learner):
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` episodes of every swarm with updates at each step; return scalars."""
         model, num_steps = self.model, self.config.rollouts_per_chunk * self._steps_of_rollout
-        set_random_seed(seed)
-        self.env.seed(seed)
-        model.action_space.seed(seed)
+        model.set_random_seed(seed)  # also that of the environment
         # New episodes and averages, so that any chunk can be the first of a resumed run.
         model._last_obs = None
         model.ep_info_buffer = None
@@ -110,7 +132,6 @@ class DQNLearner(Learner):
             "num_timesteps": model.num_timesteps,
             "updates": model._n_updates,
             "calls": model._n_calls,
-            "episodes": model._episode_num,
             "replay": {name: torch.as_tensor(getattr(replay, name)[:filled]) for name in REPLAYED},
             "place": replay.pos,
             "full": replay.full,
@@ -122,7 +143,7 @@ class DQNLearner(Learner):
         model.policy.load_state_dict(state["policy"])
         model.policy.optimizer.load_state_dict(state["optimizer"])
         model.num_timesteps, model._n_updates = state["num_timesteps"], state["updates"]
-        model._n_calls, model._episode_num = state["calls"], state["episodes"]
+        model._n_calls = state["calls"]
         for name, steps in state["replay"].items():
             getattr(replay, name)[: len(steps)] = steps.numpy()
         replay.pos, replay.full = state["place"], state["full"]
@@ -140,12 +161,12 @@ class DQNLearner(Learner):
         gone = self.num_steps / max(self.config.exploration_steps, 1)
         return max(1.0 - gone * (1.0 - LEAST_EXPLORATION), LEAST_EXPLORATION)
 
-    def _make_model(self) -> DQN:
+    def _make_model(self) -> ExploringDQN:
         config = self.config
         with warnings.catch_warnings():
             # The target network may follow at every step of many swarms.
             warnings.filterwarnings("ignore", "The number of environments used is greater", UserWarning)
-            model = DQN(
+            model = ExploringDQN(
                 "MlpPolicy",
                 self.env,
                 learning_rate=config.learning_rate,
@@ -157,6 +178,7 @@ class DQNLearner(Learner):
                 gradient_steps=config.gradient_steps,
                 n_steps=config.return_steps,
                 target_update_interval=config.target_steps,
+                stats_window_size=config.rollouts_per_chunk * config.num_swarms,
                 policy_kwargs={"net_arch": list(config.hidden_layers), "activation_fn": torch.nn.Tanh},
                 seed=config.seed,
                 device="cpu",
@@ -164,6 +186,11 @@ class DQNLearner(Learner):
         model.lr_schedule = lambda _: step_size(config, self.num_steps)
         model.exploration_schedule = self._exploration
         return model
+
+
+def _steps_of_rollout(config: TrainConfig) -> int:
+    """Return the number of environment steps of one episode of every swarm."""
+    return config.iterations * config.num_swarms
 
 
 def _require_usable(config: TrainConfig) -> None:
@@ -174,10 +201,11 @@ def _require_usable(config: TrainConfig) -> None:
             raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
         for number in numbers:
             require_number(name, number, -1.0, 1.0)
-    for name in ("gradient_steps", "target_steps"):
+    for name in ("batch_size", "gradient_steps", "target_steps"):
         require_integer(name, getattr(config, name), 1)
     require_integer("return_steps", config.return_steps, 1, config.iterations)
     require_integer("exploration_steps", config.exploration_steps, 0)
+    require_integer("replay_size", config.replay_size, _steps_of_rollout(config))
     if config.max_evaluations:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"

@@ -15,7 +15,6 @@ from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
-from swarm_gym.settings import Settings
 from swarm_gym.sources import Source
 
 
@@ -32,7 +31,7 @@ def make_swarms(
     """
     if layout_of(config.action).size == "natural":
         raise ValueError(f"action {config.action!r}: a policy decides in a layout scaled to [-1, 1]")
-    require_integer("corrected_from", config.corrected_from, 0, Settings.iterations - 1)
+    require_integer("corrected_from", config.corrected_from, 0, config.iterations - 1)
     if config.corrected_from and config.base == "none":
         raise ValueError(
             f"corrected_from {config.corrected_from}: without a base there is nothing to correct"
@@ -57,9 +56,15 @@ def make_swarms(
     inner: Any = env.unwrapped
     layout = make_action(inner.settings, get_optimizer(config.optimizer))
     try:
-        return env, Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
+        base = Base(controller, layout, config.corrected_from, inner.settings.max_evaluations)
     except ValueError as error:
         raise ValueError(f"base {config.base!r}: {error}") from error
+    if config.corrected_from and base.iteration_unit not in (1, config.iterations):
+        raise ValueError(
+            f"corrected_from {config.corrected_from}: base {config.base!r} observes the iteration as a share "
+            f"of {base.iteration_unit}, so iterations must be {base.iteration_unit}, got {config.iterations}"
+        )
+    return env, base
 
 
 def parts_of(config: TrainConfig) -> list[TrainConfig]:

@@ -20,9 +20,9 @@ from agents.training.config import TrainConfig
 from agents.training.grouped_vec_env import GroupedVecEnv
 from agents.training.imitation import Demonstration, demonstrate, imitate
 from agents.training.joined_vec_env import JoinedVecEnv
+from agents.training.learners.algorithm_options import has_groups
 from agents.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
 from agents.training.learners.group_advantages import GroupBuffer
-from agents.training.learners.group_options import has_groups
 from agents.training.learners.learner import Learner
 from agents.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.action import includes

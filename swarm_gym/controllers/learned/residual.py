@@ -54,6 +54,8 @@ class Base:
 
     Attributes:
         columns: number of columns that the controller observes.
+        iteration_unit: number of iterations that a 1 in the controller's column of the iteration stands
+            for: 1, or all 100 where the column has shares.
 
     Raises:
         ValueError: for a controller that cannot be corrected in this layout, or needs other episodes.
@@ -81,7 +83,7 @@ class Base:
         features = make_observation(controller.observation).features
         self.columns = len(features)
         # All layouts have the iteration in this column, as a number or as a share of all iterations.
-        self._unit = 1.0 if features[ITERATION].name == "iteration" else Settings.iterations
+        self.iteration_unit = 1 if features[ITERATION].name == "iteration" else Settings.iterations
 
     def features(self, observation: str) -> list[str]:
         """Return the names of the policy's observation features."""
@@ -94,7 +96,7 @@ class Base:
         """Return the controller's decisions, given the columns of both layouts (B, m)."""
         actions = self.layout.encode(self.controller.act(observations[:, : self.columns]))
         seen = np.concatenate([observations[:, self.columns :], actions], axis=1)
-        iteration = np.rint(observations[:, ITERATION] * self._unit)
+        iteration = np.rint(observations[:, ITERATION] * self.iteration_unit)
         return Proposal(actions, iteration >= self.corrected_from, seen.astype(np.float32))
 
     def last(self, observation: NDArray) -> NDArray:

@@ -1,4 +1,4 @@
-"""DQN: it learns, begins as its base, and its file chooses as the library's model does."""
+"""DQN: it learns, begins next to its base, and its file chooses as the library's model does."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_the_file_chooses_as_the_librarys_model_does(tmp_path):
     np.testing.assert_array_equal(controller.act(seen), run.learner.choices[chosen])
 
 
-def test_a_policy_with_a_base_begins_as_the_base(tmp_path):
+def test_a_policy_begins_with_the_choice_next_to_zero(tmp_path):
     run = train(tmp_path, **{**DQN, "size_choices": (0.4, 0.1, -0.2)}, base="spsfa-tip")
     run.learner.begin()
     run._save_policy(tmp_path / "first.safetensors", {})
@@ -70,6 +70,18 @@ def test_random_choices_become_rare(tmp_path):
     np.testing.assert_allclose(shares, [1.0, (1.0 + LEAST_EXPLORATION) / 2, LEAST_EXPLORATION, 0.05])
 
 
+def test_every_swarm_explores_by_itself(tmp_path):
+    learner = make_learner(tiny_config(tmp_path, **DQN))
+    model, seen = learner.model, np.zeros((4000, len(learner.features)), np.float32)
+    model.set_random_seed(0)
+    model.exploration_rate = 0.3
+    best = model.predict(seen, deterministic=True)[0]
+    assert (best == best[0]).all()
+    changed = model.predict(seen)[0] != best
+    # A random choice is the best one in one of nine cases.
+    assert changed.mean() == pytest.approx(0.3 * 8 / 9, abs=0.025)
+
+
 def test_choices_are_all_pairs():
     pairs = make_choices((-0.5, 0.5), (0.0, 0.25, 1.0))
     expected = [[-0.5, 0.0], [-0.5, 0.25], [-0.5, 1.0], [0.5, 0.0], [0.5, 0.25], [0.5, 1.0]]
@@ -84,6 +96,7 @@ def test_choices_are_all_pairs():
         ({"degree_choices": (0.0, 1.5)}, r"degree_choices must lie in \[-1, 1\], got 1.5"),
         ({"replay_size": STEPS - 1}, rf"replay_size must lie in \[{STEPS}, .*got {STEPS - 1}"),
         ({"return_steps": 101}, r"return_steps must lie in \[1, 100\], got 101"),
+        ({"batch_size": 0}, "batch_size must lie in .*got 0"),
         ({"gradient_steps": 0}, "gradient_steps must lie in .*got 0"),
         ({"target_steps": 0}, "target_steps must lie in .*got 0"),
         ({"exploration_steps": -1}, "exploration_steps must lie in .*got -1"),

@@ -22,6 +22,7 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
+OTHER_LENGTH = {"warm_start": "none", "iterations": 20}
 START_OF_4 = "spsfa-tip:initial_population_size=4"  # a reference that begins as the tiny trainings do
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -164,6 +165,8 @@ def test_a_stored_configuration_that_is_unreadable_or_another_is_not_resumed(tmp
         ),
         ({"corrected_from": 3}, "corrected_from 3: without a base"),
         ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
+        ({**OTHER_LENGTH, "base": "spsfa", "corrected_from": 20}, r"corrected_from must lie in \[0, 19\]"),
+        ({**OTHER_LENGTH, "base": "distilled:three-cases", "corrected_from": 3}, "share of 100.*got 20"),
         ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
         ({"reward": "paired"}, "'spsfa-tip' begins with 12 members, but the policy with 4: .*equal starts"),
         (

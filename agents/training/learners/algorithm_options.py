@@ -10,12 +10,13 @@ from swarm_gym.optimizers import get_optimizer
 DEVICES = ("cpu", "cuda")
 
 _IN_GROUPS = ("ppo", "device-ppo")
-# The algorithms that have an option; all algorithms have the others.
+# The algorithms that have an option, which the others refuse.
 ALGORITHMS_OF = {
     "also_on": ("ppo",),
     "averaging": _IN_GROUPS,
     "branch_at_events": ("ppo",),
     "branches": _IN_GROUPS,
+    "candidates": ("evolution",),
     "critic": _IN_GROUPS,
     "decay_steps": (*_IN_GROUPS, "dqn"),
     "degree_choices": ("dqn",),
@@ -23,9 +24,11 @@ ALGORITHMS_OF = {
     "exploration_steps": ("dqn",),
     "gradient_steps": ("dqn",),
     "group_size": _IN_GROUPS,
+    "lstm_size": ("recurrent-ppo",),
     "noise_steps": _IN_GROUPS,
     "replay_size": ("dqn",),
     "return_steps": ("dqn",),
+    "sigma": ("evolution",),
     "size_choices": ("dqn",),
     "target_steps": ("dqn",),
 }
@@ -33,7 +36,7 @@ IMITATING = ("ppo", "recurrent-ppo")  # the algorithms that can imitate a contro
 LARGEST_AVERAGING = 0.9999
 
 
-def require_groups(config: TrainConfig) -> None:
+def require_options(config: TrainConfig) -> None:
     """Raise an error for options that the algorithm does not have, or that exclude each other.
 
     Raises:
