@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import Array, at_least, divided, floats
 from swarm_gym.corridors import KnownCorridors
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.population import (
     COLLISION_DEVIATION,
@@ -22,7 +23,7 @@ from swarm_gym.population import (
     MEAN_COLLISION,
     POPULATION_COLLISION,
 )
-from swarm_gym.simulation import HISTORY, Simulation
+from swarm_gym.simulation import Simulation
 from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH
 
 Floats = NDArray[np.float64]

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.arrays import Namespace
 from swarm_gym.errors import ScenarioError, SettingError
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
@@ -194,15 +195,21 @@ class Robots:
 
 
 def make_robots(
-    worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms
+    worlds: Worlds, settings: Settings, optimizer: type[Optimizer], swarms: Swarms, xp: Namespace
 ) -> Robots | None:
     """Return the robots of a simulation, or None if no scenario lets them drive.
 
     Raises:
-        SettingError: if the optimizer moves the robot itself and so plans no path to drive along.
+        SettingError: if the optimizer moves the robot itself and so plans no path to drive along, or if the
+            arrays of the simulation, of the namespace `xp`, are no NumPy arrays.
     """
     if not any(map(drive_of, settings.scenarios)):
         return None
+    if xp is not np:
+        raise SettingError(
+            f"scenario {settings.scenarios[0].name!r} has a robot that drives, which needs a simulation on "
+            "NumPy arrays, got one on tensors; choose a scenario without a drive"
+        )
     if optimizer.begins_with_robot:
         raise SettingError(
             f"scenario {settings.scenarios[0].name!r}: optimizer {optimizer.name} moves the robot itself, so "

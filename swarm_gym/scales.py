@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import applied, as_numpy
+from swarm_gym.arrays import applied, as_numpy, at_least, floats
 from swarm_gym.errors import SettingError
 from swarm_gym.simulation import Simulation
 
@@ -106,4 +106,8 @@ class Paced(Scale):
         return self._lasting(simulation) * PACE_SPREAD**numbers
 
     def _lasting(self, simulation: Simulation) -> Floats:
-        return applied(simulation.optimizer.affordable_size, simulation.xp, simulation.pace())
+        """Return (B,) sizes at which the evaluations that are left last to the end of the episode."""
+        swarms, xp = simulation.swarms, simulation.xp
+        iterations_left = at_least(xp, simulation.settings.iterations - simulation.iteration, 1)
+        pace = floats(xp, swarms.budget - swarms.evaluations) / iterations_left
+        return applied(simulation.optimizer.affordable_size, xp, pace)

@@ -15,14 +15,14 @@ from swarm_gym.arrays import Array, Namespace, as_numpy, assign, at_least, divid
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
-from swarm_gym.errors import SettingError
+from swarm_gym.history import columns_of, write_state
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.population import POPULATION_COLLISION, Swarms
+from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
 from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
-from swarm_gym.sources import KIND_OF_BENDS, SOURCE_DECISIONS, kind_of_bends
+from swarm_gym.sources import KIND_OF_BENDS, kind_of_bends
 from swarm_gym.worlds import Worlds
 
 Floats = NDArray[np.float64]
@@ -30,15 +30,6 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NO_BUDGET = np.iinfo(np.int64).max
-HISTORY = (
-    "population_collision",
-    "population_size",
-    "repair_degree",
-    "best_fitness",
-    "evaluations",
-    "best_collision",
-    "feasible_fitness",
-)
 
 
 class Decisions(NamedTuple):
@@ -114,16 +105,13 @@ class Simulation:
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
         self.sources = self.place(np.tile(settings.new_members.decisions, (num_swarms, 1)))
         self.swarms.iterations[:] = settings.iterations
-        self.robots = make_robots(self.worlds, settings, optimizer, self.swarms)
-        if self.robots is not None:
-            self._refuse_robots_on_tensors()
-            self._anything_happens = True
+        self.robots = make_robots(self.worlds, settings, optimizer, self.swarms, self.xp)
+        self._anything_happens |= self.robots is not None
         self.parameters = self.place(optimizer.stacked_parameters(settings.knobs, num_swarms))
         self.iteration = self.swarms.iteration
         self.rows = self.place(np.arange(num_swarms))
         self.running = self.place(np.zeros(num_swarms, dtype=np.bool_))
-        decided = SOURCE_DECISIONS if settings.decides_sources else ()
-        self.columns = (*HISTORY, *optimizer.parameters, *decided)
+        self.columns = columns_of(optimizer, settings)
         self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
         self.initial_gap = self.place(np.ones(num_swarms))
         self.price = self.place(np.zeros(num_swarms))
@@ -297,11 +285,6 @@ class Simulation:
         if self.robots is not None:
             self.robots.copy_rows(rows)
 
-    def pace(self) -> Floats:
-        """Return (B,) evaluations per remaining iteration if the budget is spread evenly over them."""
-        left = at_least(self.xp, self.settings.iterations - self.iteration, 1)
-        return floats(self.xp, self.swarms.budget - self.swarms.evaluations) / left
-
     def offline_weight(self) -> Floats:
         """Return (B,) share of the last iteration in averages since the first event, see `reward`.
 
@@ -370,29 +353,7 @@ class Simulation:
 
     def _record(self, chosen: Flags, repair_degrees: Floats | float, parameters: Floats) -> None:
         """Write the present state of the chosen swarms, (B,), into `history`."""
-        swarms = self.swarms
         old = self.history[self.rows, self.iteration]
-        record = self.xp.empty_like(old)
-        record[:, 0] = swarms.summary[:, POPULATION_COLLISION]
-        record[:, 1] = swarms.size
-        record[:, 2] = repair_degrees
-        record[:, 3] = swarms.best_fitness
-        record[:, 4] = swarms.evaluations
-        record[:, 5] = swarms.best_collision
-        record[:, 6] = self.paths.feasible_fitness()
-        last = len(HISTORY) + parameters.shape[1]
-        record[:, len(HISTORY) : last] = parameters
-        record[:, last:] = swarms.source[:, : len(self.columns) - last]
-        self.history[self.rows, self.iteration] = self.xp.where(chosen[:, None], record, old)
-
-    def _refuse_robots_on_tensors(self) -> None:
-        """Raise an error if robots shall drive, which they do on NumPy arrays only.
-
-        Raises:
-            SettingError: naming the first scenario.
-        """
-        if self.xp is not np:
-            raise SettingError(
-                f"scenario {self.settings.scenarios[0].name!r} has a robot that drives, which needs a "
-                f"simulation on NumPy arrays, got one on tensors; choose a scenario without a drive"
-            )
+        new = self.xp.empty_like(old)
+        write_state(new, self.swarms, self.paths.feasible_fitness(), repair_degrees, parameters)
+        self.history[self.rows, self.iteration] = self.xp.where(chosen[:, None], new, old)

@@ -9,8 +9,9 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.history import HISTORY
 from swarm_gym.scenarios import Scenario
-from swarm_gym.simulation import HISTORY, Simulation
+from swarm_gym.simulation import Simulation
 from swarm_gym.vector_env import SwarmVectorEnv
 
 Floats = NDArray[np.float64]

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.history import HISTORY
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.scenarios.scenario import Point
-from swarm_gym.simulation import HISTORY
 
 Floats = NDArray[np.float64]
 RunKey = tuple[str, str, int]  # controller, scenario, seed

@@ -19,11 +19,12 @@ from swarm_gym.gpu.state import (
     with_numbers,
 )
 from swarm_gym.gpu.warps import NUM_LANES, launch
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem.padding import columns
 from swarm_gym.settings import Settings
-from swarm_gym.simulation import HISTORY, Decisions, Simulation
+from swarm_gym.simulation import Decisions, Simulation
 
 
 class DeviceSimulation(Simulation):

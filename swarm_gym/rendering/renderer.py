@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.history import HISTORY
 from swarm_gym.rendering.function_view import FunctionView
 from swarm_gym.rendering.map_view import MapView
 from swarm_gym.rendering.pen import (
@@ -24,7 +25,6 @@ from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
 from swarm_gym.rendering.window import Window
 from swarm_gym.scenarios import FunctionScenario, StaticScenario
-from swarm_gym.simulation import HISTORY
 
 if TYPE_CHECKING:
     import pygame

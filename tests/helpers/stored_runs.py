@@ -29,7 +29,7 @@ def stored_run(key, courses, rows=None, **values):
     `courses` has arrays by column of the trace, or is the whole trace, (rows, columns).
     """
     from experiments.runs.run import Run  # these imports take seconds
-    from swarm_gym.simulation import HISTORY
+    from swarm_gym.history import HISTORY
 
     trace = courses
     if isinstance(courses, dict):

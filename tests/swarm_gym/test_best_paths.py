@@ -7,8 +7,8 @@ import shapely
 from helpers.builders import is_walker, slow_if_alike
 from helpers.shapes import shape
 from swarm_gym.env import SwarmEnv
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS
-from swarm_gym.simulation import HISTORY
 from swarm_gym.vector_env import SwarmVectorEnv
 
 FITNESS, FEASIBLE = HISTORY.index("best_fitness"), HISTORY.index("feasible_fitness")

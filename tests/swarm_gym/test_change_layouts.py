@@ -5,8 +5,8 @@ import pytest
 
 from swarm_gym.env import SwarmEnv
 from swarm_gym.features import JUMPS, TOLD
+from swarm_gym.history import HISTORY
 from swarm_gym.scenarios import Appear, Circle, DynamicScenario, Polygon, make_scenario
-from swarm_gym.simulation import HISTORY
 from swarm_gym.vector_env import SwarmVectorEnv
 
 ITERATIONS = 12

@@ -6,10 +6,10 @@ import pytest
 from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
+from swarm_gym.history import HISTORY
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Appear, Circle, Drive, DynamicScenario, Polygon, Scenario
-from swarm_gym.simulation import HISTORY
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SPENT = HISTORY.index("evaluations")

@@ -14,8 +14,8 @@ import pytest
 
 from helpers.builders import is_walker
 from swarm_gym.env import SwarmEnv
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS
-from swarm_gym.simulation import HISTORY
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 SCENARIOS = ("case1", "rooms:0", "function:rastrigin-10")

@@ -6,10 +6,10 @@ import pytest
 from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
+from swarm_gym.history import HISTORY
 from swarm_gym.reference import ensure_optima
 from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario
 from swarm_gym.settings import Settings
-from swarm_gym.simulation import HISTORY
 
 ITERATIONS = 8
 BEST, SPENT = HISTORY.index("best_fitness"), HISTORY.index("evaluations")

@@ -26,11 +26,11 @@ from helpers.adapted import adapted
 from swarm_gym.action import ACTIONS
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SwarmGymError
+from swarm_gym.history import HISTORY
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
-from swarm_gym.simulation import HISTORY
 
 ROOT = Path(__file__).parents[2]
 POLICIES = ROOT / "swarm_gym/controllers/data/policies"

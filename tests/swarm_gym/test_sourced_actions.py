@@ -11,10 +11,10 @@ from helpers.builders import is_walker
 from helpers.newcomers import PATH_OPTIMIZERS, action_of
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.settings import Settings
-from swarm_gym.simulation import HISTORY
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SMALL = {"initial_population_size": 8, "max_population_size": 14, "iterations": 6, "num_waypoints": 9}

@@ -25,8 +25,8 @@ from helpers.trainings import make_correction
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.history import HISTORY
 from swarm_gym.scenarios import expand_name
-from swarm_gym.simulation import HISTORY
 
 SUITE = Suite(
     name="tiny",

@@ -48,9 +48,9 @@ from helpers.stored_runs import (
     stored_run,
 )
 from swarm_gym.controllers.open_loop import OpenLoop
+from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS as ALL_OPTIMIZERS
 from swarm_gym.reference import known_optimum
-from swarm_gym.simulation import HISTORY
 from swarm_gym.sources import SOURCE_DECISIONS, Source
 
 ROOT = Path(__file__).parents[3]

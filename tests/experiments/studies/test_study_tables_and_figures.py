@@ -25,10 +25,10 @@ from experiments.tables.headline import headline_tables
 from helpers.builders import make_problem
 from helpers.stored_runs import cells_of, filled_database, line, printed_rows, stored_run
 from swarm_gym.errors import ScenarioError
+from swarm_gym.history import HISTORY
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
 from swarm_gym.scenarios import SCENARIOS, Circle
-from swarm_gym.simulation import HISTORY
 
 FIELDS = tuple(f"fields:test:{k}" for k in range(6))
 LEARNED = training_seeds("learned:a", 3)

@@ -5,7 +5,7 @@ import pytest
 
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.open_loop import OpenLoopFileError
-from swarm_gym.simulation import HISTORY
+from swarm_gym.history import HISTORY
 from swarm_gym.vector_env import SwarmVectorEnv
 
 NAME = "three-cases-sourced/0@1"

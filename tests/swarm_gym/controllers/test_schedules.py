@@ -12,11 +12,11 @@ from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule, parameter_ranges
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
+from swarm_gym.history import HISTORY
 from swarm_gym.population import Swarms, make_workspace, resize, summarise
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.tables import evaluate_entry, repair_entry
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.simulation import HISTORY
 
 
 class PaperAlgorithm2:

@@ -12,10 +12,10 @@ from gymnasium.utils.env_checker import check_env
 
 import swarm_gym  # noqa: F401
 from swarm_gym.errors import SettingError
+from swarm_gym.history import HISTORY
 from swarm_gym.problem import FunctionProblem
 from swarm_gym.rendering import Renderer, Scene, pen
 from swarm_gym.scenarios import Circle, Polygon, Scenario, make_scenario
-from swarm_gym.simulation import HISTORY
 
 pygame = pytest.importorskip("pygame")
 
