@@ -10,13 +10,13 @@ from swarm_gym.optimizers import get_optimizer
 DEVICES = ("cpu", "cuda")
 
 _IN_GROUPS = ("ppo", "device-ppo")
-# The algorithms that have an option, which the others refuse.
+# The algorithms that have an option, which the others refuse. Other options, such as `candidates`, have no
+# effect where an algorithm lacks them, so that presets may inherit them.
 ALGORITHMS_OF = {
     "also_on": ("ppo",),
     "averaging": _IN_GROUPS,
     "branch_at_events": ("ppo",),
     "branches": _IN_GROUPS,
-    "candidates": ("evolution",),
     "critic": _IN_GROUPS,
     "decay_steps": (*_IN_GROUPS, "dqn"),
     "degree_choices": ("dqn",),
@@ -24,11 +24,9 @@ ALGORITHMS_OF = {
     "exploration_steps": ("dqn",),
     "gradient_steps": ("dqn",),
     "group_size": _IN_GROUPS,
-    "lstm_size": ("recurrent-ppo",),
     "noise_steps": _IN_GROUPS,
     "replay_size": ("dqn",),
     "return_steps": ("dqn",),
-    "sigma": ("evolution",),
     "size_choices": ("dqn",),
     "target_steps": ("dqn",),
 }

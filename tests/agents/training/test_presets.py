@@ -9,6 +9,7 @@ from agents import make_controller
 from agents.train import main, read_command_line, read_configs
 from agents.training.config import TrainConfig
 from agents.training.learners import LEARNERS
+from agents.training.learners.algorithm_options import require_options
 from agents.training.presets import PresetError, load_preset, preset_names
 
 
@@ -17,6 +18,7 @@ def test_every_packaged_preset_loads(name):
     config = load_preset(name)
     assert config.preset == name
     assert config.algorithm in LEARNERS
+    require_options(config)
     if config.base != "none":  # as many members as the controller that it corrects
         base = make_controller(config.base, config.limits)
         assert config.initial_population_size == base.initial_population_size
