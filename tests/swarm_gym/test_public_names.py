@@ -172,6 +172,7 @@ PACKAGED_POLICIES = {
     "ablation-imitation": 5,
     "ablation-steps-1M": 5,
     "dynamic-told": 5,
+    "dynamic-robots": 5,
     "case1": 5,
     "case2": 5,
     "case3": 5,

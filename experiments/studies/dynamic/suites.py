@@ -60,6 +60,7 @@ BLINDED = Family("blinded", training_seeds("blinded:dynamic", 5))
 TOLD = "told the times of events"  # name of the family that is the upper bound in the table `seeing`
 INFORMED = Family(TOLD, training_seeds("learned:dynamic-told", 5))
 FAMILIES = (PRINTED, STILL, BLIND, REACTING, LEARNED, BLINDED, INFORMED)
+DRIVING = Family("trained with robots that drive", training_seeds("learned:dynamic-robots", 5))
 
 
 def _suite(
@@ -68,17 +69,18 @@ def _suite(
     num_seeds: int,
     tables: tuple[str, ...],
     figures: tuple[str, ...] = (),
+    families: tuple[Family, ...] = FAMILIES,
     seed_step: int = 0,
 ) -> Suite:
     return Suite(
         name=name,
-        controllers=controllers_of(FAMILIES),
+        controllers=controllers_of(families),
         scenarios=scenarios,
         num_seeds=num_seeds,
         baseline="spsfa-tip",
         first_seed=NEVER_USED,
         seed_step=seed_step,
-        families=FAMILIES,
+        families=families,
         replayed=REPLAYED,
         tables=tables,
         figures=figures,
@@ -93,7 +95,7 @@ OVER_TIME = ("over-time", "seeing", "recovery", "claims")
 DYNAMIC = _suite("dynamic", CASE_EVENTS, 10, OVER_TIME, ("recovery",))
 # Each field has one seed, which no other field has.
 DYNAMIC_FIELDS = _suite("dynamic-fields", (*FIELDS, *MOVING), 1, OVER_TIME, seed_step=1)
-DYNAMIC_ROBOTS = _suite("dynamic-robots", DRIVES, 16, ("robots",))
+DYNAMIC_ROBOTS = _suite("dynamic-robots", DRIVES, 16, ("robots",), families=(*FAMILIES, DRIVING))
 
 SUITES = (DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS)
 COLLECTIONS = {"dynamic-study": tuple(suite.name for suite in SUITES)}
