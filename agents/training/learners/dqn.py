@@ -78,7 +78,6 @@ class DQNLearner(Learner):
         swarms = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
         self.choices = make_choices(config.size_choices, config.degree_choices)
         self.env = ChoiceVecEnv(swarms, self.choices)
-        self._steps_of_rollout = _steps_of_rollout(config)
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
@@ -98,7 +97,7 @@ class DQNLearner(Learner):
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` episodes of every swarm with updates at each step; return scalars."""
-        model, num_steps = self.model, self.config.rollouts_per_chunk * self._steps_of_rollout
+        model, num_steps = self.model, self.config.rollouts_per_chunk * _steps_of_rollout(self.config)
         model.set_random_seed(seed)  # also that of the environment
         # New episodes and averages, so that any chunk can be the first of a resumed run.
         model._last_obs = None
@@ -171,7 +170,7 @@ class DQNLearner(Learner):
                 self.env,
                 learning_rate=config.learning_rate,
                 buffer_size=config.replay_size,
-                learning_starts=self._steps_of_rollout,
+                learning_starts=_steps_of_rollout(config),
                 batch_size=config.batch_size,
                 gamma=config.discount,
                 train_freq=1,

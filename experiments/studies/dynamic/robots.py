@@ -30,18 +30,18 @@ def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG0
         found: list[tuple[float, tuple[Entry, ...]]] = []
         for group in outcomes.groups:
             sample = outcomes.sample(group, scenario_set)
-            excess = np.array(
+            detours = np.array(
                 [
-                    [_excess(outcomes.runs(controller, scenario), scenario) for scenario in sample.scenarios]
+                    [_detours(outcomes.runs(controller, scenario), scenario) for scenario in sample.scenarios]
                     for controller in outcomes.groups[group]
                 ]
             )
-            arrived, draws = np.isfinite(excess).astype(np.float64), sample.draws()
+            arrived, draws = np.isfinite(detours).astype(np.float64), sample.draws()
             driven: Entry = MISSING
             if arrived.any():
-                driven = share_in(mean_of_present(excess), interval(means(excess, draws)), "+.2f")
+                driven = share_in(mean_of_present(detours), interval(means(detours, draws)), "+.2f")
             entries = (
-                number(excess.size, ",d"),
+                number(detours.size, ",d"),
                 share_in(arrived.mean(), interval(means(arrived, draws))),
                 driven,
                 number_in(sample.evaluations.mean(), interval(means(sample.evaluations, draws)), ",.0f"),
@@ -51,8 +51,8 @@ def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG0
     return [Table("robots", CAPTION, COLUMNS, rows)]
 
 
-def _excess(runs: list[Run], scenario: str) -> Floats:
-    """Return how far the robots of runs have driven above the shortest way, (runs,); NaN if not arrived."""
+def _detours(runs: list[Run], scenario: str) -> Floats:
+    """Return the detours of runs as in the reward `detour`, (runs,); NaN for robots that have not arrived."""
     target, shortest = _target_and_shortest(scenario)
     found = np.full(len(runs), np.nan)
     for k, run in enumerate(runs):
