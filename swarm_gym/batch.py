@@ -173,8 +173,11 @@ class SwarmBatch:
             "repair_degree": simulation.history[simulation.rows, simulation.iteration, 2],
         }
 
-    def info(self) -> dict[str, NDArray]:
+    def info(self, rows: NDArray[np.bool_] | None = None) -> dict[str, NDArray]:
         """Return infos on all swarms: new NumPy arrays whose first axis has length B.
+
+        What takes long, the measures of paths and their final repair, is computed for the swarms of the (B,)
+        flags `rows` only; None is all.
 
         `robot`, (B, 2), and `driven`, (B,), are there if robots drive. Entries in `SOMETIMES` are NaN for
         swarms that do not have them: `optimality_gap` where the optimum is unknown or the episode goes on.
@@ -182,7 +185,9 @@ class SwarmBatch:
         """
         simulation, robots = self.simulation, self.simulation.robots
         where = {} if robots is None else {"robot": robots.places.copy(), "driven": robots.driven.copy()}
-        repaired = self._repaired() if self.settings.final_repair else {}
+        ended = ~as_numpy(simulation.running)
+        asked = ended if rows is None else ended & rows
+        repaired = self._repaired(asked) if self.settings.final_repair else {}
         feasible_paths = simulation.paths.feasible()
         return {
             **{name: as_numpy(values) for name, values in self.numbers().items()},
@@ -191,7 +196,7 @@ class SwarmBatch:
             "scenario": self._scenario_names[as_numpy(simulation.swarms.problem)],
             **self._made_for(),
             **where,
-            **self._measured(feasible_paths),
+            **self._measured(feasible_paths, asked),
             **repaired,
             "optimality_gap": self._final_gaps(),
         }
@@ -203,11 +208,11 @@ class SwarmBatch:
             return {}
         return {"made_for": np.full(self.simulation.num_swarms, made_for)}
 
-    def _measured(self, paths: NDArray) -> dict[str, NDArray]:
-        """Return length and clearance of the best feasible paths of episodes that have ended, else NaN."""
+    def _measured(self, paths: NDArray, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
+        """Return length and clearance of the best feasible paths of these swarms, (B,), else NaN."""
         simulation = self.simulation
         lengths, clearances = np.full((2, simulation.num_swarms), np.nan)
-        for row in np.flatnonzero(~as_numpy(simulation.running) & is_there(paths)).tolist():
+        for row in np.flatnonzero(ended & is_there(paths)).tolist():
             problem = simulation.problem_of(row)
             if isinstance(problem, MapProblem):
                 lengths[row] = length_of(paths[row])
@@ -221,12 +226,12 @@ class SwarmBatch:
             return np.full(len(running), np.nan)
         return np.where(running, np.nan, as_numpy(self.simulation.optimality_gap()))
 
-    def _repaired(self) -> dict[str, NDArray]:
-        """Return the final repairs of the best paths; NaN where the episode goes on or none was found."""
+    def _repaired(self, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
+        """Return the final repairs of the best paths of these swarms, (B,); NaN where none was found."""
         simulation = self.simulation
         paths = np.full_like(simulation.paths.best(), np.nan)
         lengths, evaluations = np.full((2, len(paths)), np.nan)
-        for row in np.flatnonzero(as_numpy(~simulation.running & (simulation.swarms.size > 0))).tolist():
+        for row in np.flatnonzero(ended & (as_numpy(simulation.swarms.size) > 0)).tolist():
             problem = simulation.problem_of(row)
             assert isinstance(problem, MapProblem)
             found = final_repair(problem, simulation.paths.best_of(row))

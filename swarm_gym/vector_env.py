@@ -128,6 +128,13 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if isinstance(options, Mapping):
             mask, options = options.get("reset_mask"), {k: v for k, v in options.items() if k != "reset_mask"}
         chosen = self._read_mask(mask)
+        self.begin(chosen, seed, options)
+        return self._batch.observe(), self._infos(chosen)
+
+    def begin(
+        self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, Any] | None
+    ) -> None:
+        """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)
         # All seeds are checked before one is used.
         generators = [
@@ -137,7 +144,10 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._generators = generators
         self._batch.reset(chosen, self._generators, options)
         self._ended &= self.simulation.place(~chosen)
-        return self._batch.observe(), self._infos(chosen)
+
+    def observe(self) -> Array:
+        """Return the observations of all swarms, (B, k), a new array."""
+        return self._batch.observe()
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Advance every swarm by one iteration; swarms whose episode has ended follow the autoreset mode.
@@ -235,7 +245,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         """Return the infos of these swarms; entries of the others are zero or None, and masked."""
         infos: dict[str, Any] = {}
         everyone = bool(rows.all())
-        for name, values in self._batch.info().items():
+        for name, values in self._batch.info(rows).items():
             if everyone and name not in SOMETIMES:
                 infos[name], infos[f"_{name}"] = values, rows.copy()
                 continue

@@ -145,13 +145,9 @@ class SideBySide:
         numbers = np.repeat([firsts.index(first) for first in firsts], episodes)
         seeds: Any = [seed + episode for episode in range(episodes)] * count
         for scenario, number in sorted(set(zip(scenarios.tolist(), numbers.tolist(), strict=True))):
-            options = {
-                "reset_mask": (scenarios == scenario) & (numbers == number),
-                "scenario": names[scenario],
-                **firsts[number],
-            }
-            observations, _ = self._env.reset(seed=seeds, options=options)
-        return observations
+            options = {"scenario": names[scenario], **firsts[number]}
+            self._swarms.begin((scenarios == scenario) & (numbers == number), seeds, options)
+        return self._swarms.observe()
 
 
 def _first_population(controller: Controller) -> dict[str, Any]:

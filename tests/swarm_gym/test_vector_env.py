@@ -241,3 +241,26 @@ def test_swarms_that_are_not_chosen_rest():
     after, _, _ = env.step_running(actions, np.array([True, False, True]))
     np.testing.assert_array_equal(after[1], before[1])
     assert (after[[0, 2], 3] == 1).all()
+
+
+def test_beginning_some_swarms_measures_no_path_of_the_others(monkeypatch):
+    measured = []
+    monkeypatch.setattr("swarm_gym.batch.length_of", lambda path: measured.append(len(path)) or 1.0)
+    env = SwarmVectorEnv(
+        3, scenario="open:40", source="guided", iterations=1, autoreset_mode=AutoresetMode.DISABLED
+    )
+    env.reset(seed=0)
+    env.step(np.array([[5.0, 0.0]] * 3))
+    assert len(measured) == 3
+    env.reset(seed=9, options={"reset_mask": np.array([True, False, False])})
+    assert len(measured) == 3
+
+
+def test_begin_is_reset_without_observations_and_infos():
+    ours, theirs = SwarmVectorEnv(3, **OPTIONS), SwarmVectorEnv(3, **OPTIONS)
+    options = {"scenario": "case2", "initial_population_size": 7}
+    expected, _ = theirs.reset(seed=4, options=options)
+    ours.begin(np.ones(3, dtype=np.bool_), 4, options)
+    np.testing.assert_array_equal(ours.observe(), expected)
+    actions = random_actions(np.random.default_rng(1), 3)
+    np.testing.assert_array_equal(ours.step(actions)[0], theirs.step(actions)[0])
