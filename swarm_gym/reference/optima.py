@@ -35,8 +35,8 @@ FIELD_FILES = {
     "dynamic_fields.json": (
         "dynamic-fields:train:0-255",
         "dynamic-fields:validation:0-63",
-        "dynamic-fields:test:0-399",
-        "dynamic-fields:moving:0-199",
+        "dynamic-fields:test:0-599",
+        "dynamic-fields:moving:0-299",
     ),
 }
 

@@ -141,7 +141,7 @@ def test_blind_families_see_nothing_but_the_iteration():
     seeing = {name for s in SUITES.values() for f in s.families if not f.blind for name in f.controllers}
     assert {name for name in blind if not name.startswith("open-loop:")} == {
         "fixed:60", "fixed:80", "fixed:100", "linear-reduction",
-        *training_seeds("tuned:dynamic-periodic", 5, 1),
+        *training_seeds("tuned:dynamic-periodic", 10, 1),
     }  # fmt: skip
     assert seeing >= {"spsfa-tip", "learned:three-cases/0@1"}
 
