@@ -41,10 +41,11 @@ BLIND = Family(
         *training_seeds("open-loop:random-fields-sourced", 5, 1),
         *training_seeds("open-loop:dynamic-fields", 5, 1),
         *training_seeds("open-loop:dynamic", 5, 1),
+        LONG_LOOP,
         *training_seeds("tuned:dynamic-periodic", 10, 1),
     ),
     blind=True,
-    alone=(LONG_LOOP, CHOSEN_PERIODIC),
+    alone=(CHOSEN_PERIODIC,),
 )
 REACTING = Family(
     "reacting",
@@ -53,8 +54,9 @@ REACTING = Family(
         *training_seeds("tuned:dynamic-reaction", 5, 1),
         *training_seeds("reacting-loop:dynamic-fields-reacting", 5, 1),
         *training_seeds("reacting-loop:dynamic-reacting", 5, 1),
+        LONG_REACTING,
     ),
-    alone=(CHOSEN_REACTION, LONG_REACTING),
+    alone=(CHOSEN_REACTION,),
 )
 LEARNED = Family("learned", training_seeds("learned:dynamic", 5))
 BLINDED = Family("blinded", training_seeds("blinded:dynamic", 5))
