@@ -26,7 +26,7 @@ DRIVES = tuple(
 )
 
 # The tunings of rules with the smallest objective on the validation scenarios of the preset dynamic.
-CHOSEN_PERIODIC, CHOSEN_REACTION = "tuned:dynamic-periodic/3@1", "tuned:dynamic-reaction/0@1"
+CHOSEN_PERIODIC, CHOSEN_REACTION = "tuned:dynamic-periodic/5@1", "tuned:dynamic-reaction/0@1"
 # The loops with the smallest objective there, of five each, tuned further.
 LONG_LOOP, LONG_REACTING = "open-loop:dynamic-long@1", "reacting-loop:dynamic-reacting-long@1"
 
