@@ -307,17 +307,19 @@ def test_optima_of_fields_ship_under_their_names_and_are_known():
         assert known_optimum(problem) == fields[name][1]
 
 
-@pytest.mark.parametrize("file", FIELD_FILES)
-def test_the_packaged_optima_of_fields_are_plausible_beside_their_shortest_paths(file):
+@pytest.mark.parametrize(
+    ("file", "count", "least"), [("random_fields.json", 0, 1.0), ("dynamic_fields.json", 15, 0.967)]
+)
+def test_the_packaged_optima_of_fields_are_plausible_beside_their_shortest_paths(file, count, least):
     """Waypoints do not stand where corners are, which makes paths longer.
 
     Through a corner would be shorter, and is cheaper in a few worlds, where obstacles overlap.
     """
     ratios = {name: fitness / (0.3 * shortest) for name, (_, fitness, shortest) in packaged(file).items()}
-    assert min(ratios.values()) > 0.96
+    assert min(ratios.values()) > least
     assert max(ratios.values()) < 1.05
     through = [name for name, ratio in ratios.items() if ratio < 1.0]
-    assert len(through) < len(ratios) / 200
+    assert len(through) == count
     for name in through:
         field, _, iteration = name.partition("@")
         (world,) = (w for w in worlds_of(make_scenario(field)) if w.iteration == int(iteration))
