@@ -28,7 +28,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 WIDTHS = (1, 64, 1_024, 8_192, 65_536)
 SIZES = (20, 60, 100)
 CPU_WIDTH = 1_024  # swarms that the CPU's cores share, in the same run
-MOST_MOVES = 2e9  # approximate number of moves of a measurement on the GPU
+MOST_MOVES = 5e8  # approximate number of moves of a measurement on the GPU
 COMPARED = (8_192, 60)
 PARAMETERS = 4  # place of the parameters among the arguments of an entry, see `swarm_gym.gpu.loop.Entries`
 TRAINING_STEPS = 2  # chunks of a training that are timed, after one that is not
@@ -47,16 +47,14 @@ def quantities() -> Iterator[Quantity]:
             yield Quantity(
                 steps_name(width, size), "steps/s", partial(_steps_per_second, "cuda", width, size)
             )
-            yield Quantity(
-                moves_name(width, size), "moves/s", partial(_moves_per_second, "cuda", width, size), 1
-            )
+            yield Quantity(moves_name(width, size), "moves/s", partial(_moves_before, "cuda", width, size), 1)
     yield Quantity(
         steps_name(*COMPARED) + ", float32",
         "steps/s",
         partial(_steps_per_second, "cuda", *COMPARED, precision="float32"),
     )
     yield Quantity(cpu_name(), "steps/s", partial(_steps_per_second, "cpu", CPU_WIDTH, COMPARED[1]))
-    yield Quantity(cpu_name("moves"), "moves/s", partial(_moves_per_second, "cpu", CPU_WIDTH, COMPARED[1]), 1)
+    yield Quantity(cpu_name("moves"), "moves/s", partial(_moves_before, "cpu", CPU_WIDTH, COMPARED[1]), 1)
     yield Quantity("registers of a lane, step kernel", "", lambda: float(_registers()), 1)
     yield Quantity("warps that fit on a multiprocessor", "", lambda: float(_resident_warps()), 1)
     yield Quantity("share of a step that the kernel takes", "%", _kernel_share)
@@ -104,11 +102,17 @@ def _env(device: str, width: int, size: int, precision: str = "float64") -> Swar
 
 
 def _steps_per_second(device: str, width: int, size: int, precision: str = "float64") -> float:
-    return _rates(device, width, size, precision)[0]
+    steps, moves = _rates(device, width, size, precision)
+    _measured_moves.setdefault((device, width, size, precision), []).append(moves)
+    return steps
 
 
-def _moves_per_second(device: str, width: int, size: int) -> float:
-    return _rates(device, width, size)[1]
+_measured_moves: dict[tuple[str, int, int, str], list[float]] = {}
+
+
+def _moves_before(device: str, width: int, size: int) -> list[float]:
+    """Return the moves per second of the runs whose steps per second were measured just before."""
+    return _measured_moves.pop((device, width, size, "float64"))[1:]  # the first run is thrown away
 
 
 def _rates(device: str, width: int, size: int, precision: str = "float64") -> tuple[float, float]:
@@ -220,17 +224,22 @@ def roofline() -> float:
 
 
 def _training_rate() -> float:
-    """Return environment steps per second of the default preset's training, all on the device."""
+    """Return environment steps per second of the default preset's training, all on the device.
+
+    Minibatches grow with the number of swarms, so that an update has as many of them as in the preset.
+    """
     import dataclasses
 
     from agents.training.learners import make_learner
     from agents.training.presets import load_preset
 
+    preset = load_preset("three-cases")
     config = dataclasses.replace(
-        load_preset("three-cases"),
+        preset,
         algorithm="device-ppo",
         device="cuda",
         num_swarms=COMPARED[0],
+        batch_size=preset.batch_size * COMPARED[0] // preset.num_swarms,
         rollouts_per_chunk=1,
     )
     learner = make_learner(config)

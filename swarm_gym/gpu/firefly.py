@@ -10,7 +10,7 @@ from swarm_gym.gpu.population import (
     store_member,
 )
 from swarm_gym.gpu.random_stream import Stream, draw
-from swarm_gym.gpu.warps import HALF, exponential, kernel, maximum, minimum, total
+from swarm_gym.gpu.warps import HALF, exponential, kernel, maximum, minimum, natural, total
 from swarm_gym.optimizers.firefly import FireflyParameters
 from swarm_gym.population import Swarms
 
@@ -44,12 +44,12 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
             place = swarms.positions[b, i, lane]
             fitness, collision = swarms.fitness[b, i], swarms.collision[b, i]
             for j in range(size):
-                if j != i and swarms.fitness[b, j] < fitness:
+                if j != i and swarms.fitness[b, natural(j)] < fitness:
                     if tally.evaluations >= budget:
                         break
                     drawn, stream = draw(stream, lane, rounds)
                     number = swarms.positions.dtype.type(drawn)
-                    difference = swarms.positions[b, j, lane] - place
+                    difference = swarms.positions[b, natural(j), lane] - place
                     decay = exponential(-absorption * total(difference * difference))
                     attraction = attractiveness * decay  # eq. 13, 14
                     moved = place + attraction * difference + width * (number - HALF)  # eq. 15

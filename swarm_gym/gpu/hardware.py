@@ -34,15 +34,25 @@ def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any,
 
 
 @kernel
+def natural(number: int) -> int:
+    """Return a number from 0 to 2^31 - 1 as it is, in a form that shows the compiler this range.
+
+    Numba lets a negative index count from the end of an array, and tests every index that may be negative.
+    These tests and 64-bit products were most of the instructions of a move.
+    """
+    return number & 0x7FFFFFFF
+
+
+@kernel
 def lane_number() -> int:
     """Return the number of this lane, 0 to 31."""
-    return cuda.threadIdx.x
+    return natural(cuda.threadIdx.x)
 
 
 @kernel
 def swarm_number() -> int:
     """Return the number of the swarm that this warp works on."""
-    return cuda.blockIdx.x
+    return natural(cuda.blockIdx.x)
 
 
 @kernel

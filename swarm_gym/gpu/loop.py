@@ -23,7 +23,7 @@ from swarm_gym.gpu.population import (
     summarise,
 )
 from swarm_gym.gpu.random_stream import load_stream, store_stream
-from swarm_gym.gpu.warps import entry, kernel, lane_number, swarm_number
+from swarm_gym.gpu.warps import entry, kernel, lane_number, natural, swarm_number
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.problem.function.table import FunctionTable
 from swarm_gym.sources import IMMIGRANTS
@@ -123,7 +123,7 @@ def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Any
         b, lane = swarm_number(), lane_number()
         if not chosen[b]:
             return
-        p = swarms.problem[b]
+        p = natural(swarms.problem[b])
         stream = load_stream(swarms.stream, b, lane)
         tally = Tally(0, math.inf, math.inf, math.inf)
         size = 0
@@ -163,7 +163,7 @@ def _make_step(kernels: OptimizerKernels, population: PopulationKernels, problem
         b, lane = swarm_number(), lane_number()
         if not chosen[b]:
             return
-        p, size, new_size = swarms.problem[b], swarms.size[b], sizes[b]
+        p, size, new_size = natural(swarms.problem[b]), natural(swarms.size[b]), natural(sizes[b])
         stream, tally = load_stream(swarms.stream, b, lane), load_tally(swarms, b)
         begin_arrivals(swarms, b, lane)
         if swarms.source[b, IMMIGRANTS] > 0.0:
@@ -199,7 +199,7 @@ def _make_re_evaluate(kernels: OptimizerKernels, population: PopulationKernels) 
         b, lane = swarm_number(), lane_number()
         if not chosen[b]:
             return
-        p, best = swarms.problem[b], swarms.best_position[b, lane]
+        p, best = natural(swarms.problem[b]), swarms.best_position[b, lane]
         tally = Tally(swarms.evaluations[b], math.inf, math.inf, math.inf)
         size = min(swarms.size[b], swarms.budget[b] - tally.evaluations)
         tally = adopt_members(swarms, b, tables, p, lane, size, tally)

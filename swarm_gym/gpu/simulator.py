@@ -65,6 +65,11 @@ def launch(
         sys.setswitchinterval(interval)
 
 
+def natural(number: int) -> int:
+    """Return a number from 0 to 2^31 - 1 as it is, see `hardware.natural`."""
+    return number
+
+
 def lane_number() -> int:
     """Return the number of this lane, 0 to 31."""
     return cuda.threadIdx.x

@@ -89,6 +89,10 @@ def tables_with_lanes(tables: Any, number: type[np.floating] = np.float64) -> An
         elif name == "first_tile":  # blocks beyond the last one have no tiles
             more = np.repeat(array[:, -1:], _NUM_BLOCKS + 1 - array.shape[1], axis=1)
             fields[name] = np.concatenate([array, more], axis=1)
+        elif name == "rows":  # one row of numbers for each problem; an obstacle's are BLOCK places apart
+            fields[name] = array.reshape(len(array), -1)
+        elif name == "first_row":  # the place of the tile's first number in that row
+            fields[name] = BLOCK * array
         elif name in _OVER_COMPONENTS:
             fields[name] = with_lanes(array)
     return type(tables)(**fields)

@@ -29,6 +29,7 @@ else:
 
 kernel, entry = _functions.kernel, _functions.entry
 lane_number, swarm_number, wait = _functions.lane_number, _functions.swarm_number, _functions.wait
+natural = _functions.natural
 from_lane, total, largest = _functions.from_lane, _functions.total, _functions.largest
 ballot, lowest_bit = _functions.ballot, _functions.lowest_bit
 square_root, exponential, logarithm = _functions.square_root, _functions.exponential, _functions.logarithm

@@ -23,6 +23,7 @@ from swarm_gym.gpu.warps import (
     lowest_bit,
     maximum,
     minimum,
+    natural,
     sine,
     square_root,
     total,
@@ -58,26 +59,29 @@ _SPACING = 2.0**-53  # of the random numbers in [0, 1)
 @kernel
 def left_end(place: float, lane: int) -> Any:
     """Return the offset at the left end of this lane's segment: that of the waypoint before."""
-    before = from_lane(place, (lane - 1) % NUM_LANES)
+    before = from_lane(place, (lane - 1) & (NUM_LANES - 1))
     return before if lane > 0 else ZERO
 
 
 @kernel
 def circle_shifts(
-    tables: WaypointTable, p: int, row: int, column: int, left: float, rise: float, length: float
+    tables: WaypointTable, p: int, entry: int, left: float, rise: float, length: float
 ) -> tuple[float, float]:
-    """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`."""
-    from_centre = left - tables.rows[p, row + CENTRE_Y, column]
-    begin = from_centre + rise * tables.rows[p, row + BEGIN_SHARE, column]
-    end = from_centre + rise * tables.rows[p, row + END_SHARE, column]
-    middle = from_centre + rise * tables.rows[p, row + CENTRE_SHARE, column]
-    begin_chord = tables.rows[p, row + BEGIN_CHORD, column]
-    end_chord = tables.rows[p, row + END_CHORD, column]
+    """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`.
+
+    `entry` is the place of the first number of the circle among those of problem `p`.
+    """
+    from_centre = left - tables.rows[p, entry + CENTRE_Y * BLOCK]
+    begin = from_centre + rise * tables.rows[p, entry + BEGIN_SHARE * BLOCK]
+    end = from_centre + rise * tables.rows[p, entry + END_SHARE * BLOCK]
+    middle = from_centre + rise * tables.rows[p, entry + CENTRE_SHARE * BLOCK]
+    begin_chord = tables.rows[p, entry + BEGIN_CHORD * BLOCK]
+    end_chord = tables.rows[p, entry + END_CHORD * BLOCK]
     up = maximum(begin_chord - begin, end_chord - end)
     down = maximum(begin_chord + begin, end_chord + end)
-    tangent = length * tables.rows[p, row + RADIUS_SHARE, column]
-    lowest = length * tables.rows[p, row + LOWEST_SINE, column]
-    highest = length * tables.rows[p, row + HIGHEST_SINE, column]
+    tangent = length * tables.rows[p, entry + RADIUS_SHARE * BLOCK]
+    lowest = length * tables.rows[p, entry + LOWEST_SINE * BLOCK]
+    highest = length * tables.rows[p, entry + HIGHEST_SINE * BLOCK]
     if rise > lowest and rise < highest:
         up = tangent - middle
     fall = ZERO - rise
@@ -88,16 +92,18 @@ def circle_shifts(
 
 @kernel
 def polygon_shifts(
-    tables: WaypointTable, p: int, row: int, num_corners: int, column: int, left: float, rise: float
+    tables: WaypointTable, p: int, entry: int, num_corners: int, left: float, rise: float
 ) -> tuple[float, float]:
     """Return the shifts that clear a convex polygon, see `swarm_gym.problem.analytic.collision`."""
-    height = left + rise * tables.rows[p, row + CORNER_SHARE, column]
-    up = tables.rows[p, row + CORNER_TOP, column] - height
-    down = height - tables.rows[p, row + CORNER_BOTTOM, column]
-    for corner in range(row + CORNER_ROWS, row + num_corners * CORNER_ROWS, CORNER_ROWS):
-        height = left + rise * tables.rows[p, corner + CORNER_SHARE, column]
-        up = maximum(up, tables.rows[p, corner + CORNER_TOP, column] - height)
-        down = maximum(down, height - tables.rows[p, corner + CORNER_BOTTOM, column])
+    height = left + rise * tables.rows[p, entry + CORNER_SHARE * BLOCK]
+    up = tables.rows[p, entry + CORNER_TOP * BLOCK] - height
+    down = height - tables.rows[p, entry + CORNER_BOTTOM * BLOCK]
+    corner, last = entry, entry + (num_corners - 1) * CORNER_ROWS * BLOCK
+    while corner < last:
+        corner = natural(corner + CORNER_ROWS * BLOCK)
+        height = left + rise * tables.rows[p, corner + CORNER_SHARE * BLOCK]
+        up = maximum(up, tables.rows[p, corner + CORNER_TOP * BLOCK] - height)
+        down = maximum(down, height - tables.rows[p, corner + CORNER_BOTTOM * BLOCK])
     return up, down
 
 
@@ -106,10 +112,11 @@ def clearing_shifts(
     tables: WaypointTable, p: int, tile: int, column: int, left: float, rise: float, length: float
 ) -> tuple[float, float]:
     """Return the shifts that clear the obstacle of a tile over one segment."""
-    row, num_corners = tables.first_row[p, tile], tables.num_corners[p, tile]
+    tile = natural(tile)
+    entry, num_corners = natural(tables.first_row[p, tile] + column), tables.num_corners[p, tile]
     if num_corners > 0:
-        return polygon_shifts(tables, p, row, num_corners, column, left, rise)
-    return circle_shifts(tables, p, row, column, left, rise, length)
+        return polygon_shifts(tables, p, entry, num_corners, left, rise)
+    return circle_shifts(tables, p, entry, left, rise, length)
 
 
 @kernel
@@ -119,7 +126,7 @@ def smaller_shifts(
     """Return the sum of the smaller shifts of this lane's segment over all obstacles in contact."""
     block, column = lane // BLOCK, lane % BLOCK
     shifts: Any = ZERO
-    for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
+    for tile in range(natural(tables.first_tile[p, block]), natural(tables.first_tile[p, block + 1])):
         up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
         shifts = shifts + maximum(minimum(up, down), ZERO)
     return shifts
@@ -143,8 +150,9 @@ def repair_segment(
 ) -> tuple[float, float]:
     """Return the ends of one segment after it was pushed out of one obstacle after the other."""
     block, column = segment // BLOCK, segment % BLOCK
-    for tile in range(tables.first_tile[p, block], tables.first_tile[p, block + 1]):
-        if tables.rows[p, tables.first_row[p, tile] + PRESENCE, column] == -math.inf:
+    for tile in range(natural(tables.first_tile[p, block]), natural(tables.first_tile[p, block + 1])):
+        entry = natural(tables.first_row[p, natural(tile)] + column)
+        if tables.rows[p, entry + PRESENCE * BLOCK] == -math.inf:
             continue
         rise = right - left
         length = square_root(tables.squared_spacing[p, segment] + rise * rise)
@@ -171,8 +179,9 @@ def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree
     contacts = ballot(smaller_shifts(tables, p, lane, left, rise, length) > 0.0)
     segment = lowest_bit(contacts)
     while 0 <= segment < NUM_LANES:
+        segment = natural(segment)
         before = from_lane(place, segment)
-        from_left = from_lane(place, (segment - 1) % NUM_LANES)
+        from_left = from_lane(place, (segment - 1) & (NUM_LANES - 1))
         from_left = ZERO if segment == 0 else from_left
         from_left, right = repair_segment(tables, p, segment, from_left, before, repair_degree)
         if lane == segment:

@@ -196,9 +196,9 @@ def test_final_fitness_has_the_distribution_of_the_cpu(case):
     options = {"scenario": case, "iterations": 30, "initial_population_size": 30, "max_population_size": 60}
     found = []
     for device, seed in (("cpu", 0), ("cuda", 1_000)):  # other seeds, so that the samples are independent
-        env = SwarmVectorEnv(128, device=device, autoreset_mode="Disabled", **options)
+        env = SwarmVectorEnv(512, device=device, autoreset_mode="Disabled", **options)
         env.reset(seed=seed)
         for _ in range(options["iterations"]):
-            env.step(np.tile([30.0, 0.1], (128, 1)))
+            env.step(np.tile([30.0, 0.1], (512, 1)))
         found.append(as_numpy(env.simulation.swarms.best_fitness))
     assert ks_2samp(*found).pvalue > 0.001
