@@ -31,6 +31,7 @@ OPTIONS = {
     "ray": BackendOptions("ray", jobs=2),
     "slurm": BackendOptions("slurm", "local", jobs=2),
 }
+needs_posix = pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it kills by signals")
 SEVERAL = ("local", "ray", "slurm")  # those whose workers are processes of their own
 
 
@@ -66,6 +67,7 @@ def test_an_error_of_the_work_is_raised_here(backend):
 
 
 @pytest.mark.slow
+@needs_posix
 @pytest.mark.parametrize("name", SEVERAL)
 def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
     def die_once(unit, folder):
@@ -82,6 +84,7 @@ def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
 
 
 @pytest.mark.slow
+@needs_posix
 @pytest.mark.parametrize("name", SEVERAL)
 def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
     with (
@@ -220,9 +223,11 @@ def test_options_that_cannot_be_are_refused(tmp_path, options, error, message):
         options.make(tmp_path)
 
 
+needs_shell = pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it writes shell scripts")
 NO_ACCOUNTING = {"srun": "true", "sacct": "echo 'accounting storage is disabled' >&2; exit 1"}
 
 
+@needs_shell
 @pytest.mark.parametrize(
     ("commands", "message"),
     [({}, r"srun.*--address local"), (NO_ACCOUNTING, r"needs Slurm's accounting.*storage is disabled")],
