@@ -263,7 +263,12 @@ def test_an_address_where_nobody_is_is_refused(tmp_path, address):
         backend.workers()
 
 
-def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tmp_path, monkeypatch):
+def refuse(*_, **__):
+    raise OSError("a required privilege is not held by the client")
+
+
+@pytest.mark.parametrize("links", [True, False], ids=["links", "no links, as on Windows"])
+def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tmp_path, monkeypatch, links):
     rng = np.random.default_rng(0)
     here, there = tmp_path / "here", tmp_path / "there"
     (here / "runs").mkdir(parents=True)
@@ -278,7 +283,12 @@ def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tm
     assert set(files) == {
         Path("runs/mine.safetensors"), Path("runs/base.json"), here / "far.safetensors"
     }  # fmt: skip
-    variables = pack(there, files)
+    with monkeypatch.context() as patch:
+        if not links:
+            patch.setattr(Path, "symlink_to", refuse)
+        variables = pack(there, [*files, *files])
+    assert (there / "runs" / "mine.safetensors").is_symlink() == (there / "swarm_gym").is_symlink() == links
+    assert (there / "swarm_gym" / "env.py").is_file()
     packages = {"swarm_gym", "agents", "experiments"}
     assert {path.name for path in there.iterdir()} == packages | {"swarm_gym_maps", "runs"}
     assert {path.name for path in (there / "runs").iterdir()} == {"base.json", "mine.safetensors"}
