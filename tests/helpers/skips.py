@@ -58,14 +58,21 @@ def pytest_make_collect_report():
 
 def pytest_terminal_summary(terminalreporter):
     """List the reasons of all skips, how many tests or files each concerns, and where they are."""
-    found = defaultdict(Counter)
+    stats = terminalreporter.stats
+    refused = [one for kind in ("failed", "error") for one in stats.get(kind, ()) if hasattr(one, "refused")]
+    _list(terminalreporter, "skips, by reason", {one: reason_of(one) for one in stats.get("skipped", ())})
+    _list(terminalreporter, f"refused by {REQUIRE_ALL}, by reason", {one: one.refused for one in refused})
+
+
+def _list(terminalreporter, title, reasons):
     # Each worker of pytest-xdist reports a file that is skipped as a whole.
-    reports = {(one.nodeid, one.when): one for one in terminalreporter.stats.get("skipped", ())}
-    for report in reports.values():
-        found[reason_of(report)][report.nodeid.partition("::")[0]] += 1
+    unique = {(one.nodeid, one.when): reason for one, reason in reasons.items()}
+    found = defaultdict(Counter)
+    for (node, _), reason in unique.items():
+        found[reason][node.partition("::")[0]] += 1
     if not found:
         return
-    terminalreporter.write_sep("=", f"{len(reports)} skips, by reason")
+    terminalreporter.write_sep("=", f"{len(unique)} {title}")
     for reason, files in sorted(found.items(), key=lambda one: (-one[1].total(), one[0])):
         terminalreporter.write_line(f"{files.total()} x {reason}")
         for file, number in sorted(files.items()):
@@ -83,6 +90,7 @@ def _checked(report):
         reason = reason_of(report)
         if not is_allowed(reason):
             report.outcome = "failed"
+            report.refused = reason  # reports of pytest-xdist keep it
             report.longrepr = (
                 f"{REQUIRE_ALL} is set, so this skip is a failure: {reason}\n"
                 f"Install it, or unset {REQUIRE_ALL}. tests/helpers/skips.py lists the allowed reasons."

@@ -55,10 +55,14 @@ def test_without_the_variable_skips_stay_skips(run, required):
     assert found.ret == pytest.ExitCode.OK
 
 
-def test_with_the_variable_what_is_missing_is_a_failure_that_names_it(run):
-    found = run("1", test_these=TESTS)
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_with_the_variable_what_is_missing_is_a_failure_that_names_it(run, workers):
+    found = run("1", "-n", workers, test_these=TESTS)
     found.assert_outcomes(passed=1, failed=2, skipped=1, xfailed=1)
-    found.stdout.fnmatch_lines(["*REQUIRE_ALL is set, so this skip is a failure: " + MAP])
+    lines = ["*= 1 skips, by reason =*", f"1 x {GPU}", "    test_these.py: 1"]
+    lines += ["*= 2 refused by REQUIRE_ALL, by reason =*", f"2 x {MAP}", "    test_these.py: 2"]
+    found.stdout.fnmatch_lines(lines, consecutive=True)
+    assert f"REQUIRE_ALL is set, so this skip is a failure: {MAP}" in found.stdout.str()
     assert found.ret == pytest.ExitCode.TESTS_FAILED
 
 
@@ -94,6 +98,7 @@ def test_with_the_variable_a_file_that_is_skipped_as_a_whole_is_an_error(run, wo
     found = run("1", "-n", workers, **files)
     assert found.ret in (pytest.ExitCode.INTERRUPTED, pytest.ExitCode.TESTS_FAILED)
     found.stdout.fnmatch_lines(["*so this skip is a failure: needs the extra `no-such`"])
+    found.stdout.fnmatch_lines(["1 x needs the extra `no-such`", "    test_file.py: 1"], consecutive=True)
 
 
 @pytest.mark.parametrize(
