@@ -15,7 +15,7 @@ TERMINATED = 128 + signal.SIGTERM
 
 
 class _Terminated(BaseException):
-    """The arrival of SIGTERM; a `BaseException`, so that no `except Exception` stops it."""
+    """The arrival of SIGTERM or Ctrl-Break; a `BaseException`, so that no `except Exception` stops it."""
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
     |---|---|
     | `OSError` (a full disk, a read-only folder), `ValueError`, one of `errors` | 1 |
     | Ctrl-C | 130 |
-    | SIGTERM, which batch systems send before they kill | 143 |
+    | SIGTERM, which batch systems send before they kill; on Windows Ctrl-Break | 143 |
 
     Messages have at most `LONGEST` characters. After Ctrl-C and SIGTERM files are closed and worker
     processes end, as after an error. Any other exception is a mistake in the program and is raised with its
@@ -37,7 +37,7 @@ def command(*errors: type[Exception], kept: str = "") -> Iterator[None]:
         kept: for the message: what an interrupted command has kept, and how to continue.
     """
     expected: tuple[type[Exception], ...] = (OSError, ValueError, *errors)
-    with _raising_on_sigterm():
+    with _raising_on_signals():
         try:
             yield
         except KeyboardInterrupt:
@@ -65,7 +65,7 @@ def _end(what: str, kept: str, status: int) -> NoReturn:
 
 
 @contextmanager
-def _raising_on_sigterm() -> Iterator[None]:
+def _raising_on_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield  # in Python only the main thread handles signals
         return
@@ -76,8 +76,11 @@ def _raising_on_sigterm() -> Iterator[None]:
             os._exit(TERMINATED)
         raise _Terminated
 
-    previous = signal.signal(signal.SIGTERM, terminate)
+    # Nobody can send SIGTERM on Windows; Ctrl-Break is the signal that one process sends another there.
+    ending = [getattr(signal, name) for name in ("SIGTERM", "SIGBREAK") if hasattr(signal, name)]
+    previous = {number: signal.signal(number, terminate) for number in ending}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)

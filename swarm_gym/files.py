@@ -1,14 +1,18 @@
 """Files that are written completely or not at all, and the folder of the package's own files."""
 
+import errno
 import hashlib
 import os
 import threading
+import time
 from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
 
 PARTIAL = ".partial"
+REFUSES_OPEN_FILES = os.name == "nt"  # whether the system refuses to replace a file that is open
+REPLACE_TIMEOUT = 1.0  # seconds
 
 
 def write_atomically(path: Path, content: bytes | str, before: Path | None = None) -> Path:
@@ -35,8 +39,8 @@ def write_atomically(path: Path, content: bytes | str, before: Path | None = Non
             file.flush()
             os.fsync(file.fileno())
         if before is not None and path.exists():
-            os.replace(path, before)
-        os.replace(partial, path)
+            _replace(path, before)
+        _replace(partial, path)
         _synchronise(path.parent)
     except BaseException as error:
         with suppress(OSError):
@@ -53,14 +57,37 @@ def remove_partials(folder: Path) -> None:
         partial.unlink(missing_ok=True)
 
 
+def _replace(source: Path, target: Path) -> None:
+    """Rename a file; where the system refuses it while another program reads the target, try for a second.
+
+    Linux and macOS replace a file that is open. Windows does not, and there virus scanners open new files.
+    """
+    last = time.monotonic() + REPLACE_TIMEOUT
+    while True:
+        try:
+            os.replace(source, target)
+        except PermissionError:
+            if not REFUSES_OPEN_FILES or time.monotonic() > last:
+                raise
+            time.sleep(0.02)
+        else:
+            return
+
+
 def _synchronise(folder: Path) -> None:
-    """Write the names in a folder to the disk where a folder can be opened, which Windows does not allow."""
+    """Write the names in a folder to the disk where the system can do so.
+
+    Windows does not open folders, and some file systems, such as network drives, refuse to synchronise them.
+    """
     try:
         descriptor = os.open(folder, os.O_RDONLY)
     except OSError:
         return
     try:
         os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EBADF, errno.EINVAL, errno.ENOTSUP):
+            raise
     finally:
         os.close(descriptor)
 
@@ -76,7 +103,8 @@ def user_cache() -> Path:
 def digest_of_sources(place: Path) -> str:
     """Return a digest of a Python file, or of all Python files below a folder, as 16 hexadecimal digits."""
     digest = hashlib.sha256()
-    for source in [place] if place.is_file() else sorted(place.rglob("*.py")):
-        digest.update(str(source.relative_to(place.parent)).encode())
+    # By parts: Windows has other separators, and sorts without regard to capital letters.
+    for source in [place] if place.is_file() else sorted(place.rglob("*.py"), key=lambda path: path.parts):
+        digest.update(source.relative_to(place.parent).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]

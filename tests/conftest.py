@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+pytest_plugins = ["helpers.skips", "pytester"]
+
 # `make test-slow` asks for it; the usual run has the default number of examples, 100.
 settings.register_profile("thorough", max_examples=10_000)
 

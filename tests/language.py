@@ -76,7 +76,7 @@ def check(folders: list[Path]) -> list[str]:
         f"{file}:{line}: {fault}"
         for folder in folders
         for file in sorted(folder.rglob("*.py"))
-        for line, text in texts(ast.parse(file.read_text()))
+        for line, text in texts(ast.parse(file.read_text(encoding="utf-8")))
         for fault in faults(text)
     ]
 

@@ -1,7 +1,8 @@
 """Packing of files that workers on other machines need: the code, the maps and the files of controllers."""
 
 import os
-from collections.abc import Iterable, Iterator
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from agents.backends.backend import BackendError
@@ -19,6 +20,8 @@ LEFT_BEHIND = ["**/__pycache__"]
 def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
     """Fill a folder with links, so that workers inside it find the same files as this process does here.
 
+    Where the system refuses links, as Windows does to most users, the files are copied.
+
     Args:
         folder: an empty folder.
         files: files to pack if their paths are relative; absolute paths must be valid on all machines.
@@ -29,24 +32,42 @@ def pack(folder: Path, files: Iterable[Path]) -> dict[str, str]:
     Raises:
         BackendError: for a relative path that cannot be valid in the folder.
     """
-    for package in PACKAGES:
-        (folder / package).symlink_to(Path(__file__).parents[2] / package)
+    targets = {package: Path(__file__).parents[2] / package for package in PACKAGES}
     if data_folder().is_dir():
-        (folder / MAPS).symlink_to(data_folder().resolve())
-    linked = {path.name for path in folder.iterdir()}
+        targets[MAPS] = data_folder().resolve()
+    for name, target in targets.items():
+        _link(folder / name, target)
     for file in files:
         place = folder / file
         goes_up = ".." in file.parts
-        if file.is_absolute() or (not goes_up and place.exists() and place.samefile(file)):
+        if file.is_absolute() or (not goes_up and _is_packed(file, place, targets)):
             continue
-        if goes_up or file.parts[0] in linked:
+        if goes_up or file.parts[0] in targets:
             raise BackendError(
                 f"{file} is not copied to other machines: give a path that they all see, or one below this "
-                f"folder, outside of {', '.join(sorted(linked))}"
+                f"folder, outside of {', '.join(sorted(targets))}"
             )
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.symlink_to(file.resolve())
+        _link(place, file.resolve())
     return {DATA: MAPS, COMMIT: git_commit()}
+
+
+def _is_packed(file: Path, place: Path, targets: Mapping[str, Path]) -> bool:
+    """Return whether a relative path leads, in the packed folder, to the file that it leads to here."""
+    first, *rest = file.parts
+    there = targets[first].joinpath(*rest) if first in targets else place
+    return there.exists() and (first not in targets or there.samefile(file))
+
+
+def _link(place: Path, target: Path) -> None:
+    """Make a link to a file or folder, or a copy of it where the system refuses links."""
+    try:
+        place.symlink_to(target, target_is_directory=target.is_dir())
+    except (OSError, NotImplementedError):
+        if target.is_dir():
+            shutil.copytree(target, place, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(target, place)
 
 
 def files_of(controllers: Iterable[str]) -> Iterator[Path]:

@@ -43,11 +43,16 @@ class SlurmBackend(Backend):
     Raises:
         MissingExtraError: if submitit is missing.
         BackendError: if there is no Slurm, or Slurm has no accounting, without which killed jobs are not
-            reported.
+            reported; on Windows, where submitit does not run.
         ValueError: if the number of jobs is missing.
     """
 
     def __init__(self, partition: str | None, jobs: int, folder: Path):
+        if not hasattr(signal, "SIGUSR2"):
+            raise BackendError(
+                "--backend slurm: submitit needs signals and a shell, which Windows does not have; "
+                "use `--backend local` here, or start the command on a node of the cluster"
+            )
         try:
             import submitit
         except ImportError as error:

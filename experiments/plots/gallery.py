@@ -160,7 +160,7 @@ def document(rows: list[list[Panel]]) -> str:
             if panel.refusal and panel.refusal not in refusals:
                 refusals.append(panel.refusal)
             alt = f"{panel.optimizer} on {panel.scenario}"
-            place = (PICTURES / panel.file).relative_to(DOCUMENT.parent)
+            place = (PICTURES / panel.file).relative_to(DOCUMENT.parent).as_posix()
             note = refusals.index(panel.refusal) + 1 if panel.refusal else 0
             cells.append(f"– ({note})" if note else f"![{alt}]({place})")
         lines.append(f"| `{row[0].optimizer}` | " + " | ".join(cells) + " |")

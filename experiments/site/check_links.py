@@ -74,7 +74,8 @@ def check_links(site: Path) -> int:
                 continue
             number += 1
             broken += [
-                f"{path.relative_to(site.resolve())}: {fault}" for fault in _faults(link, path, pages, site)
+                f"{path.relative_to(site.resolve()).as_posix()}: {fault}"
+                for fault in _faults(link, path, pages, site)
             ]
     if broken:
         listed = "\n".join(dict.fromkeys(broken))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 from agents.runs.provenance import provenance
 from swarm_gym.files import write_atomically
 
+PROCESSORS = Path("/proc/cpuinfo")  # description of the processors, on Linux
 ALL_THREADS = numba.config.NUMBA_NUM_THREADS
 CASES = ("case1", "case2", "case3")
 IN_NUMPY = "cost in NumPy"
@@ -92,12 +94,12 @@ def machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()
+    """Return the name of the processor, or its kind where the system does not tell the name."""
+    names = []
+    with suppress(OSError):  # only Linux has the file, and on ARM it lacks the name
+        lines = PROCESSORS.read_text(encoding="utf-8", errors="replace").splitlines()
+        names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(filter(None, [*names, platform.processor(), platform.machine()]), "unknown")
 
 
 def write_measurements(file: Path, groups: dict[str, list[Measurement]]) -> dict[str, Any]:

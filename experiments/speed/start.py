@@ -1,8 +1,12 @@
 """Time of the import and of the first step, with and without cached kernels; memory of many swarms."""
 
+import math
 import os
+import re
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from experiments.speed.measurement import Quantity, run_python, seconds_of
@@ -27,6 +31,7 @@ print(time.perf_counter() - begin)
 """
 HEAVY = ("torch", "stable_baselines3", "matplotlib", "pandas", "scipy", "pygame")
 IMPORTED = f"import sys, swarm_gym; print(sum(name in sys.modules for name in {HEAVY!r}))"
+STATUS = Path("/proc/self/status")  # of this process, on Linux
 MANY_SWARMS, CAPACITY = 4096, 200
 PEAK_OF_MANY = f"peak memory of {MANY_SWARMS} swarms of capacity {CAPACITY}, 31 waypoints"
 PEAK_MEMORY = f"""
@@ -76,17 +81,24 @@ def first_step(program: str, cold: bool) -> Callable[[], float]:
     return once
 
 
-def peak_bytes() -> int:
-    """Return the peak memory of this process in bytes."""
+def peak_bytes() -> float:
+    """Return the peak memory of this process in bytes; NaN on Windows, where Python does not know it."""
+    # On Linux, the peak in `resource` begins with that of the process which started this one.
+    with suppress(OSError):
+        status = STATUS.read_text(encoding="utf-8", errors="replace")
+        if found := re.search(r"^VmHWM:\s*(\d+) kB", status, re.MULTILINE):
+            return float(found[1]) * 1024
     try:
-        status = Path("/proc/self/status").read_text(encoding="ascii")
-    except OSError:  # not Linux
         import resource
-
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return int(status.split("VmHWM:")[1].split()[0]) * 1024
+    except ImportError:
+        return math.nan
+    unit = 1 if sys.platform == "darwin" else 1024  # macOS counts bytes, and others KiB
+    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * unit
 
 
 def peak_mebibytes() -> float:
-    """Return by how much a process grows, in MiB, when many large swarms are made, reset and stepped."""
+    """Return by how much a process grows, in MiB, when many large swarms are made, reset and stepped.
+
+    It is NaN where `peak_bytes` is.
+    """
     return float(run_python(PEAK_MEMORY)) / 2**20

@@ -4,7 +4,6 @@ Arrays are tensors of torch, so that networks read observations and rewards wher
 same memory. In the simulator of numba-cuda, the device is the memory of the host.
 """
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -14,6 +13,7 @@ import torch
 from numba import cuda
 
 from swarm_gym.errors import SettingError
+from swarm_gym.gpu.host_memory import free_host_memory
 from swarm_gym.gpu.warps import BLOCK, IS_SIMULATED, NUM_LANES
 from swarm_gym.population import Swarms
 
@@ -141,6 +141,6 @@ def bytes_of(num_swarms: int, capacity: int, memory_columns: int, history_column
 
 def _free_memory() -> int:
     if IS_SIMULATED:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_AVPHYS_PAGES")
+        return free_host_memory()
     unused = torch.cuda.memory_reserved() - torch.cuda.memory_allocated()  # kept by torch for new tensors
     return int(torch.cuda.mem_get_info()[0]) + unused

@@ -57,7 +57,7 @@ def packaged_optima() -> dict[str, float]:
 
 def packaged(file: str) -> Any:
     """Return the content of a JSON file that comes with the package."""
-    return json.loads(resources.files("swarm_gym.reference").joinpath(file).read_text())
+    return json.loads(resources.files("swarm_gym.reference").joinpath(file).read_text(encoding="utf-8"))
 
 
 def known_optimum(problem: Problem) -> float:
@@ -68,7 +68,7 @@ def known_optimum(problem: Problem) -> float:
     if name in packaged_optima():
         return packaged_optima()[name]
     try:
-        return float(_stored(name).read_text())
+        return float(_stored(name).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return math.nan
 

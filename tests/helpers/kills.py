@@ -102,8 +102,10 @@ class Watched:
 
     def _ended(self) -> int:
         self._process.join(LONGEST)
-        assert self._process.exitcode is not None, f"still running: {self.log.read_text()[-2000:]}"
-        assert self._process.exitcode in {0, KILLED}, self.log.read_text()[-2000:]
+        assert self._process.exitcode is not None, (
+            f"still running: {self.log.read_text(encoding='utf-8')[-2000:]}"
+        )
+        assert self._process.exitcode in {0, KILLED}, self.log.read_text(encoding="utf-8")[-2000:]
         return self._process.exitcode
 
 

@@ -10,13 +10,16 @@ COMMANDS = re.compile(r"```\n(python -m .*?)```", re.DOTALL)
 
 def write_own_files(folder):
     """Write the files into a folder and return their names."""
-    found = FILES.findall(PAGE.read_text())
+    found = FILES.findall(PAGE.read_text(encoding="utf-8"))
     for name, code in found:
         (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text(code)
+        (folder / name).write_text(code, encoding="utf-8")
     return [name for name, _ in found]
 
 
 def commands_of_the_page():
     """Return the commands, each as one line."""
-    return [re.sub(r"\s*\\\n\s*", " ", block).strip() for block in COMMANDS.findall(PAGE.read_text())]
+    return [
+        re.sub(r"\s*\\\n\s*", " ", block).strip()
+        for block in COMMANDS.findall(PAGE.read_text(encoding="utf-8"))
+    ]

@@ -143,7 +143,7 @@ def _read_manifest(path: Path) -> object:
 
 def _packaged_json(folder: Path) -> list[bytes]:
     files = sorted(folder.rglob("*.json"), key=lambda path: path.stat().st_size)
-    found = [json.loads(path.read_text()) for path in files[:3]]
+    found = [json.loads(path.read_text(encoding="utf-8")) for path in files[:3]]
     return [json.dumps({**content, "manifest": {}}).encode() for content in found]
 
 

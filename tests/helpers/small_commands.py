@@ -150,7 +150,7 @@ def assert_same_result(what, whole, folder):
 
 def result(path):
     """Return a tuning result without its provenance, since the commit may change during the tests."""
-    content = json.loads(path.read_text())
+    content = json.loads(path.read_text(encoding="utf-8"))
     del content["manifest"]["provenance"]
     return content
 

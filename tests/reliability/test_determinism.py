@@ -143,7 +143,7 @@ def test_in_a_subprocess():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names processors of that kind")
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="needs an x86-64 processor")
 @pytest.mark.parametrize("processor", ["x86-64", "haswell"])
 def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
     # Two and four lanes at a time instead of, perhaps, eight, whatever the name of the processor.

@@ -27,7 +27,7 @@ from helpers.small_commands import (
 )
 
 if not sys.platform.startswith("linux"):
-    pytest.skip("looks at processes and mounts as Linux has them", allow_module_level=True)
+    pytest.skip("needs Linux: it looks at processes and mounts", allow_module_level=True)
 
 pytestmark = pytest.mark.slow
 

@@ -1,5 +1,6 @@
 """Commands that are killed and resumed until they end have the same results as without kills."""
 
+import os
 import subprocess
 import sys
 import time
@@ -9,8 +10,8 @@ import pytest
 
 from swarm_gym.controllers.learned.policy_file import load_policy
 
-if sys.platform == "win32":
-    pytest.skip("there are no signals that kill", allow_module_level=True)
+if os.name != "posix":
+    pytest.skip("needs POSIX: it kills by signals", allow_module_level=True)
 
 from helpers.kills import Moment, run_killed_at, run_killed_at_random
 from helpers.small_commands import (

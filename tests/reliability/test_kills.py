@@ -1,10 +1,14 @@
 """The tests of kills name functions that exist; they are slow, so a name that has moved shows here first."""
 
+import os
+
 import pytest
 
-from helpers.kills import PHASES, find
+if os.name != "posix":
+    pytest.skip("needs POSIX: it kills by signals", allow_module_level=True)
+pytest.importorskip("stable_baselines3", reason="needs the extra `study`")
 
-pytest.importorskip("stable_baselines3")
+from helpers.kills import PHASES, find
 
 
 @pytest.mark.parametrize("name", PHASES)

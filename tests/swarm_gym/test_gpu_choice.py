@@ -23,9 +23,15 @@ print(pair.gpu.swarms.evaluations.tolist())
 """
 
 
+not_on_macos = pytest.mark.skipif(
+    sys.platform == "darwin", reason="needs Linux or Windows: CUDA has no version for macOS"
+)
+
+
+@not_on_macos
 def test_swarms_in_the_simulator_are_those_of_the_cpu():
-    pytest.importorskip("numba_cuda")
-    pytest.importorskip("array_api_compat")
+    pytest.importorskip("numba_cuda", reason="needs numba-cuda, of the extra `dev`")
+    pytest.importorskip("array_api_compat", reason="needs the extra `gpu`")
     path = os.pathsep.join([str(Path(__file__).parents[1]), str(Path(__file__).parents[2])])
     done = subprocess.run(
         [sys.executable, "-c", A_FEW_STEPS],
@@ -38,12 +44,12 @@ def test_swarms_in_the_simulator_are_those_of_the_cpu():
     assert all(evaluations > 4 + 5 for evaluations in eval(done.stdout))
 
 
-@pytest.mark.skipif(bool(numba.config.ENABLE_CUDASIM), reason="the simulator is on")
-def test_without_a_gpu_the_error_names_the_option_and_the_extra():
+@not_on_macos
+@pytest.mark.skipif(bool(numba.config.ENABLE_CUDASIM), reason="NUMBA_ENABLE_CUDASIM=1 turns on the simulator")
+def test_without_a_gpu_the_error_names_the_option_and_the_extra(monkeypatch):
     torch = pytest.importorskip("torch")
-    pytest.importorskip("numba_cuda")
-    if torch.cuda.is_available():
-        pytest.skip("there is a GPU")
+    pytest.importorskip("numba_cuda", reason="needs numba-cuda, of the extra `dev`")
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     with pytest.raises(SettingError, match=r"device 'cuda': torch finds no GPU here.*the extra 'gpu'"):
         SwarmVectorEnv(2, device="cuda")
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from helpers.plans import assert_free
+from helpers.public_maps import needed
 from swarm_gym.planning import plan
-from swarm_gym.scenarios.formats.data_files import data_folder
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
@@ -46,9 +46,7 @@ def tasks_of(file, problems):
     "name", [pytest.param(name, marks=() if "maze" in name else pytest.mark.slow) for name in PUBLIC]
 )
 def test_public_maps_have_free_paths_within_two_per_cent(name):
-    file = data_folder() / name
-    if not file.exists():
-        pytest.skip(f"needs {name} in the folder that SWARM_GYM_DATA names")
+    file = needed(name)
     gaps = []
     for start, goal in tasks_of(file, PUBLIC[name]):
         found = plan(file, start, goal)

@@ -44,7 +44,7 @@ def test_rllib_trains_on_an_environment(capsys):
     try:
         importlib.import_module("ray.rllib.algorithms.ppo")
     except ImportError:
-        pytest.skip("needs ray[rllib], in an environment of its own: see docs/recipes.md")
+        pytest.skip("needs ray[rllib], in an environment of its own; see docs/recipes.md")
     names = {}
     try:
         exec(SCRIPTS["rllib_ppo.py"], names)

@@ -31,6 +31,7 @@ OPTIONS = {
     "ray": BackendOptions("ray", jobs=2),
     "slurm": BackendOptions("slurm", "local", jobs=2),
 }
+needs_posix = pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it kills by signals")
 SEVERAL = ("local", "ray", "slurm")  # those whose workers are processes of their own
 
 
@@ -66,6 +67,7 @@ def test_an_error_of_the_work_is_raised_here(backend):
 
 
 @pytest.mark.slow
+@needs_posix
 @pytest.mark.parametrize("name", SEVERAL)
 def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
     def die_once(unit, folder):
@@ -82,6 +84,7 @@ def test_what_is_lost_with_a_process_is_done_again(tmp_path, name):
 
 
 @pytest.mark.slow
+@needs_posix
 @pytest.mark.parametrize("name", SEVERAL)
 def test_work_that_kills_its_worker_is_given_up(tmp_path, name):
     with (
@@ -220,9 +223,11 @@ def test_options_that_cannot_be_are_refused(tmp_path, options, error, message):
         options.make(tmp_path)
 
 
+needs_shell = pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it writes shell scripts")
 NO_ACCOUNTING = {"srun": "true", "sacct": "echo 'accounting storage is disabled' >&2; exit 1"}
 
 
+@needs_shell
 @pytest.mark.parametrize(
     ("commands", "message"),
     [({}, r"srun.*--address local"), (NO_ACCOUNTING, r"needs Slurm's accounting.*storage is disabled")],
@@ -258,7 +263,12 @@ def test_an_address_where_nobody_is_is_refused(tmp_path, address):
         backend.workers()
 
 
-def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tmp_path, monkeypatch):
+def refuse(*_, **__):
+    raise OSError("a required privilege is not held by the client")
+
+
+@pytest.mark.parametrize("links", [True, False], ids=["links", "no links, as on Windows"])
+def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tmp_path, monkeypatch, links):
     rng = np.random.default_rng(0)
     here, there = tmp_path / "here", tmp_path / "there"
     (here / "runs").mkdir(parents=True)
@@ -273,7 +283,12 @@ def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tm
     assert set(files) == {
         Path("runs/mine.safetensors"), Path("runs/base.json"), here / "far.safetensors"
     }  # fmt: skip
-    variables = pack(there, files)
+    with monkeypatch.context() as patch:
+        if not links:
+            patch.setattr(Path, "symlink_to", refuse)
+        variables = pack(there, [*files, *files])
+    assert (there / "runs" / "mine.safetensors").is_symlink() == (there / "swarm_gym").is_symlink() == links
+    assert (there / "swarm_gym" / "env.py").is_file()
     packages = {"swarm_gym", "agents", "experiments"}
     assert {path.name for path in there.iterdir()} == packages | {"swarm_gym_maps", "runs"}
     assert {path.name for path in (there / "runs").iterdir()} == {"base.json", "mine.safetensors"}

@@ -29,7 +29,7 @@ from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tin
 from swarm_gym.controllers.learned.policy_file import load_policy
 
 if not sys.platform.startswith("linux"):
-    pytest.skip("looks at processes as Linux has them", allow_module_level=True)
+    pytest.skip("needs Linux: it looks at processes", allow_module_level=True)
 pytest.importorskip("ray", reason="needs the extra `ray`")
 
 pytestmark = pytest.mark.slow

@@ -337,8 +337,8 @@ def test_what_this_algorithm_does_not_have_leaves_nothing_behind(tmp_path, optio
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a GPU")
-def test_without_a_gpu_cuda_is_refused_in_one_line(tmp_path):
+def test_without_a_gpu_cuda_is_refused_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     with pytest.raises(ValueError, match=r"""^device ['"]cuda['"]: .*(no GPU here|numba-cuda)[^\n]*$"""):
         train(tmp_path, **DEVICE, device="cuda")
     assert list(tmp_path.iterdir()) == []

@@ -1,7 +1,6 @@
 """Training seeds of a recipe belong together, and so do scenarios of a set; suites are sound data."""
 
 from dataclasses import replace
-from importlib.util import find_spec
 
 import pytest
 
@@ -17,6 +16,7 @@ from experiments.studies.learned.suites import NEVER_USED as NEWEST
 from experiments.studies.newcomers.suites import NEVER_USED
 from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
+from helpers.adapted import ADAPTED, missing
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
@@ -85,7 +85,15 @@ def test_policies_that_are_told_different_prices_are_different_groups():
     assert group_controllers(names) == {"learned:a/*@0.3": names[:2], "learned:a/*@4": names[2:]}
 
 
-@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def marks_of(suite):
+    """Return the marks that skip the test of a suite where libraries of its controllers are missing."""
+    text = " ".join(suite.controllers)
+    return [missing(library) for library in ADAPTED if f"swarm_gym.adapters.{library}" in text]
+
+
+@pytest.mark.parametrize(
+    "suite", [pytest.param(suite, id=name, marks=marks_of(suite)) for name, suite in SUITES.items()]
+)
 def test_what_a_suite_names_is_there_and_ships(suite):
     assert set(suite.tables) <= set(TABLES)
     assert set(suite.figures) <= set(figures())
@@ -95,8 +103,6 @@ def test_what_a_suite_names_is_there_and_ships(suite):
     assert len(set(suite.controllers)) == len(suite.controllers)
     assert len(set(suite.scenarios)) == len(suite.scenarios)
     for controller in suite.controllers:
-        if "swarm_gym.adapters" in controller and not (find_spec("pymoo") and find_spec("niapy")):
-            continue  # needs the extra `adapters`
         seeing = controller.replace("blinded:", "learned:")
         assert make_controller(entrant(seeing, suite.optimizer).controller)
     for scenario in suite.scenarios:

@@ -26,8 +26,8 @@ from experiments.studies.iafsa.published import (
 from experiments.studies.iafsa.routes import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.tables.claims import Claim, claims_table
+from helpers.public_maps import needed
 from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
-from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
@@ -202,10 +202,8 @@ def test_shifted_functions_are_compared_place_by_place(database):
 
 @pytest.fixture
 def route():
-    try:
-        return make_scenario("routes:turtlebot3-A-B")
-    except ScenarioError as error:
-        pytest.skip(str(error))
+    needed("turtlebot3_world.yaml")
+    return make_scenario("routes:turtlebot3-A-B")
 
 
 @pytest.fixture

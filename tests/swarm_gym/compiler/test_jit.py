@@ -11,7 +11,9 @@ from numba.core.errors import TypingError
 from helpers.compiled import compiled
 from swarm_gym.compiler.jit import entry, kernel, kernel_by_class
 
-needs_compiler = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
+needs_compiler = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 
 
 def half(values):

@@ -2,6 +2,7 @@
 
 import logging
 import multiprocessing
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +13,9 @@ import pytest
 from swarm_gym.compiler import cache
 from swarm_gym.compiler.jit import entry, kernel
 
-pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(
+    bool(numba.config.DISABLE_JIT), reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 
 
 def doubled(x):
@@ -101,7 +104,7 @@ def compile_in_four_processes(folder):
         process.join()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="forks")
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX: it forks")
 def test_of_processes_that_need_the_same_one_compiles_it(folder):
     code = f"import {__name__} as tests; tests.compile_in_four_processes(tests.Path({str(folder)!r}))"
     printed = subprocess.check_output([sys.executable, "-c", code], cwd=Path(__file__).parent, text=True)

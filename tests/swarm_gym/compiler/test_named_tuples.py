@@ -53,7 +53,7 @@ def test_the_class_of_a_row_chooses_a_kernel():
     assert (measured(LIKE, MATRIX, 2), measured(Ends(0.0, 0.0), MATRIX, 2)) == (30.0, 1.0)
 
 
-@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="plain Python takes any array")
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="NUMBA_DISABLE_JIT=1 turns off the compiler")
 @pytest.mark.parametrize(
     "matrix", [MATRIX.T, MATRIX.astype(np.float32), MATRIX[0]], ids=["transposed", "float32", "vector"]
 )

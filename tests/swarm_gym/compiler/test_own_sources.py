@@ -13,7 +13,9 @@ import pytest
 from swarm_gym.compiler.own_sources import UnknownSourceError, digest_of_modules, own_modules
 from swarm_gym.optimizers.firefly import FireflyParameters
 
-pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+pytestmark = pytest.mark.skipif(
+    bool(numba.config.DISABLE_JIT), reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 ROOT = Path(__file__).parents[3]
 
 HELPER = """

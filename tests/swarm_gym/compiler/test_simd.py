@@ -200,7 +200,9 @@ READ_ONLY.flags.writeable = False
         pytest.param(lambda a, b: total(look_up(a, b)), (BYTES, FLOATS), id="look-up at an array"),
     ],
 )
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
+@pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 def test_what_would_read_or_mean_something_else_does_not_compile(function, arguments):
     with pytest.raises(TypingError):
         numba.njit(function)(*arguments)
@@ -260,7 +262,9 @@ for place in (8.0, -9.0):
 """
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="asks for a compiler")
+@pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 def test_with_bounds_checks_on_no_lane_is_beyond_an_array():
     found = subprocess.run(
         [sys.executable, "-c", OUTSIDE],

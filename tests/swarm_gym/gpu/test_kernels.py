@@ -190,7 +190,10 @@ def test_swarms_do_not_depend_on_their_number():
         np.testing.assert_array_equal(first.cpu(), only.cpu())
 
 
-@pytest.mark.skipif(bool(numba.config.ENABLE_CUDASIM), reason="whole episodes take hours in the simulator")
+@pytest.mark.skipif(
+    bool(numba.config.ENABLE_CUDASIM),
+    reason="NUMBA_ENABLE_CUDASIM=1 turns on the simulator, in which whole episodes take hours",
+)
 @pytest.mark.parametrize("case", CASES)
 def test_final_fitness_has_the_distribution_of_the_cpu(case):
     options = {"scenario": case, "iterations": 30, "initial_population_size": 30, "max_population_size": 60}

@@ -19,7 +19,7 @@ HOPPER = (9, 0)  # compute capability
 def compile_for_hopper(monkeypatch):
     """A function that compiles an entry for arguments of these types, and returns its PTX."""
     if numba.config.ENABLE_CUDASIM:
-        pytest.skip("the simulator compiles nothing")
+        pytest.skip("NUMBA_ENABLE_CUDASIM=1 turns on the simulator, which compiles nothing")
     from numba import cuda
     from numba.cuda import dispatcher
 

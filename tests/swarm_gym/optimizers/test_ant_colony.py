@@ -230,7 +230,9 @@ def test_re_evaluation_ends_where_the_budget_does(left):
 # What comes out.
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes minutes uncompiled")
+@pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 @pytest.mark.parametrize("side", [50, 100])
 def test_a_run_finds_a_path_within_a_tenth_of_the_shortest_over_cells(side):
     problem = WalkProblem(make_scenario(f"block:{side}"))

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import swarm_gym  # noqa: F401
-from swarm_gym.errors import ScenarioError
-from swarm_gym.scenarios import make_scenario
+from helpers.public_maps import needed
 
 NUM_SEEDS, ITERATIONS, FISH = 8, 50, 100
 FUNCTIONS = ("rastrigin-10", "easom-2", "booth-2", "bohachevsky-2", "sum-squares-10")
@@ -35,12 +34,12 @@ def test_improved_fish_end_below_standard_ones_wherever_the_optimum_is(function,
     assert improved.max() < standard.mean()
 
 
-@pytest.mark.parametrize("scenario", ["routes:turtlebot3-C-D", "routes:playground-E-D"])
-def test_improved_fish_have_shorter_ways_than_standard_ones(scenario):
-    try:
-        make_scenario(scenario)
-    except ScenarioError as error:
-        pytest.skip(str(error))
+@pytest.mark.parametrize(
+    ("scenario", "map_file"),
+    [("routes:turtlebot3-C-D", "turtlebot3_world.yaml"), ("routes:playground-E-D", "playground.yaml")],
+)
+def test_improved_fish_have_shorter_ways_than_standard_ones(scenario, map_file):
+    needed(map_file)
     improved, standard = (
         final_values(fish, scenario, **BEZIER) for fish in ("ImprovedFishSwarm", "FishSwarm")
     )

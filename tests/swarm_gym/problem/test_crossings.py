@@ -11,17 +11,16 @@ from hypothesis import strategies as st
 
 from helpers.compiled import compiled
 from helpers.grids import area_of, grids
+from helpers.public_maps import needed
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import ScenarioError
 from swarm_gym.planning.guide import guided_population
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import TOLERANCE, blocked_length, path_is_free
 from swarm_gym.problem.grid import crossings
 from swarm_gym.problem.tables import evaluate_entry
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.ways import shortest_way
 
 
@@ -138,10 +137,7 @@ def test_random_pieces_are_hardly_ever_in_doubt(scale):
 def scenario_of(name):
     family, _, rest = name.partition(":")
     if family == "moving-ai":
-        try:
-            find_data_file(re.split("[#?]", rest)[0] + ".map")
-        except ScenarioError as error:
-            pytest.skip(str(error))
+        needed(re.split("[#?]", rest)[0] + ".map")
     return make_scenario(name)
 
 

@@ -3,9 +3,7 @@
 import heapq
 import json
 import math
-import os
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ from hypothesis import strategies as st
 
 from helpers.compiled import compiled
 from helpers.grids import area_of, frozen, grid
+from helpers.public_maps import needed
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.traversal import is_gap, path_is_free, segment_is_free
 from swarm_gym.reference import AnyAnglePlanner, shortest_grid_path, smooth
@@ -58,16 +57,9 @@ def length_or_infinity(plan, *arguments):
         return math.inf
 
 
-def benchmark_file(name):
-    path = Path(os.environ.get("SWARM_GYM_DATA", ""), "movingai", name)
-    if "SWARM_GYM_DATA" not in os.environ or not path.exists():
-        pytest.skip(f"no {name} of the Moving AI benchmark in SWARM_GYM_DATA")
-    return path
-
-
 def benchmark(name):
     """Return the blocked cells of a map, and its problems."""
-    return read_map(benchmark_file(f"{name}.map")).blocked, read_scenarios(benchmark_file(f"{name}.map.scen"))
+    return read_map(needed(f"{name}.map")).blocked, read_scenarios(needed(f"{name}.map.scen"))
 
 
 def dijkstra(num_nodes, begins, ends, lengths, start, goal):
@@ -359,7 +351,7 @@ class TestBenchmark:
             assert math.dist(*ends) - 1e-9 <= length <= problem.length + 1e-3
 
     def test_any_angle_paths_have_the_known_lengths(self):
-        tasks = json.loads(benchmark_file("den400d_p1_p6.json").read_text())
+        tasks = json.loads(needed("den400d_p1_p6.json").read_text())
         blocked, _ = benchmark("den400d")
         planner = AnyAnglePlanner(blocked)
         for task in tasks.values():

@@ -5,6 +5,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
+from helpers.public_maps import needed
 from swarm_gym.scenarios import download
 from swarm_gym.scenarios.download import MAPS, RemoteFile, Source, main
 from swarm_gym.scenarios.formats.data_files import find_data_file
@@ -146,8 +147,5 @@ def test_a_public_file_is_named_by_a_commit_and_known_by_its_content(file):
     "file", [file for files in MAPS.values() for file in files], ids=lambda file: file.path
 )
 def test_a_public_file_that_was_downloaded_is_the_published_one(file):
-    path = download.data_folder() / file.local
-    if not path.is_file():
-        pytest.skip(f"{path} is not there")
-    content = path.read_bytes()
+    content = needed(file.local).read_bytes()
     assert (len(content), hashlib.sha256(content).hexdigest()) == (file.size, file.sha256)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import shapely
 
+from helpers.public_maps import needed
 from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.problem.geometry.traversal import blocked_length
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
-from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
 from swarm_gym.scenarios.papers.iafsa import SITES, inflation, read_site_map
 
 # Tables 4 and 5 of the IAFSA paper.
@@ -21,10 +21,7 @@ NAMES = {"turtlebot3": ("A-B", "B-C", "C-D", "D-E"), "playground": ("A-B", "A-C"
 
 @pytest.fixture(params=SITES)
 def site(request):
-    try:
-        find_data_file(f"{SITES[request.param].map}.yaml")
-    except ScenarioError:
-        pytest.skip(f"{SITES[request.param].map}.yaml is not in {data_folder()}")
+    needed(f"{SITES[request.param].map}.yaml")
     return request.param
 
 

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.mutations import fuzzed, mutated
+from helpers.public_maps import needed
 from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario, make_scenarios
-from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
+from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEMS, read_map, read_scenarios
 from swarm_gym.scenarios.papers.moa import TASKS
 
@@ -114,8 +115,9 @@ def test_a_map_that_announces_more_than_it_has_is_not_given_memory(folder):
 def test_what_is_no_file_is_refused(folder, read):
     refused(lambda: read(folder / "none"), "none", "no such file")
     refused(lambda: read(folder), str(folder), "not a regular file")
-    os.mkfifo(folder / "pipe")
-    refused(lambda: read(folder / "pipe"), "pipe", "not a regular file")
+    if hasattr(os, "mkfifo"):  # Windows has no named pipes in folders
+        os.mkfifo(folder / "pipe")
+        refused(lambda: read(folder / "pipe"), "pipe", "not a regular file")
 
 
 @given(content=mutated(MAP, *INSERTIONS) | st.binary(max_size=60))
@@ -291,10 +293,7 @@ def test_a_problem_that_does_not_fit_its_map_is_refused_with_its_line(small, ins
 
 @pytest.fixture
 def den400d():
-    try:
-        return find_data_file("den400d.map")
-    except ScenarioError:
-        pytest.skip(f"den400d.map is not in {data_folder()}")
+    return needed("den400d.map")
 
 
 def test_den400d_is_the_map_of_the_paper(den400d):

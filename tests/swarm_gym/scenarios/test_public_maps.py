@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 import swarm_gym  # noqa: F401
-from swarm_gym.errors import ScenarioError
+from helpers.public_maps import needed
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 
 # Map and problem file; those of arena and den400d are in test_grid_planners.py.
@@ -32,16 +31,9 @@ TASKS = (
 )
 
 
-def find(name):
-    try:
-        return find_data_file(name)
-    except ScenarioError:
-        pytest.skip(f"{name} is not in the data folder")
-
-
 @pytest.mark.parametrize(("map_file", "problem_file"), BENCHMARKS)
 def test_published_lengths_are_those_of_paths_on_the_grid(map_file, problem_file):
-    grid, problems = read_map(find(map_file)), read_scenarios(find(problem_file))
+    grid, problems = read_map(needed(map_file)), read_scenarios(needed(problem_file))
     for problem in problems[:: len(problems) // 40]:
         length = 0.0
         if problem.start != problem.goal:
@@ -52,7 +44,7 @@ def test_published_lengths_are_those_of_paths_on_the_grid(map_file, problem_file
 @pytest.mark.parametrize("name", TASKS)
 def test_a_public_map_is_planned_on_and_drawn(name):
     kind, _, rest = name.partition(":")
-    find(rest.replace("#", "?").partition("?")[0] + (".map" if kind == "moving-ai" else ".yaml"))
+    needed(rest.replace("#", "?").partition("?")[0] + (".map" if kind == "moving-ai" else ".yaml"))
     scenario = make_scenario(name)
     length, points = shortest_path(scenario)
     assert scenario.straight_line <= length + 1e-9

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.mutations import fuzzed, mutated
+from helpers.public_maps import needed
 from helpers.refusals import refused
 from swarm_gym.errors import MissingExtraError, ScenarioError
 from swarm_gym.scenarios import expand_name, make_scenario
-from swarm_gym.scenarios.formats.data_files import data_folder, find_data_file
 from swarm_gym.scenarios.formats.ros_map import read_ros_map, read_yaml
 
 Image = pytest.importorskip("PIL.Image", reason="needs the extra `maps`")
@@ -277,11 +277,7 @@ def test_a_missing_library_is_reported_with_the_extra(folder, monkeypatch, modul
     ("name", "shape", "free"), [("turtlebot3_world", (384, 384), 7939), ("playground", (194, 231), 43488)]
 )
 def test_a_published_map_is_read(name, shape, free):
-    try:
-        path = find_data_file(f"{name}.yaml")
-    except ScenarioError:
-        pytest.skip(f"{name}.yaml is not in {data_folder()}")
-    made = read_ros_map(path)
+    made = read_ros_map(needed(f"{name}.yaml"))
     assert made.blocked.shape == shape
     assert (~made.blocked).sum() == free
 
