@@ -1,8 +1,8 @@
-"""List, rename, merge and drop the entries of a results database: `python -m experiments.entries --help`.
+"""List, rename, merge and drop entries of a results database: `python -m experiments.entries --help`.
 
 An entry is all runs of one controller. `list` shows them. `rename` gives one another name, `drop` deletes
-one, and `merge` copies the runs that a database lacks from another one. Each command changes all of it or
-nothing.
+one, and `merge` copies the runs that a database lacks from another one. `carry-over` prepares a database of
+an earlier version for this one. Each command changes all of it or nothing.
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import tyro
 
 from experiments.runs import entries
 from experiments.runs.database import Results, ResultsError
+from experiments.runs.earlier_identities import CarriedOver, carry_over
 from experiments.runs.entries import EntryError
 from swarm_gym.command import command
 
@@ -64,7 +65,15 @@ class Merge:
     """Results database that they come from; it is only read."""
 
 
-def carry_out(config: List | Rename | Drop | Merge) -> list[str]:
+@dataclass(frozen=True)
+class CarryOver:
+    """Let this version go on with a database of an earlier one, which told controllers apart otherwise."""
+
+    database: File
+    """Results database, e.g. results/paper.sqlite. All of its runs are kept."""
+
+
+def carry_out(config: List | Rename | Drop | Merge | CarryOver) -> list[str]:
     """Carry out a command and return the lines that say what was done.
 
     Raises:
@@ -87,6 +96,8 @@ def carry_out(config: List | Rename | Drop | Merge) -> list[str]:
                 return [f"{config.new}: {count} runs, which were those of {config.name}"]
             if isinstance(config, Drop):
                 return [f"{config.name}: {entries.drop(connection, config.name)} runs deleted"]
+            if isinstance(config, CarryOver):
+                return _carried(config.database, carry_over(connection))
             assert other is not None
             copied = entries.merge(connection, other.connection)
             return [f"{name}: {count} runs copied" for name, count in copied.items()]
@@ -94,6 +105,11 @@ def carry_out(config: List | Rename | Drop | Merge) -> list[str]:
         results.close()
         if other is not None:
             other.close()
+
+
+def _carried(database: Path, found: CarriedOver) -> list[str]:
+    left = [f"{name}: its runs are left as they are ({reason})" for name, reason in found.left.items()]
+    return [f"{database}: the runs of {len(found.carried)} controllers go on", *left]
 
 
 def _line(entry: entries.Entry) -> str:
@@ -104,7 +120,8 @@ def _line(entry: entries.Entry) -> str:
 def main() -> None:
     """Carry out the command line."""
     config = tyro.extras.subcommand_cli_from_dict(
-        {"list": List, "rename": Rename, "drop": Drop, "merge": Merge}, description=__doc__
+        {"list": List, "rename": Rename, "drop": Drop, "merge": Merge, "carry-over": CarryOver},
+        description=__doc__,
     )
     with command(ResultsError, EntryError):
         lines = carry_out(config)

@@ -5,6 +5,7 @@ numbers, so there are no running statistics to store. Features work on the array
 `swarm_gym.arrays`; those that need paths work on NumPy arrays only.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import Array, at_least, divided, floats
+from swarm_gym.compiler.elementary import exp, log, log1p
 from swarm_gym.corridors import KnownCorridors
 from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS
@@ -64,11 +66,11 @@ def _summary(column: int) -> Callable[[Simulation], Floats]:
 
 
 def _log_scaled(column: int) -> Callable[[Simulation], Floats]:
-    return lambda simulation: simulation.xp.log1p(simulation.swarms.summary[:, column]) / 8.0
+    return lambda simulation: log1p(simulation.swarms.summary[:, column], simulation.xp) / 8.0
 
 
 def _log_bound(simulation: Simulation) -> float:
-    return float(np.log1p(_collision_bound(simulation))) / 8.0
+    return float(log1p(_collision_bound(simulation))) / 8.0
 
 
 def _log_extent(simulation: Simulation) -> float:
@@ -76,14 +78,14 @@ def _log_extent(simulation: Simulation) -> float:
 
     No member is farther from the mean than the workspace is wide.
     """
-    extents = [np.linalg.norm(np.subtract(*problem.bounds)) for problem in simulation.problems]
-    return float(np.log1p(max(extents))) / 8.0
+    extents = [math.sqrt(np.square(np.subtract(*problem.bounds)).sum()) for problem in simulation.problems]
+    return float(log1p(max(extents))) / 8.0
 
 
 def _clock(simulation: Simulation, iterations: Array) -> Array:
     """Return log(1 + iterations), relative to that of all iterations of an episode."""
     xp = simulation.xp
-    return xp.log1p(floats(xp, iterations)) / float(np.log1p(simulation.settings.iterations))
+    return log1p(floats(xp, iterations), xp) / float(log1p(simulation.settings.iterations))
 
 
 def _log_progress(simulation: Simulation) -> Floats:
@@ -91,7 +93,7 @@ def _log_progress(simulation: Simulation) -> Floats:
     xp, then = simulation.xp, at_least(simulation.xp, simulation.iteration - RECENT, 0)
     before = simulation.gap_of(simulation.history[simulation.rows, then, _BEST])
     now = simulation.gap()
-    return xp.log(divided(xp, before, now, xp.isfinite(now), 1.0))
+    return log(divided(xp, before, now, xp.isfinite(now), 1.0), xp)
 
 
 def _log_relative_fitness(simulation: Simulation) -> Floats:
@@ -101,7 +103,7 @@ def _log_relative_fitness(simulation: Simulation) -> Floats:
     """
     numbers = simulation.swarms.problem
     bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
-    return simulation.xp.log((simulation.swarms.best_fitness + (unit - bound)) / unit)
+    return log((simulation.swarms.best_fitness + (unit - bound)) / unit, simulation.xp)
 
 
 def _spent(simulation: Simulation) -> Floats:
@@ -118,9 +120,9 @@ def _log_best_smooth(simulation: Simulation) -> Floats:
     """
     xp = simulation.xp
     newcomer = simulation.gap_of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
-    none = float(np.exp(NO_GOOD_NEWCOMER))
+    none = float(exp(NO_GOOD_NEWCOMER))
     ratio = divided(xp, newcomer, simulation.gap(), xp.isfinite(newcomer), none)
-    return xp.clip(xp.log(ratio), 0.0, NO_GOOD_NEWCOMER)
+    return xp.clip(log(ratio, xp), 0.0, NO_GOOD_NEWCOMER)
 
 
 def _became_best(simulation: Simulation) -> Floats:
@@ -144,7 +146,7 @@ def _log_corridors(simulation: Simulation) -> Floats:
     for row in np.flatnonzero(simulation.swarms.size).tolist():
         corridors = known.of(int(simulation.swarms.problem[row]), simulation.problem_of(row))
         counts[row] = corridors.count(simulation.positions(row))
-    return np.log(counts) / np.log(max(simulation.settings.max_population_size, 2))
+    return log(counts) / float(log(max(simulation.settings.max_population_size, 2)))
 
 
 def _last_rise(simulation: Simulation) -> tuple[NDArray[np.int64], Floats]:
@@ -167,14 +169,14 @@ def _log_since_rise(simulation: Simulation) -> Floats:
 
 def _log_rise(simulation: Simulation) -> Floats:
     _, ratio = _last_rise(simulation)
-    return simulation.xp.log(ratio)
+    return log(ratio, simulation.xp)
 
 
 def _log_collision_ratio(simulation: Simulation, iteration: NDArray[np.int64] | int) -> Floats:
     """Return (B,) log((1 + E(P)) / (1 + E(P) after that iteration)) / 8; nan before the first reset."""
     before = simulation.history[simulation.rows, iteration, _COLLISION]
     now = simulation.swarms.summary[:, POPULATION_COLLISION]
-    return simulation.xp.log((1.0 + now) / (1.0 + before)) / 8.0
+    return log((1.0 + now) / (1.0 + before), simulation.xp) / 8.0
 
 
 def _log_jump(simulation: Simulation) -> Floats:
@@ -198,9 +200,8 @@ def _log_until_event(simulation: Simulation) -> Floats:
 
 def _log_size(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return xp.log1p(floats(xp, simulation.swarms.size)) / float(
-        np.log1p(simulation.settings.max_population_size)
-    )
+    largest = float(log1p(simulation.settings.max_population_size))
+    return log1p(floats(xp, simulation.swarms.size), xp) / largest
 
 
 def _spent_of_reference(simulation: Simulation) -> Floats:
@@ -211,7 +212,7 @@ def _spent_of_reference(simulation: Simulation) -> Floats:
 
 def _log_price(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return xp.log10(at_least(xp, simulation.price, 1e-4) / 0.1) / 3.0
+    return log(at_least(xp, simulation.price, 1e-4) / 0.1, xp) / (3.0 * math.log(10.0))
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import Namespace
+from swarm_gym.compiler.elementary import log
 from swarm_gym.own_code import find
 
 Floats = NDArray[np.float64]
@@ -66,7 +67,7 @@ Reward = Callable[[Transition], Floats]
 def progress(transition: Transition) -> Floats:
     """Return log(gap before / gap after) - cost: progress on a logarithmic scale minus the price paid."""
     xp = transition.xp
-    return xp.log(transition.gap_before / transition.gap_after) - transition.cost
+    return log(transition.gap_before / transition.gap_after, xp) - transition.cost
 
 
 def final(transition: Transition) -> Floats:
@@ -75,7 +76,7 @@ def final(transition: Transition) -> Floats:
     Over an episode the sum is that of `progress`.
     """
     xp = transition.xp
-    gain = xp.log(transition.initial_gap / transition.gap_after)
+    gain = log(transition.initial_gap / transition.gap_after, xp)
     return xp.where(transition.ended, gain, 0.0) - transition.cost
 
 
@@ -119,7 +120,7 @@ def final_gap(transition: Transition) -> Floats:
     Gaps are in map units, so rewards of several episodes on one scenario are comparable.
     """
     xp = transition.xp
-    return xp.where(transition.ended, -xp.log(transition.gap_after), 0.0) - transition.cost
+    return xp.where(transition.ended, -log(transition.gap_after, xp), 0.0) - transition.cost
 
 
 REWARDS: dict[str, Reward] = {

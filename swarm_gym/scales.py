@@ -1,5 +1,6 @@
 """Scales: how the decisions of an action are written as its numbers."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import applied, as_numpy, at_least, floats
+from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.errors import SettingError
 from swarm_gym.simulation import Simulation
 
@@ -14,6 +16,7 @@ Floats = NDArray[np.float64]
 
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
+_LOG_PACE_SPREAD = math.log(PACE_SPREAD)
 
 
 class Scale(ABC):
@@ -76,12 +79,14 @@ class Logarithmic(Scale):
     high: float = 1.0
 
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
-        spread = max(np.log(self.largest) - np.log(self.smallest), 1e-9)
+        lowest, highest = log([self.smallest, self.largest]).tolist()
+        spread = max(highest - lowest, 1e-9)
         positive = np.maximum(values, self.smallest)  # the default of a parameter may be 0
-        return 2.0 * (np.log(positive) - np.log(self.smallest)) / spread - 1.0
+        return 2.0 * (log(positive) - lowest) / spread - 1.0
 
-    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
-        return self.smallest * (self.largest / self.smallest) ** ((numbers + 1.0) / 2.0)
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
+        spread = float(log(self.largest / self.smallest))
+        return self.smallest * exp(spread * ((numbers + 1.0) / 2.0), simulation.xp)
 
 
 @dataclass(frozen=True)
@@ -100,10 +105,10 @@ class Paced(Scale):
             raise SettingError(
                 "paced actions depend on the remaining evaluations: encode them with a simulation"
             )
-        return np.log(values / as_numpy(self._lasting(simulation))) / float(np.log(PACE_SPREAD))
+        return log(values / as_numpy(self._lasting(simulation))) / _LOG_PACE_SPREAD
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
-        return self._lasting(simulation) * PACE_SPREAD**numbers
+        return self._lasting(simulation) * exp(_LOG_PACE_SPREAD * numbers, simulation.xp)
 
     def _lasting(self, simulation: Simulation) -> Floats:
         """Return (B,) sizes at which the evaluations that are left last to the end of the episode."""

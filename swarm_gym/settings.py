@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from swarm_gym.checks import look_up, require_integer, require_number
+from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, kind_of, names_of_kinds
 from swarm_gym.optimizers.optimizer import Optimizer
@@ -288,8 +289,8 @@ class Settings:
         """Draw the price of an episode."""
         if not isinstance(self.price, tuple):
             return self.price
-        low, high = np.log(self.price)
-        return float(np.exp(low + (high - low) * generator.random()))
+        low, high = log(self.price)
+        return float(exp(low + (high - low) * generator.random()))
 
     def _check_price(self) -> None:
         if not isinstance(self.price, tuple | list):

@@ -14,7 +14,7 @@ Immigrants replace the worst members of a population, those that shrinking would
 "Genetic algorithms for changing environments", PPSN 2, 1992).
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from typing import Self
 
 import numpy as np
@@ -87,6 +87,10 @@ class Source:
     def name(self) -> str:
         """Name of the source, one of `SOURCES`."""
         return {0.0: UNIFORM, 1.0: SMOOTH}.get(self.smooth_share, MIXED)
+
+    def identity(self) -> tuple[float, ...]:
+        """Return all numbers, as a part of the identity of a controller."""
+        return tuple(float(number) for number in astuple(self))
 
     def options(self) -> dict[str, str | float]:
         """Return the options of an environment whose new members come from this source."""

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,13 @@ class Masked(Wrapper):
         super().__init__(copy.deepcopy(controller))
         self._courses = courses
         self._columns = list(columns)
+
+    def identity(self) -> Any:
+        """Return the identity of the controller, and which inputs are masked.
+
+        The courses that replace them are computed from its decisions.
+        """
+        return "masked", [int(column) for column in self._columns], self._controller.identity()
 
     def act(self, observations: NDArray) -> NDArray:
         """Return the decisions of the controller on masked observations."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +64,10 @@ class Changed(Wrapper):
         self._change, self._window = change, window
         space = make_action(Settings(action=controller.action), get_optimizer(OPTIMIZER)).space
         self._low, self._high = (float(end[change.column]) for end in (space.low, space.high))
+
+    def identity(self) -> Any:
+        """Return the change, the window and the identity of the controller."""
+        return "changed", tuple(self._change), self._window, self._controller.identity()
 
     def act(self, observations: NDArray) -> NDArray:
         """Return the actions of the controller, changed if the iteration is in the window."""

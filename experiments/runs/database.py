@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.runs.entries import KEY, keep_aside
+from experiments.runs.entries import IDENTITIES, KEY, EntryError, keep_aside, require_identities
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run, RunKey, Snapshot
 
@@ -291,6 +291,11 @@ class Results:
     def _keep_aside(self, configuration: Mapping[str, Any]) -> list[str]:
         """Keep the entries of controllers aside that have changed, and return notices on them."""
         controllers = {key: value for key, value in configuration.items() if key.startswith(KEY)}
+        if IDENTITIES in configuration:
+            try:
+                require_identities(str(self.path), self.configuration())
+            except EntryError as error:
+                raise ResultsError(str(error)) from error
         # Nothing is renamed in a database that is refused.
         self._compare({key: value for key, value in configuration.items() if key not in controllers})
         new = {key.removeprefix(KEY): _json(value) for key, value in controllers.items()}

@@ -15,6 +15,9 @@ ASIDE = "#"
 DIGITS = 8
 KEY = "controller "  # what the keys of controllers begin with in the configuration
 TABLES = ("runs", "snapshots")
+# This key says how a database tells controllers apart: by `Controller.identity`. Databases of earlier
+# versions lack it: there, numbers that depend on the processor are part of what some controllers are.
+IDENTITIES, FROM_CONTENT = "identities", "from content"
 
 
 class EntryError(ValueError):
@@ -94,6 +97,23 @@ def keep_aside(connection: sqlite3.Connection, new: Mapping[str, str]) -> list[s
     return notices
 
 
+def require_identities(path: str, stored: Mapping[str, str]) -> None:
+    """Raise an error if a database tells controllers apart as earlier versions did.
+
+    Args:
+        path: name of the database, for the message.
+        stored: its configuration by key.
+
+    Raises:
+        EntryError: naming the command that carries it over.
+    """
+    if IDENTITIES not in stored and any(key.startswith(KEY) for key in stored):
+        raise EntryError(
+            f"{path} tells controllers apart as earlier versions did; run this command once, which keeps all "
+            f"runs: python -m experiments.entries carry-over {path}"
+        )
+
+
 def rename(connection: sqlite3.Connection, name: str, new: str) -> int:
     """Rename an entry and return the number of its runs.
 
@@ -134,6 +154,11 @@ def merge(connection: sqlite3.Connection, other: sqlite3.Connection) -> dict[str
     for key in sorted(ours.keys() & theirs.keys()):
         if not key.startswith(KEY) and ours[key] != theirs[key]:
             raise EntryError(f"the databases have runs of different environments: {key} differs")
+    if (IDENTITIES in ours) != (IDENTITIES in theirs):
+        raise EntryError(
+            "one of the databases tells controllers apart as earlier versions did; carry it over first: "
+            "python -m experiments.entries carry-over FILE"
+        )
     copied = {}
     for (name,) in other.execute("SELECT DISTINCT controller FROM runs ORDER BY controller").fetchall():
         identity = theirs.get(KEY + name)

@@ -26,6 +26,10 @@ class SizeLimits:
                 f"{self.largest}"
             )
 
+    def identity(self) -> tuple[int, int]:
+        """Return both sizes, as a part of the identity of a controller."""
+        return int(self.smallest), int(self.largest)
+
     def clip(self, size: int) -> int:
         """Return the nearest allowed size."""
         return min(max(size, self.smallest), self.largest)
@@ -70,6 +74,17 @@ class Controller(ABC):
             observations: shape (num_swarms, k), in the layout `observation`.
         """
 
+    @abstractmethod
+    def identity(self) -> Any:
+        """Return what this controller is: values by which two controllers that decide differently differ.
+
+        They are parameters and the content of files, never numbers that are computed when it decides, which
+        may have other last digits on another processor. Results databases and scores compare them.
+
+        Returns:
+            Lists, tuples, dictionaries by name, texts, numbers and None, which JSON can hold.
+        """
+
     def env_options(self) -> dict[str, Any]:
         """Return the options that the environment of this controller needs."""
         options: dict[str, Any] = {
@@ -94,8 +109,8 @@ class Controller(ABC):
 class Wrapper(Controller):
     """A controller around another one, with the same environment; it changes observations or decisions.
 
-    A subclass implements `act`, which is called once per iteration: it asks `_controller` and adds one to
-    `_iteration`.
+    A subclass implements `identity`, and `act`, which is called once per iteration: it asks `_controller` and
+    adds one to `_iteration`.
 
     Args:
         controller: controller to wrap.

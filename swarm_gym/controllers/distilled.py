@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
+from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
@@ -106,7 +107,7 @@ class Formula:
             total += weight * INPUTS[name](seen)
         if self.decision == LINEAR:
             return np.clip(total, low, high)
-        return np.clip(np.exp(np.clip(total, math.log(low), math.log(high))), low, high)
+        return np.clip(exp(np.clip(total, *log([low, high]))), low, high)
 
     def __str__(self) -> str:
         words = [f"{self.constant:.{DIGITS}g}"]
@@ -170,6 +171,10 @@ class DistilledRule(Controller):
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
+
+    def identity(self) -> Any:
+        """Return the rule as text, which states all its numbers."""
+        return "distilled", self.lines(), self.optimizer, self.max_evaluations
 
     def act(self, observations: NDArray) -> Floats:
         """Return (B, k) decisions of the formulas."""

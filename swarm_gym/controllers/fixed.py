@@ -72,6 +72,11 @@ class Fixed(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
 
+    def identity(self) -> Any:
+        """Return the size, and the source of the first population."""
+        source = self.first_source
+        return "fixed", int(self.initial_population_size), source.identity() if source else None
+
     def act(self, observations: NDArray) -> Floats:
         """Return (B, 2) decisions: the constant size, and phi = 0."""
         return np.tile([float(self.initial_population_size), 0.0], (len(observations), 1))
@@ -88,6 +93,10 @@ class Random(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Seed one generator per swarm."""
         self._generators = [np.random.default_rng(seed + row) for row in range(num_swarms)]
+
+    def identity(self) -> Any:
+        """Return the population sizes that it draws from."""
+        return "random", self.limits.identity()
 
     def act(self, observations: NDArray) -> Floats:  # noqa: ARG002
         """Draw (B, 2) decisions, one row per swarm."""

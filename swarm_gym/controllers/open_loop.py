@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_number
+from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
@@ -96,8 +97,24 @@ class OpenLoop(Controller):
                 f"open loop: initial_population_size must be an integer, got {shown(initial_population_size)}"
             )
         self.initial_population_size = limits.clip(int(initial_population_size))
+        self._identity = {
+            "optimizer": optimizer,
+            "population sizes": limits.identity(),
+            "initial population size": int(initial_population_size),
+            "knots": [int(knot) for knot in knots],
+            "decisions": {
+                name: [float(value) for value in column]
+                for name, column in (
+                    ("population size", sizes),
+                    ("repair degree", repair_degrees),
+                    *knobs.items(),
+                    *sources.items(),
+                )
+            },
+            "first source": first_source.identity() if first_source else None,
+        }
         self.names = "population size", "repair degree", *knobs, *sources
-        columns = [_between(knots, column, np.log, np.exp) for column in positive]
+        columns = [_between(knots, column, log, exp) for column in positive]
         columns[0] = np.clip(columns[0], limits.smallest, limits.largest)
         columns.insert(1, _between(knots, repair_degrees, np.sqrt, np.square))
         for name, column in sources.items():
@@ -106,6 +123,10 @@ class OpenLoop(Controller):
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
+
+    def identity(self) -> Any:
+        """Return the knots and the decisions at them, not those between them, which are computed."""
+        return "open loop", self._identity
 
     def act(self, observations: NDArray) -> Floats:
         """Return (B, k) decisions for the next iteration; those at the last knot hold ever after."""
@@ -120,14 +141,19 @@ def _between(
 
     It is clipped, since exp(log(x)) may be the next number after x, and x may be the bound of an action.
     """
-    values = back(np.interp(np.arange(knots[-1] + 1), knots, scale(np.asarray(column, dtype=np.float64))))
+    scaled, iterations = scale(np.asarray(column, dtype=np.float64)), np.arange(knots[-1] + 1)
+    before = np.searchsorted(knots, iterations, side="right") - 1
+    after = np.minimum(before + 1, len(knots) - 1)
+    widths = np.maximum(np.subtract(np.take(knots, after), np.take(knots, before)), 1)
+    shares = (iterations - np.take(knots, before)) / widths
+    values = back(scaled[before] + shares * (scaled[after] - scaled[before]))
     return np.clip(values, min(column), max(column))
 
 
 # The scale on which a decision on new members is interpolated, and its inverse.
 _SCALES: dict[str, tuple[Callable[[Any], Floats], Callable[[Any], Floats]]] = {
     "smooth_share": (np.asarray, np.asarray),
-    "amplitude": (np.log, np.exp),
+    "amplitude": (log, exp),
     "immigrants": (np.sqrt, np.square),
 }
 

@@ -5,9 +5,12 @@ path worse, and no other. What it decides then is what it decides at the beginni
 included: a restart from the present population. `reacting-loop:<name>` takes the file of `open-loop:<name>`.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import expm1, log1p
 from swarm_gym.controllers.controller import Floats, SizeLimits, Wrapper
 from swarm_gym.controllers.open_loop import OpenLoop, load_open_loop
 from swarm_gym.controllers.rule import SHARE_DONE, column
@@ -33,6 +36,10 @@ class ReactingLoop(Wrapper):
         self.loop = loop
         self.observation = "paper+jumps"
 
+    def identity(self) -> Any:
+        """Return the identity of the open loop."""
+        return "reacting loop", self.loop.identity()
+
     def act(self, observations: NDArray) -> Floats:
         """Return (B, k) decisions for the next iteration."""
         as_seen = observations[:, : ITERATION + 1].astype(np.float64)
@@ -43,7 +50,7 @@ class ReactingLoop(Wrapper):
         """Return (B,) iterations since the last rise, or since the beginning."""
         iteration, share = observations[:, ITERATION], observations[:, column(self.observation, SHARE_DONE)]
         length = np.divide(iteration, share, out=np.ones_like(share), where=share > 0.0)
-        return np.rint(np.expm1(observations[:, column(self.observation, SINCE_RISE)] * np.log1p(length)))
+        return np.rint(expm1(observations[:, column(self.observation, SINCE_RISE)] * log1p(length)))
 
 
 def load_reacting_loop(name: str, limits: SizeLimits = SizeLimits()) -> ReactingLoop:  # noqa: B008

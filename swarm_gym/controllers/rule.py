@@ -54,6 +54,11 @@ class Rule(Controller):
         values: dict[str, Any] = parse_parameters(argument, cls.parameter_ranges(limits))
         return cls(**values, limits=limits)
 
+    def identity(self) -> Any:
+        """Return the name of the rule, its parameters, and the population sizes that it may choose."""
+        parameters = {name: getattr(self, name) for name in self.parameter_ranges(self.limits)}
+        return type(self).__name__, parameters, self.limits.identity()
+
     @classmethod
     def parameter_ranges(cls, limits: SizeLimits) -> dict[str, Range]:
         """Return the range of every parameter by its name, those of base classes first."""

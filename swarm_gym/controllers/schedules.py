@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import power
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.parameters import Number, Range, format_parameters, parse_parameters
@@ -77,6 +78,11 @@ class SelfAdaptiveSchedule(Controller):
         }
         return str(ControllerName(family, parameters=format_parameters(changed) if changed else None))
 
+    def identity(self) -> Any:
+        """Return all parameters, and the population sizes that the environment allows."""
+        parameters = {name: getattr(self, name) for name in parameter_ranges(self.limits)}
+        return "spsfa", self.treats_infeasible_paths, parameters, self.limits.identity()
+
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget E_init, the population sizes and PS_max."""
         self._first = np.zeros(num_swarms)  # E_init
@@ -98,7 +104,7 @@ class SelfAdaptiveSchedule(Controller):
         # Divisions by zero occur where an episode begins, or their results are replaced below.
         with np.errstate(divide="ignore", invalid="ignore"):
             up = self._size + self.growth / self._size  # eq. 9
-            down = self._largest * (current / self._first) ** self.decay  # eq. 10, 11
+            down = self._largest * power(current / self._first, self.decay)  # eq. 10, 11
         down = np.where(self._first > 0.0, down, self._size)  # no first collision: nothing to relate to
         size = np.floor(np.where(current > self._first, up, down) + 0.5)
         smallest = self.limits.smallest if self.smallest is None else self.smallest

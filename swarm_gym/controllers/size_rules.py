@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import expm1
 from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
@@ -92,7 +93,7 @@ class DiversityLadder(SizeRule):
         self._first = np.zeros(num_swarms)
 
     def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:
-        diversity = np.expm1(8.0 * observations[:, column(self.observation, DIVERSITY)])
+        diversity = expm1(8.0 * observations[:, column(self.observation, DIVERSITY)])
         self._first = np.where(begin, diversity, self._first)
         wanted = self._first * (1.0 - observations[:, column(self.observation, SHARE_DONE)])
         up, down = diversity < (1.0 - self.band) * wanted, diversity > (1.0 + self.band) * wanted

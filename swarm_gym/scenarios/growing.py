@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from swarm_gym.compiler.elementary import cos, sin
 from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.scenarios.dynamic.scenario import MapScenario
 from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
@@ -56,6 +57,6 @@ def _grown(obstacle: Obstacle, margin: float) -> Obstacle:
     from scipy.spatial import ConvexHull
 
     angles = np.arange(CORNERS) * math.tau / CORNERS
-    around = margin / math.cos(math.pi / CORNERS) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    around = margin / cos(math.pi / CORNERS) * np.stack([cos(angles), sin(angles)], axis=-1)
     points = (np.array(obstacle.vertices)[:, None] + around).reshape(-1, 2)
     return Polygon(tuple(map(tuple, points[ConvexHull(points).vertices].tolist())))

@@ -42,6 +42,9 @@ class LogLinear(Controller):
     def reset(self, num_swarms, seed=0):
         pass
 
+    def identity(self):
+        return "log-linear"
+
     def act(self, observations):
         features = [feature.name for feature in OBSERVATIONS["rich"].features]
         log_time = observations[:, features.index("log(1 + iteration), relative to that of the last")]
@@ -60,6 +63,9 @@ class Everything(Controller):
 
     def reset(self, num_swarms, seed=0):
         self.weights = np.random.default_rng(0).normal(size=(13, 4))
+
+    def identity(self):
+        return "everything"
 
     def act(self, observations):
         return np.tanh(observations @ self.weights).astype(np.float32)

@@ -42,6 +42,8 @@ class Base(Controller):
     initial_population_size = 9
     def reset(self, num_swarms, seed=0):
         self.calls = 0
+    def identity(self):
+        return type(self).__name__
     def act(self, observations):
         return np.tile([9.0, 0.5], (len(observations), 1))
 

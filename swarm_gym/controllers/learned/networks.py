@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.action import Action, make_action
+from swarm_gym.compiler.elementary import tanh
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.learned.manifest import (
     CHOICES,
@@ -29,6 +30,18 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.sources import Source
 
+# Entries of a manifest on which decisions depend.
+_DECISIVE = (
+    "weights_sha256",
+    "network",
+    "observation",
+    "action",
+    "initial_population_size",
+    "min_population_size",
+    "max_population_size",
+    "max_evaluations",
+    "corrected_from",
+)
 MakeController = Callable[[str, SizeLimits], Controller]
 
 
@@ -83,6 +96,15 @@ class FeedforwardController(Controller):
         if self._base is not None:
             self._base.controller.reset(num_swarms, seed)
 
+    def identity(self) -> Any:
+        """Return the digest of the weights, the layouts and sizes, and the controller that is corrected.
+
+        The rest of the manifest says where the policy comes from.
+        """
+        said = {name: self.manifest[name] for name in _DECISIVE}
+        corrected = self.corrects.identity() if self.corrects else None
+        return "learned", said, self.manifest.get("first_source"), self.price, corrected
+
     def act(self, observations: NDArray) -> NDArray:
         """Return (B, k) actions in the layout that the policy was trained with."""
         proposal = None
@@ -91,7 +113,7 @@ class FeedforwardController(Controller):
             observations = proposal.seen
         hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
-            hidden = np.tanh(affine(hidden, weight, bias))
+            hidden = _tanh(affine(hidden, weight, bias))
         return carried_out(self._decided(affine(hidden, *self._layers[-1])), proposal)
 
     def _read_weights(self, weights: Weights) -> None:
@@ -195,8 +217,8 @@ class RecurrentController(FeedforwardController):
         hidden, cell = goes_on * self._hidden, goes_on * self._cell
         gates = affine(np.concatenate([seen, hidden], axis=1), *self._lstm)
         keep_new, keep_old, new, show = np.split(gates, 4, axis=1)  # i, f, g, o
-        self._cell = _sigmoid(keep_old) * cell + _sigmoid(keep_new) * np.tanh(new)
-        self._hidden = _sigmoid(show) * np.tanh(self._cell)
+        self._cell = _sigmoid(keep_old) * cell + _sigmoid(keep_new) * _tanh(new)
+        self._hidden = _sigmoid(show) * _tanh(self._cell)
         return self._hidden
 
 
@@ -230,5 +252,10 @@ def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
     return (values[..., None, :] * weight).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
 
 
+def _tanh(values: NDArray) -> NDArray:
+    """Return the hyperbolic tangent, computed in float64 and rounded to float32."""
+    return tanh(values).astype(np.float32)
+
+
 def _sigmoid(values: NDArray) -> NDArray:
-    return np.float32(0.5) + np.float32(0.5) * np.tanh(np.float32(0.5) * values)
+    return np.float32(0.5) + np.float32(0.5) * _tanh(np.float32(0.5) * values)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import power, product
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.problem.bbob import conditioned, multimodal, separable
 from swarm_gym.problem.bbob.transformations import subtract, transform
@@ -43,7 +44,7 @@ def tabulate(scenario: BbobScenario) -> BbobTable:
     places, conditions, heights = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0)
     if number in (21, 22):
         places, conditions, heights = drawn.peaks
-        places = (places - places[0]) @ drawn.first_rotation.T
+        places = product(places - places[0], drawn.first_rotation.T)
     inner, outer = _matrices(scenario)
     return BbobTable(
         scenario.dimension,
@@ -70,19 +71,19 @@ def _matrices(scenario: BbobScenario) -> tuple[Floats, Floats]:
     if number not in (1, 2, 3, 4, 5, 8, 20):
         inner = drawn.first_rotation
     if number in (6, 13):
-        inner = (drawn.second_rotation * _powers(dimension, 10.0)) @ inner
+        inner = product(drawn.second_rotation * _powers(dimension, 10.0), inner)
     elif number == 7:
         inner, outer = _powers(dimension, 10.0)[:, None] * inner, drawn.second_rotation
     elif number == 12:
         outer = inner
     elif number == 15:
-        outer = (inner * _powers(dimension, 10.0)) @ drawn.second_rotation
+        outer = product(inner * _powers(dimension, 10.0), drawn.second_rotation)
     elif number == 16:
-        outer = (inner * _powers(dimension, 0.01)) @ drawn.second_rotation
+        outer = product(inner * _powers(dimension, 0.01), drawn.second_rotation)
     elif number in (17, 18):
         outer = _powers(dimension, 10.0 if number == 17 else 1000.0)[:, None] * drawn.second_rotation
     elif number in (23, 24):
-        inner = (drawn.second_rotation * _powers(dimension, 100.0)) @ inner
+        inner = product(drawn.second_rotation * _powers(dimension, 100.0), inner)
     return inner, outer
 
 
@@ -104,7 +105,7 @@ def _weights(scenario: BbobScenario) -> Floats:
 
 def _powers(dimension: int, alpha: float) -> Floats:
     """Return (D,) the diagonal of Lambda^alpha: alpha^(k / (D - 1) / 2) for k = 0 ... D - 1."""
-    return alpha ** (0.5 * np.arange(dimension) / (dimension - 1))
+    return power(alpha, 0.5 * np.arange(dimension) / (dimension - 1))
 
 
 @kernel

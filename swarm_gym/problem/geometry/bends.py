@@ -20,8 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import power, sin
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store
+from swarm_gym.problem.geometry.stiffness import least_stiff
 from swarm_gym.problem.padding import columns
 
 Floats = NDArray[np.float64]
@@ -46,16 +48,9 @@ def modes(count: int) -> Floats:
     out = np.zeros((len(BENDS), NUM_MODES, count))
     t = np.arange(1.0, count + 1) / (count + 1)
     for h in range(1, NUM_HARMONICS + 1):
-        out[HARMONICS, h - 1] = np.sin(h * np.pi * t) / h**DECAY
-    # Row i of A is x[i - 2] - 2 x[i - 1] + x[i], where points outside are the ends, whose offset is 0.
-    differences = np.zeros((count + 2, count))
-    for row, weight in enumerate((1.0, -2.0, 1.0)):
-        differences[row : row + count] += weight * np.eye(count)
-    stiffness, directions = np.linalg.eigh(differences.T @ differences)
-    widest = min(NUM_MODES, count)  # the eigenvalues increase, so the least stiff modes come first
-    out[STOMP, :widest] = (directions[:, :widest] * np.sqrt(stiffness[0] / stiffness[:widest])).T
-    # The signs of eigenvectors depend on the library; here each begins with a positive offset.
-    out[STOMP] *= np.where(out[STOMP, :, :1] < 0.0, -1.0, 1.0)
+        out[HARMONICS, h - 1] = sin(h * np.pi * t) / float(power(h, DECAY))
+    stiffness, directions = least_stiff(count, min(NUM_MODES, count))
+    out[STOMP, : len(stiffness)] = directions * np.sqrt(stiffness[0] / stiffness)[:, None]
     out.setflags(write=False)
     return out
 

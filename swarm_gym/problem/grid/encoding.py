@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.problem.analytic.table import offset_bounds
+from swarm_gym.problem.geometry.curves import bernstein
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
 from swarm_gym.scenarios import GridScenario
 
@@ -107,7 +108,7 @@ def bezier(scenario: GridScenario, num_control_points: int) -> Encoding:
         np.repeat(axes.across, free),
         np.tile(np.arange(free), 2),
         np.zeros(BEZIER_SAMPLES, dtype=np.int64),
-        np.asfortranarray(_bernstein(free + 1, BEZIER_SAMPLES)),  # as `Curve.points` goes through them
+        np.asfortranarray(bernstein(free + 1, BEZIER_SAMPLES)),  # as `Curve.points` goes through them
     )
 
 
@@ -155,11 +156,3 @@ def _fixed_ends(scenario: GridScenario, free: int) -> tuple[Floats, Floats]:
     base = np.zeros((free + 2, 2))
     base[0], base[-1] = scenario.start, scenario.target
     return base, np.zeros((free + 2, 2))
-
-
-def _bernstein(degree: int, count: int) -> Floats:
-    """Return Bernstein polynomials of a degree at `count` values of t from 0 to 1, (count, degree + 1)."""
-    t = np.linspace(0.0, 1.0, count)[:, None]
-    k = np.arange(degree + 1)
-    choose = np.array([math.comb(degree, i) for i in k], dtype=np.float64)
-    return choose * t**k * (1.0 - t) ** (degree - k)

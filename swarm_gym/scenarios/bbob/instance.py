@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import power, product
 from swarm_gym.scenarios.bbob.random_numbers import normal_numbers, rotation, uniform_numbers
 
 Floats = NDArray[np.float64]
@@ -110,7 +111,7 @@ class Instance:
             drawn *= 0.75
         elif function in (ROTATED_ROSENBROCK, GRIEWANK_ROSENBROCK):
             # Where the rotated and scaled vector plus 1/2 is 1 in all components.
-            drawn = self.first_rotation.T @ np.full(self.dimension, 0.5) / self.scale
+            drawn = product(self.first_rotation.T, np.full(self.dimension, 0.5)) / self.scale
         elif function == SCHWEFEL:
             signs = np.where(uniform_numbers(self.dimension, self._seed) < 0.5, -1.0, 1.0)
             drawn = signs * SCHWEFEL_PLACE / 2.0
@@ -133,11 +134,11 @@ class Instance:
         count, reach, first = (101, 5.0, math.sqrt(1000.0)) if many else (21, 4.9, 1000.0)
         order = np.argsort(uniform_numbers(count - 1, self._seed), kind="stable")
         # Square roots of alpha_i: C_i has powers of alpha_i from -1/4 to 1/4.
-        roots = np.append(first, 1000.0 ** (order / (count - 2)))
+        roots = np.append(first, power(1000.0, order / (count - 2)))
         conditions = np.empty((count, self.dimension))
         for k, root in enumerate(roots):
             ranks = np.argsort(uniform_numbers(self.dimension, self._seed + 1000 * k), kind="stable")
-            conditions[k] = root ** (ranks / (self.dimension - 1) - 0.5)
+            conditions[k] = power(root, ranks / (self.dimension - 1) - 0.5)
         drawn = uniform_numbers(count * self.dimension, self._seed).reshape(count, self.dimension)
         places = reach * (2.0 * drawn - 1.0)
         places[0] *= 0.8

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.compiler.elementary import cos, log, product
+
 Floats = NDArray[np.float64]
 
 # x -> MULTIPLIER x modulo MODULUS (Park and Miller).
@@ -37,7 +39,7 @@ def uniform_numbers(count: int, seed: int) -> Floats:
 def normal_numbers(count: int, seed: int) -> Floats:
     """Return (count,) numbers of the standard normal distribution, by the method of Box and Muller."""
     first, second = uniform_numbers(2 * count, seed).reshape(2, count)
-    drawn = np.sqrt(-2.0 * np.log(first)) * np.cos(2.0 * math.pi * second)
+    drawn = np.sqrt(-2.0 * log(first)) * cos(2.0 * math.pi * second)
     drawn[drawn == 0.0] = NEVER_ZERO
     return drawn
 
@@ -50,8 +52,8 @@ def rotation(dimension: int, seed: int) -> Floats:
     columns = normal_numbers(dimension * dimension, seed).reshape(dimension, dimension)
     for k in range(dimension):
         for before in columns[:k]:
-            columns[k] -= (columns[k] @ before) * before
-        columns[k] /= math.sqrt(columns[k] @ columns[k])
+            columns[k] -= product(before, columns[k]) * before
+        columns[k] /= math.sqrt(product(columns[k], columns[k]))
     return columns.T.copy()
 
 

@@ -31,6 +31,9 @@ class Partial(Controller):
     def reset(self, num_swarms, seed=0):
         pass
 
+    def identity(self):
+        return "partial"
+
     def act(self, observations):
         collision, time = observations[:, NAMES.index(COLLISION)], observations[:, 3]
         return np.stack([8.0 + 12.0 * collision, 0.5 * time], axis=1).astype(np.float64)
@@ -45,6 +48,9 @@ class Remembering(Controller):
 
     def reset(self, num_swarms, seed=0):
         self.asked = 0
+
+    def identity(self):
+        return "remembering"
 
     def act(self, observations):
         self.asked += 1

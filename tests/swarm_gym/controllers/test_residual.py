@@ -35,6 +35,9 @@ class Encoded(Controller):
     def reset(self, num_swarms, seed=0):
         self.controller.reset(num_swarms, seed)
 
+    def identity(self):
+        return self.layout.name, self.controller.identity()
+
     def act(self, observations):
         return self.layout.encode(self.controller.act(observations))
 
