@@ -49,7 +49,7 @@ endef
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
+.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
     benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-scores \
     docs-gallery dist clean
 
@@ -112,12 +112,20 @@ fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are 
 	$(call install_into,.venv-$*,constraints.txt,--editable '.$(if $(filter fuzz,$*),[maps])' --group $*)
 	@touch $@
 
-check: $(INSTALLED) ## lint, formatting, types, layers, language
+check: $(INSTALLED) ## lint, formatting, types, layers, language, security of the workflows
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tests/language.py swarm_gym agents experiments tests
+	$(BIN)/zizmor --offline --quiet .github
+
+check-workflows: .venv-workflows/.installed ## check the workflows of .github with actionlint, whose installation needs GitHub
+	.venv-workflows/$(SCRIPTS)/actionlint
+
+.venv-workflows/.installed: pyproject.toml constraints.txt
+	$(call install_into,.venv-workflows,constraints.txt,--group workflows)
+	@touch $@
 
 format: $(INSTALLED) ## format the sources
 	$(BIN)/ruff check --fix .
@@ -178,6 +186,6 @@ dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and che
 	$(BIN)/twine check --strict dist/*
 
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build dist results .pytest_cache .mypy_cache .ruff_cache \
+	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers .venv-workflows build dist results .pytest_cache .mypy_cache .ruff_cache \
 	    .hypothesis .import_linter_cache *.egg-info docs/environments docs/reference docs/contributing.md docs/changelog.md
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
