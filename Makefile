@@ -118,7 +118,7 @@ check: $(INSTALLED) ## lint, formatting, types, layers, language, security of th
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tests/language.py swarm_gym agents experiments tests
-	$(BIN)/zizmor --offline --quiet .github
+	$(BIN)/zizmor --offline --quiet --strict-collection .github
 
 check-workflows: .venv-workflows/.installed ## check the workflows of .github with actionlint, whose installation needs GitHub
 	.venv-workflows/$(SCRIPTS)/actionlint
