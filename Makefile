@@ -1,12 +1,20 @@
 # Every target makes the virtual environment it needs first; once that is made, no network is used.
+# Virtual environments on Windows have another layout. Nobody has tried these targets on Windows yet.
+ifeq ($(OS),Windows_NT)
+PYTHON ?= python
+SCRIPTS := Scripts
+else
 PYTHON ?= python3
+SCRIPTS := bin
+endif
 VENV ?= .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(SCRIPTS)
 INSTALLED := $(VENV)/.installed
 SEEDS ?= 20
 SECONDS = 3600
 comma := ,
-EVERYTHING = --editable '.[maps,render,video,study,planners,adapters,ray,slurm,docs,dev]'
+EXTRAS = maps,render,video,study,planners,adapters,ray,slurm
+EVERYTHING = --editable '.[$(EXTRAS)]' --group docs --group dev
 STUDY_SUITES = headline generalisation out-of-distribution single-cases ablation parameters
 PYTHONS = python3.11 python3.12 python3.13 python3.14
 NEWEST = .venv-newest-$(notdir $(PYTHON))
@@ -17,11 +25,15 @@ BOUNDS_TESTS = $(KERNEL_TESTS) tests/reliability/test_determinism.py \
 # A command that is left out with OFFLINE=1.
 online = $(if $(filter 1,$(OFFLINE)),,$(BIN)/python -m $(1))
 
-# A virtual environment with these options of pip. Modules are compiled when they are imported; most never are.
+PIP_OPTIONS = --quiet --disable-pip-version-check --no-compile
+# A virtual environment with packages: $(1) is its folder, $(2) a file of constraints or nothing, and $(3) names the
+# packages. The pip that comes with Python 3.11 is upgraded first, since it knows no dependency groups. Modules are
+# compiled when they are imported; most never are.
 define install_into
 @echo "== installing into $(1) (once; a few minutes)"
 	$(PYTHON) -m venv $(1)
-	$(1)/bin/python -m pip install --quiet --disable-pip-version-check --no-compile $(2)
+	$(1)/$(SCRIPTS)/python -m pip install $(PIP_OPTIONS) $(addprefix --constraint ,$(2)) --upgrade pip
+	$(1)/$(SCRIPTS)/python -m pip install $(PIP_OPTIONS) $(addprefix --constraint ,$(2)) $(3)
 endef
 # Python keeps bytecode even where the environment says otherwise: else each process compiles all libraries.
 export PYTHONDONTWRITEBYTECODE =
@@ -31,13 +43,13 @@ SPREAD = -n auto --dist worksteal
 
 # The tests in a virtual environment.
 define test_in
-$(1)/bin/python -m swarm_gym.warm_up
-	$(1)/bin/python -m pytest $(SPREAD)
+$(1)/$(SCRIPTS)/python -m swarm_gym.warm_up
+	$(1)/$(SCRIPTS)/python -m pytest $(SPREAD)
 endef
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check format \
+.PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
     benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-scaling docs-scores \
     docs-gallery dist clean
 
@@ -47,7 +59,7 @@ help: ## show this list
 install: $(INSTALLED) ## make the virtual environment
 
 $(INSTALLED): pyproject.toml constraints.txt
-	$(call install_into,$(VENV),--constraint constraints.txt $(EVERYTHING))
+	$(call install_into,$(VENV),constraints.txt,$(EVERYTHING))
 	@touch $@
 
 browser: $(INSTALLED) ## find or install Chromium, which the tests of reports look at pages with
@@ -85,27 +97,35 @@ test-supply: ## run the tests with the lowest versions allowed, and with the new
 
 test-newest: ## run the tests with the newest versions there are, on PYTHON
 	rm -rf $(NEWEST)
-	$(call install_into,$(NEWEST),$(EVERYTHING))
+	$(call install_into,$(NEWEST),,$(EVERYTHING))
 	$(call test_in,$(NEWEST))
 
 # Without adapters, which need a newer NumPy, and without docs, which no test imports.
 test-lowest: pyproject.toml constraints-lowest.txt ## run the tests with the lowest versions allowed
-	$(call install_into,.venv-lowest,--constraint constraints-lowest.txt $(subst docs$(comma),,$(subst adapters$(comma),,$(EVERYTHING))))
+	$(call install_into,.venv-lowest,constraints-lowest.txt,--editable '.[$(subst adapters$(comma),,$(EXTRAS))]' --group dev)
 	$(call test_in,.venv-lowest)
 
 fuzz: .venv-fuzz/.installed ## fuzz the parsers of files for SECONDS; finds are kept in tests/reliability/fuzz_finds
-	PYTHONPATH=.:tests:tests/reliability .venv-fuzz/bin/python tests/reliability/fuzz.py --seconds $(SECONDS)
+	PYTHONPATH=.:tests:tests/reliability .venv-fuzz/$(SCRIPTS)/python tests/reliability/fuzz.py --seconds $(SECONDS)
 
 .venv-fuzz/.installed .venv-peers/.installed: .venv-%/.installed: pyproject.toml constraints.txt
-	$(call install_into,.venv-$*,--constraint constraints.txt --editable '.[$(if $(filter fuzz,$*),maps$(comma))$*]')
+	$(call install_into,.venv-$*,constraints.txt,--editable '.$(if $(filter fuzz,$*),[maps])' --group $*)
 	@touch $@
 
-check: $(INSTALLED) ## lint, formatting, types, layers, language
+check: $(INSTALLED) ## lint, formatting, types, layers, language, security of the workflows
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tests/language.py swarm_gym agents experiments tests
+	$(BIN)/zizmor --offline --quiet --strict-collection .github
+
+check-workflows: .venv-workflows/.installed ## check the workflows of .github with actionlint, whose installation needs GitHub
+	.venv-workflows/$(SCRIPTS)/actionlint
+
+.venv-workflows/.installed: pyproject.toml constraints.txt
+	$(call install_into,.venv-workflows,constraints.txt,--group workflows)
+	@touch $@
 
 format: $(INSTALLED) ## format the sources
 	$(BIN)/ruff check --fix .
@@ -116,8 +136,8 @@ benchmark: $(INSTALLED) ## measure speed on a quiet machine, write results/bench
 	$(BIN)/python -m experiments.benchmark
 
 benchmark-peers: .venv-peers/.installed ## measure other libraries beside it, in an environment of their own
-	.venv-peers/bin/python -m swarm_gym.warm_up
-	.venv-peers/bin/python -m experiments.speed.peers
+	.venv-peers/$(SCRIPTS)/python -m swarm_gym.warm_up
+	.venv-peers/$(SCRIPTS)/python -m experiments.speed.peers
 
 benchmark-gpu: $(INSTALLED) ## measure speed on a GPU beside the CPU: results/benchmark-gpu; needs the extra gpu
 	$(BIN)/python -m experiments.benchmark_gpu
@@ -166,6 +186,6 @@ dist: $(INSTALLED) ## build the source archive and the wheel into dist/, and che
 	$(BIN)/twine check --strict dist/*
 
 clean: ## delete environments, caches and results (not trained policies)
-	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers build dist results .pytest_cache .mypy_cache .ruff_cache \
+	rm -rf $(VENV) .venv-lowest .venv-newest-* .venv-fuzz .venv-peers .venv-workflows build dist results .pytest_cache .mypy_cache .ruff_cache \
 	    .hypothesis .import_linter_cache *.egg-info docs/environments docs/reference docs/contributing.md docs/changelog.md
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

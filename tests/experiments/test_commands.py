@@ -19,7 +19,7 @@ TEXTS = {
 }
 TARGETS = (
     "help", "install", "browser", "study", "study-full", "test", "test-slow", "test-supply", "test-lowest",
-    "test-newest", "fuzz", "check", "format", "benchmark", "benchmark-gpu",
+    "test-newest", "fuzz", "check", "check-workflows", "format", "benchmark", "benchmark-gpu",
     "benchmark-peers", "benchmark-scaling",
     "docs", "docs-results", "docs-study", "docs-planners", "docs-moa", "docs-iafsa", "docs-brand-yu",
     "docs-dynamic", "docs-newcomers", "docs-optimizers", "docs-adapters", "docs-scaling", "docs-scores",
@@ -60,6 +60,16 @@ def test_documents_name_targets_that_exist():
     found = named_targets()
     assert {"README.md", "docs/study.md", ".ci/run"} <= {name for name, _ in found}
     assert [(name, target) for name, target in sorted(found) if target not in TARGETS] == []
+
+
+def test_workflows_call_targets_that_exist():
+    files = sorted((ROOT / ".github/workflows").glob("*.yml"))
+    called = {
+        path.stem: set(re.findall(r"run: make ([a-z-]+)", path.read_text(encoding="utf-8"))) for path in files
+    }
+    assert {"check", "docs", "newest", "release", "tests"} <= set(called)
+    assert all(called.values())
+    assert set().union(*called.values()) <= set(TARGETS)
 
 
 def test_the_help_lists_every_target():

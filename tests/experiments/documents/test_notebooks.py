@@ -51,7 +51,7 @@ def broken_links(page):
 
 
 def notebook_of(page):
-    read = pytest.importorskip("myst_nb.core.read", reason="needs the extra `docs`")
+    read = pytest.importorskip("myst_nb.core.read", reason="needs the dependency group `docs`")
     return read.read_myst_markdown_notebook(text_of(page))
 
 
@@ -108,7 +108,7 @@ def test_every_picture_has_words_for_those_who_do_not_see_it(page):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_the_site_can_highlight_every_cell(page):
-    lexers = pytest.importorskip("ipython_pygments_lexers", reason="needs the extra `docs`")
+    lexers = pytest.importorskip("ipython_pygments_lexers", reason="needs the dependency group `docs`")
     for cell in code_cells(notebook_of(page)):
         wrong = [text for kind, text in lexers.IPython3Lexer().get_tokens(cell.source) if kind is Error]
         assert wrong == [], cell.source
@@ -117,8 +117,8 @@ def test_the_site_can_highlight_every_cell(page):
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
-    nbclient = pytest.importorskip("nbclient", reason="needs the extra `docs`")
-    nbformat = pytest.importorskip("nbformat", reason="needs the extra `docs`")
+    nbclient = pytest.importorskip("nbclient", reason="needs the dependency group `docs`")
+    nbformat = pytest.importorskip("nbformat", reason="needs the dependency group `docs`")
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("OMP_NUM_THREADS", "1")

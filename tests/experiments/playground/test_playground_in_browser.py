@@ -11,7 +11,7 @@ from helpers.browsers import PHONE, chromium, lightness, opener, wider_than
 from swarm_gym.env import SwarmEnv
 from swarm_gym.reference import known_optimum
 
-axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")
+axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "playground.md"
 WIDE = {"width": 1400, "height": 900}

@@ -26,7 +26,7 @@ from helpers.browsers import DESKTOP, PHONE, chromium, lightness, opener, wider_
 from helpers.reports import SUITE
 from helpers.stored_runs import make_database
 
-axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")
+axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
 
 SCREENSHOTS = Path(__file__).parent / "screenshots"
 

@@ -1,7 +1,7 @@
 """The site as its readers have it: built once, all links checked, looked at in a browser.
 
-Needs the extra `docs`, and Chromium (`make browser`) for the pages in a browser. Notebooks are not run here;
-`make docs` runs them.
+Needs the dependency group `docs`, and Chromium (`make browser`) for the pages in a browser. Notebooks are
+not run here; `make docs` runs them.
 """
 
 import subprocess
@@ -16,7 +16,7 @@ from experiments.site.pages import generated_pages
 from swarm_gym.optimizers import OPTIMIZERS
 
 for library in ("sphinx", "furo", "myst_nb", "sphinx_design", "sphinx_copybutton", "ipykernel"):
-    pytest.importorskip(library, reason="needs the extra `docs`")
+    pytest.importorskip(library, reason="needs the dependency group `docs`")
 
 pytestmark = pytest.mark.slow
 
@@ -100,7 +100,7 @@ def test_animations_are_there_and_small(site):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("name", LOOKED_AT)
 def test_a_page_fits_its_window_and_axe_finds_nothing(open_page, name, width, scheme):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the extra dev")
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs axe, of the group dev")
     page = open_page(name, width, scheme)
     element = "document.documentElement"
     assert page.evaluate(f"{element}.scrollWidth - {element}.clientWidth") == 0
