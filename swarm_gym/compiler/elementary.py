@@ -189,6 +189,24 @@ def power(bases: ArrayLike, exponents: ArrayLike) -> Floats:
     return np.where(np.equal(exponents, 0.0), 1.0, found)
 
 
+def interpolate(places: ArrayLike, knots: ArrayLike, values: Floats) -> Floats:
+    """Return values, (n,), linearly interpolated between knots that increase; constant beyond the outer ones.
+
+    It is NumPy's `interp` but for the last digit, for which that may use fused operations.
+
+    Args:
+        places: (n,) where.
+        knots: (k,) places of the values.
+        values: (k,) values at the knots.
+    """
+    at, ends = np.asarray(places, dtype=np.float64), np.asarray(knots, dtype=np.float64)
+    before = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, max(len(ends) - 2, 0))
+    after = np.minimum(before + 1, len(ends) - 1)
+    widths = ends[after] - ends[before]
+    shares = (np.clip(at, ends[0], ends[-1]) - ends[before]) / np.where(widths > 0.0, widths, 1.0)
+    return values[before] + shares * (values[after] - values[before])
+
+
 def product(first: Floats, second: Floats) -> Floats:
     """Return the product of two matrices, or of a matrix and a vector; sums go from the first column on.
 

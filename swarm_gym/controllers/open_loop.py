@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import require_number
-from swarm_gym.compiler.elementary import exp, log
+from swarm_gym.compiler.elementary import exp, interpolate, log
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
 from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
 from swarm_gym.errors import shown
@@ -141,12 +141,7 @@ def _between(
 
     It is clipped, since exp(log(x)) may be the next number after x, and x may be the bound of an action.
     """
-    scaled, iterations = scale(np.asarray(column, dtype=np.float64)), np.arange(knots[-1] + 1)
-    before = np.searchsorted(knots, iterations, side="right") - 1
-    after = np.minimum(before + 1, len(knots) - 1)
-    widths = np.maximum(np.subtract(np.take(knots, after), np.take(knots, before)), 1)
-    shares = (iterations - np.take(knots, before)) / widths
-    values = back(scaled[before] + shares * (scaled[after] - scaled[before]))
+    values = back(interpolate(np.arange(knots[-1] + 1), knots, scale(np.asarray(column, dtype=np.float64))))
     return np.clip(values, min(column), max(column))
 
 

@@ -22,7 +22,7 @@ from agents.training.config import TrainConfig
 from agents.training.learners.environments import feature_names, make_swarms
 from agents.training.learners.learner import Learner
 from agents.training.paired_reward import ENV_REWARD, PAIRED
-from swarm_gym.controllers.learned.networks import affine
+from swarm_gym.controllers.learned.networks import affine, tanh_of_layer
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out
 
@@ -117,7 +117,7 @@ class EvolutionLearner(Learner):
             for number, (weight, bias) in enumerate(layers):
                 hidden = affine(hidden, weight[:, None], bias[:, None])
                 if number < len(layers) - 1:
-                    hidden = np.tanh(hidden)
+                    hidden = tanh_of_layer(hidden)
             actions = carried_out(hidden.reshape(self.env.num_envs, -1), proposal)
             self.num_steps += int((~ended).sum())
             observations, rewards, ended = swarms.step_running(actions)

@@ -113,7 +113,7 @@ class FeedforwardController(Controller):
             observations = proposal.seen
         hidden = self._features(np.asarray(observations, dtype=np.float32))
         for weight, bias in self._layers[:-1]:
-            hidden = _tanh(affine(hidden, weight, bias))
+            hidden = tanh_of_layer(affine(hidden, weight, bias))
         return carried_out(self._decided(affine(hidden, *self._layers[-1])), proposal)
 
     def _read_weights(self, weights: Weights) -> None:
@@ -217,8 +217,8 @@ class RecurrentController(FeedforwardController):
         hidden, cell = goes_on * self._hidden, goes_on * self._cell
         gates = affine(np.concatenate([seen, hidden], axis=1), *self._lstm)
         keep_new, keep_old, new, show = np.split(gates, 4, axis=1)  # i, f, g, o
-        self._cell = _sigmoid(keep_old) * cell + _sigmoid(keep_new) * _tanh(new)
-        self._hidden = _sigmoid(show) * _tanh(self._cell)
+        self._cell = _sigmoid(keep_old) * cell + _sigmoid(keep_new) * tanh_of_layer(new)
+        self._hidden = _sigmoid(show) * tanh_of_layer(self._cell)
         return self._hidden
 
 
@@ -252,10 +252,10 @@ def affine(values: NDArray, weight: NDArray, bias: NDArray) -> NDArray:
     return (values[..., None, :] * weight).sum(axis=-1, dtype=np.float64).astype(np.float32) + bias
 
 
-def _tanh(values: NDArray) -> NDArray:
+def tanh_of_layer(values: NDArray) -> NDArray:
     """Return the hyperbolic tangent, computed in float64 and rounded to float32."""
     return tanh(values).astype(np.float32)
 
 
 def _sigmoid(values: NDArray) -> NDArray:
-    return np.float32(0.5) + np.float32(0.5) * _tanh(np.float32(0.5) * values)
+    return np.float32(0.5) + np.float32(0.5) * tanh_of_layer(np.float32(0.5) * values)

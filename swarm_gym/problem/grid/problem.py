@@ -75,7 +75,8 @@ class GridProblem(GridMapProblem):
         """An upper bound of the degree of collision: the length of the longest path inside the bounds."""
         low, high = (self.curve.control_points(bound) for bound in self.bounds)
         # No curve is longer than the polygon of its control points.
-        extent = np.linalg.norm(np.maximum(low, high).max(axis=0) - np.minimum(low, high).min(axis=0))
+        sides = np.maximum(low, high).max(axis=0) - np.minimum(low, high).min(axis=0)
+        extent = math.sqrt(np.square(sides).sum())
         return float(extent * (len(low) - 1) * (1.0 + 1.0 / self.table.num_pieces))
 
     @property

@@ -7,10 +7,12 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from experiments.entries import Drop, List, Merge, Rename, carry_out
+from agents import make_controller
+from experiments.entries import CarryOver, Drop, List, Merge, Rename, carry_out
 from experiments.evaluate import EvaluateConfig, evaluate
+from experiments.runs.configuration import identity
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entries import EntryError, entries_of, is_aside
+from experiments.runs.entries import FROM_CONTENT, IDENTITIES, EntryError, entries_of, is_aside
 from helpers.stored_runs import stored_run
 
 NAME = "learned:mine.safetensors"
@@ -146,3 +148,75 @@ def test_a_policy_trained_again_under_its_name_needs_no_other_database(tmp_path,
         evaluate(config)
     counts = names_of(tmp_path / "tiny.sqlite")
     assert sorted(counts.values()) == [2, 2, 2]
+
+
+def earlier(name):
+    """Return what earlier versions stored of a controller, computed on another processor."""
+    controller = make_controller(name)
+    if name.startswith("open-loop"):
+        decisions = controller.decisions * (1.0 + 4e-16)
+        return [controller.initial_population_size, decisions.tolist()]
+    if name.startswith("learned:three-cases/"):
+        return [controller.manifest["weights_sha256"], 15, earlier("open-loop:three-cases")]
+    return name
+
+
+def earlier_database(path, **changes):
+    """Make a database of an earlier version, with two runs of each controller."""
+    names = ("spsfa-tip", "open-loop:three-cases", "learned:three-cases/0@1", "learned:lost/0")
+    stored = {**{name: "lost" if "lost" in name else earlier(name) for name in names}, **changes}
+    with closing(
+        Results(path, {"optimizer": "firefly", **{f"controller {n}": v for n, v in stored.items()}})
+    ) as results:
+        results.add(*(stored_run((name, "case1", seed), {}, final_fitness=1.0) for name in names for seed in range(2)))
+    return names
+
+
+def now(names):
+    """Return the configuration that a suite with these controllers has in this version."""
+    return {
+        IDENTITIES: FROM_CONTENT,
+        **{f"controller {name}": identity(name, make_controller(name)) for name in names},
+    }
+
+
+def test_a_database_of_an_earlier_version_is_refused_then_carried_over_with_all_its_runs(tmp_path):
+    path = tmp_path / "a.sqlite"
+    *names, lost = earlier_database(path)
+    before = names_of(path)
+    with pytest.raises(ResultsError, match=f"carry-over {path}"):
+        Results(path, now(names))
+    assert names_of(path) == before
+    lines = carry_out(CarryOver(path))
+    assert lines[0].endswith("the runs of 3 controllers go on")
+    assert len(lines) == 2
+    assert lines[1].startswith(f"{lost}: its runs are left as they are")
+    with closing(Results(path, now(names))) as results:
+        assert results.changed == []
+    assert names_of(path) == before
+    assert carry_out(CarryOver(path)) == [f"{path}: the runs of 0 controllers go on"]
+
+
+def test_a_controller_that_has_changed_since_is_not_carried_over(tmp_path):
+    path = tmp_path / "a.sqlite"
+    decisions = make_controller("open-loop:three-cases").decisions.copy()
+    decisions[3, 0] += 1e-3
+    changed = [make_controller("open-loop:three-cases").initial_population_size, decisions.tolist()]
+    *names, _ = earlier_database(path, **{"open-loop:three-cases": changed})
+    lines = carry_out(CarryOver(path))
+    assert lines[0].endswith("the runs of 2 controllers go on")
+    assert "open-loop:three-cases: its runs are left as they are (it has changed since its runs)" in lines
+    with closing(Results(path, now(names))) as results:
+        assert len(results.changed) == 1
+    assert sum(is_aside(name) for name in names_of(path)) == 1
+    assert sum(names_of(path).values()) == 8
+
+
+def test_databases_of_different_versions_are_not_merged(tmp_path):
+    ours, theirs = tmp_path / "ours.sqlite", tmp_path / "theirs.sqlite"
+    names = earlier_database(theirs)
+    Results(ours, now(names[:2])).close()
+    with pytest.raises(EntryError, match="carry it over first"):
+        carry_out(Merge(ours, theirs))
+    carry_out(CarryOver(theirs))
+    assert f"{names[0]}: 2 runs copied" in carry_out(Merge(ours, theirs))

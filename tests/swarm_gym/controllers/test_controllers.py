@@ -18,7 +18,7 @@ from swarm_gym.controllers.learned.policy_file import (
 )
 from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.registry import load_learned
-from swarm_gym.controllers.tuned import FORMAT, TunedFileError, packaged_tuned, save_tuned
+from swarm_gym.controllers.tuned import FORMAT, TunedFileError, load_tuned, packaged_tuned, save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -172,3 +172,50 @@ def test_every_controller_runs_episodes(name):
     assert episodes.sizes.shape == episodes.repair_degrees.shape == (3, 3)
     assert (episodes.final_fitness > (300 if optimizer == "firefly" else 0)).all()
     assert (episodes.evaluations > 0).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_identity_is_json_and_does_not_change_while_the_controller_decides(name):
+    controller = make_controller(name)
+    identity = json.dumps(controller.identity(), sort_keys=True)
+    assert identity == json.dumps(make_controller(name).identity(), sort_keys=True)
+    controller.reset(3, seed=0)
+    rng = np.random.default_rng(0)
+    for _ in range(2):
+        controller.act(random_observations(controller.observation, rng, 3))
+    assert json.dumps(controller.identity(), sort_keys=True) == identity
+
+
+def test_controllers_that_decide_differently_have_different_identities():
+    names = [
+        "fixed:60", "fixed:61", "fixed:60,smooth_share=1", "random", "spsfa", "spsfa-tip",
+        "spsfa-tip:decay=0.5",
+        "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2",
+        "diversity-ladder", "status-monitor", "restart", "restart:patience=3", "periodic", "reaction",
+        "open-loop:three-cases", "reacting-loop:three-cases", "distilled:three-cases",
+        "learned:three-cases/0@1", "learned:three-cases/0@2", "learned:three-cases/1@1", "learned:case1/0@1",
+    ]  # fmt: skip
+    found = [json.dumps(make_controller(name).identity()) for name in names]
+    assert len(set(found)) == len(names)
+    limits = [make_controller("spsfa", SizeLimits(2, largest)).identity() for largest in (100, 200)]
+    assert limits[0] != limits[1]
+
+
+def test_a_tuned_file_is_the_controller_that_it_names():
+    name = packaged_tuned()[0]
+    named, limits = load_tuned(name)
+    assert make_controller(f"tuned:{name}").identity() == make_controller(named, limits).identity()
+
+
+def test_a_controller_without_an_identity_is_refused():
+    class Silent(Controller):
+        initial_population_size = 9
+
+        def reset(self, num_swarms, seed=0):
+            pass
+
+        def act(self, observations):
+            return observations
+
+    with pytest.raises(TypeError, match="identity"):
+        Silent()

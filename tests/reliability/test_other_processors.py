@@ -1,0 +1,122 @@
+"""Another processor gives the same bits.
+
+NumPy, OpenBLAS and Numba choose their code by the instructions of the processor. Their own variables make
+them leave instructions out, as if the processor lacked them. Each setting runs in a process of its own.
+"""
+
+import json
+import os
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from helpers.fingerprints import PARTS
+
+TESTS = Path(__file__).parents[1]
+VARIABLES = (
+    "NPY_DISABLE_CPU_FEATURES",
+    "OPENBLAS_CORETYPE",
+    "OPENBLAS_L2_SIZE",
+    "NUMBA_CPU_NAME",
+    "NUMBA_CPU_FEATURES",
+)
+# Whatever NumPy has special code for; it ignores what this processor lacks.
+ALL_FEATURES = " ".join(np._core._multiarray_umath.__cpu_dispatch__)
+NEWEST_FEATURES = "X86_V4 AVX512_ICL AVX512_SPR"
+SETTINGS = {
+    "without-special-code": {"NPY_DISABLE_CPU_FEATURES": ALL_FEATURES, "OPENBLAS_CORETYPE": "Nehalem"},
+    "without-AVX-512": {"NPY_DISABLE_CPU_FEATURES": NEWEST_FEATURES, "OPENBLAS_CORETYPE": "Haswell"},
+}
+GENERIC = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+
+
+def run(*arguments, **settings):
+    """Return what Python prints in a process with these environment variables."""
+    environment = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", *arguments],
+        env={**environment, "PYTHONPATH": str(TESTS.parent), **settings},
+        cwd=TESTS.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done.stdout
+
+
+def digests_of(parts, **settings):
+    """Return the digests of some parts, computed in a process with these environment variables."""
+    return json.loads(run(str(TESTS / "helpers" / "fingerprints.py"), *parts, **settings))
+
+
+def assert_same(found, expected):
+    assert found.keys() == expected.keys()
+    assert [name for name in expected if found[name] != expected[name]] == []
+
+
+@pytest.fixture(scope="module")
+def here():
+    """What this processor computes, by part."""
+    found = digests_of([part for part in PARTS if part != "firefly"])
+    assert len(found) > 600
+    return found
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="OpenBLAS is not what NumPy uses on macOS")
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_numpy_and_openblas_with_other_instructions_give_the_same_bits(here, setting):
+    parts = [part for part in PARTS if part != "firefly"]
+    assert_same(digests_of(parts, **SETTINGS[setting]), here)
+
+
+def test_kernels_for_any_processor_give_the_same_bits():
+    parts = ["firefly", "elementary"]
+    assert_same(digests_of(parts, **GENERIC), digests_of(parts))
+
+
+@pytest.mark.slow
+def test_all_kernels_for_any_processor_give_the_same_bits(here):
+    parts = [part for part in PARTS if part != "firefly"]
+    assert_same(digests_of(parts, **GENERIC), here)
+
+
+def test_the_comparison_finds_a_function_that_depends_on_the_processor(here):
+    changed = {**here, "elementary: exp": "0" * 16}
+    with pytest.raises(AssertionError, match="elementary: exp"):
+        assert_same(changed, here)
+
+
+def test_a_results_database_is_continued_on_another_processor(tmp_path):
+    database = tmp_path / "both.sqlite"
+    names = ["spsfa-tip", "open-loop:three-cases", "reacting-loop:three-cases", "learned:three-cases/0@1"]
+
+    def evaluated(seeds, path, **settings):
+        command = ["--controllers", *names, "--scenarios", "case3", "--seeds", str(seeds)]
+        options = [
+            *command,
+            "--no-figures",
+            "--jobs",
+            "1",
+            "--database",
+            str(path),
+            "--output",
+            str(tmp_path),
+        ]
+        run("-m", "experiments.evaluate", *options, **settings)
+        with closing(sqlite3.connect(path)) as connection:
+            return connection.execute(
+                "SELECT controller, seed, seconds, final_fitness, best_path FROM runs ORDER BY 1, 2"
+            ).fetchall()
+
+    first = evaluated(2, database)
+    both = evaluated(3, database, **SETTINGS["without-special-code"])
+    assert [row for row in both if row[1] < 2] == first  # none was repeated: the seconds are the same
+    assert len(both) == 3 * len(names)
+    alone = evaluated(3, tmp_path / "alone.sqlite")
+    assert [(*row[:2], *row[3:]) for row in alone] == [(*row[:2], *row[3:]) for row in both]
