@@ -4,6 +4,7 @@ Run it when building images, on workers, and before several processes start that
 kernels.
 """
 
+import argparse
 import logging
 import time
 from collections.abc import Callable
@@ -88,6 +89,11 @@ def _run(env: Any, actions: np.ndarray) -> None:
 
 def main() -> None:
     """Compile in as many processes as there are processors, and print how long it took."""
+    parser = argparse.ArgumentParser(
+        prog="python -m swarm_gym.warm_up",
+        description="Compile the kernels of all optimizers into the user's cache, on all processors.",
+    )
+    parser.parse_args()
     begin = time.perf_counter()
     print("compiling the kernels, once per version of the sources ...", flush=True)
     with command(kept="compiled kernels are kept"):

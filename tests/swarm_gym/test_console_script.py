@@ -1,0 +1,48 @@
+"""The console script runs the commands of the package."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from swarm_gym.__main__ import COMMANDS, main
+
+
+@pytest.fixture(autouse=True)
+def _arguments_return(monkeypatch):
+    monkeypatch.setattr(sys, "argv", list(sys.argv))
+
+
+def test_without_a_command_it_lists_all(capsys):
+    main([])
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in COMMANDS)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_has_a_help(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    assert "usage: " in capsys.readouterr().out
+
+
+def test_arguments_reach_the_command(tmp_path, capsys):
+    path = tmp_path / "path.csv"
+    with pytest.raises(SystemExit) as ended:
+        main(["plan", "--map", "case2", "--budget", "300", "--output", str(path)])
+    assert ended.value.code == 0
+    assert path.exists()
+
+
+def test_an_unknown_command_is_refused_with_the_valid_ones(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["fly"])
+    assert ended.value.code == 2
+    assert "unknown command 'fly'; valid: plan, warm-up" in capsys.readouterr().err
+
+
+def test_the_package_declares_the_script():
+    content = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    assert content["project"]["scripts"] == {"swarm-gym": "swarm_gym.__main__:main"}
