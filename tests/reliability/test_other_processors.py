@@ -69,7 +69,9 @@ def here():
 
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="OpenBLAS is not what NumPy uses on macOS")
-@pytest.mark.parametrize("setting", SETTINGS)
+@pytest.mark.parametrize(
+    "setting", ["without-special-code", pytest.param("without-AVX-512", marks=pytest.mark.slow)]
+)
 def test_numpy_and_openblas_with_other_instructions_give_the_same_bits(here, setting):
     parts = [part for part in PARTS if part != "firefly"]
     assert_same(digests_of(parts, **SETTINGS[setting]), here)

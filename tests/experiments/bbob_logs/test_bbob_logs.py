@@ -30,7 +30,7 @@ GROUPS = [Group(8, 2, (made_up(1, 3.0, 3.0, 2e-9, 2e-9), made_up(7, 0.5, 0.25)))
 def logs(tmp_path_factory):
     """The folder of logs of two entrants."""
     output = tmp_path_factory.mktemp("bbob")
-    controllers = ("fixed:10", "elite-genetic+fixed:12")
+    controllers = ("fixed:10", "firefly+fixed:12")
     list(run(BbobConfig(controllers=controllers, output=output, seed=3, **SMALL)))
     return output
 
@@ -120,10 +120,10 @@ def test_logs_say_what_the_runs_found(logs):
 
 def test_the_first_row_is_the_first_member_of_the_first_population(logs):
     for k, instance in enumerate(SMALL["instances"]):
-        env = SwarmEnv("elite-genetic", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12)
+        env = SwarmEnv("firefly", scenario=f"function:bbob-1-2-{instance}", initial_population_size=12)
         env.reset(seed=3 + k)
         first = env.simulation.swarms.fitness[0, 0]
-        rows = rows_of(logs / "coco/elite-genetic_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
+        rows = rows_of(logs / "coco/firefly_fixed_12/data_f1/bbobexp_f1_DIM2.tdat")[k]
         assert rows[0, [0, 2]].tolist() == pytest.approx([1.0, first], rel=1e-9)
         assert rows[1, [0, 2]].tolist() == pytest.approx(
             [12.0, env.simulation.swarms.best_fitness[0]], rel=1e-9
@@ -133,7 +133,7 @@ def test_the_first_row_is_the_first_member_of_the_first_population(logs):
 def test_every_entrant_has_a_folder_in_both_forms(logs):
     for form in ("coco", "iohprofiler"):
         assert {place.name for place in (logs / form).iterdir()} == {
-            "particle-swarm_fixed_10", "elite-genetic_fixed_12",
+            "particle-swarm_fixed_10", "firefly_fixed_12",
         }  # fmt: skip
     assert len(list(logs.glob("coco/*/bbobexp_f*.info"))) == 4
 
@@ -145,14 +145,14 @@ def test_same_seed_same_logs(logs, tmp_path):
 
 
 def test_iterations_and_parameters_are_those_asked_for(tmp_path):
-    config = BbobConfig(controllers=("elite-genetic+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
-                        dimensions=(2,), instances=(1,), parameters={"mutation": 0.25})  # fmt: skip
+    config = BbobConfig(controllers=("firefly+fixed:5",), output=tmp_path, iterations=3, functions=(1,),
+                        dimensions=(2,), instances=(1,), parameters={"noise": 0.25})  # fmt: skip
     list(run(config))
     (path,) = tmp_path.glob("coco/*/data_f1/*.tdat")
     (rows,) = rows_of(path)
     assert rows[:2, 0].tolist() == [1, 5]
     assert len(rows) == 5  # the first evaluation, the first population, and three iterations
-    assert "mutation 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
+    assert "noise 0.25, iterations 3" in next(tmp_path.glob("coco/*/*.info")).read_text()
 
 
 def test_logs_of_another_run_are_not_touched(logs):

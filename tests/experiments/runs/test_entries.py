@@ -168,7 +168,9 @@ def earlier_database(path, **changes):
     with closing(
         Results(path, {"optimizer": "firefly", **{f"controller {n}": v for n, v in stored.items()}})
     ) as results:
-        results.add(*(stored_run((name, "case1", seed), {}, final_fitness=1.0) for name in names for seed in range(2)))
+        results.add(
+            *(stored_run((name, "case1", seed), {}, final_fitness=1.0) for name in names for seed in range(2))
+        )
     return names
 
 
