@@ -27,7 +27,7 @@ TOLERANCE = 1e-9  # relative; processors differ by less than 1e-14
 
 
 class CarriedOver(NamedTuple):
-    """What became of the entries of a database.
+    """The entries of a database that were carried over, and those that were left.
 
     Attributes:
         carried: names of the controllers whose runs go on.

@@ -102,7 +102,7 @@ def require_identities(path: str, stored: Mapping[str, str]) -> None:
 
     Args:
         path: name of the database, for the message.
-        stored: its configuration by key.
+        stored: configuration of the database by key.
 
     Raises:
         EntryError: naming the command that carries it over.

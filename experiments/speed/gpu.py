@@ -112,7 +112,8 @@ _measured_moves: dict[tuple[str, int, int, str], list[float]] = {}
 
 def _moves_before(device: str, width: int, size: int) -> list[float]:
     """Return the moves per second of the runs whose steps per second were measured just before."""
-    return _measured_moves.pop((device, width, size, "float64"))[1:]  # the first run is thrown away
+    found = _measured_moves.pop((device, width, size, "float64"))
+    return found[1:] or found  # of several, the first run is thrown away
 
 
 def _rates(device: str, width: int, size: int, precision: str = "float64") -> tuple[float, float]:

@@ -10,9 +10,9 @@ Sources: W. J. Cody, W. Waite, "Software manual for the elementary functions", P
 of arguments in two parts); W. Kahan's identities for log(1 + x) and exp(x) - 1, in N. J. Higham, "Accuracy
 and stability of numerical algorithms", 2nd edition, SIAM, 2002, section 1.14.1. Polynomials are Taylor's.
 
-Tests compare each function with 40 digits. `exp` and `log` differ from the exact value by less than 1 unit in
-the last place, `log1p`, `sin` and `cos` by less than 1.5 (between -10 and 10), `expm1` by less than 3, and
-`tanh` by less than 1e-12 of itself.
+Tests compare each function with 40 digits. The largest differences, in units in the last place, are 1 for
+`exp` and `log`; 1.5 for `log1p`, and for `sin` and `cos` between -10 and 10; and 3 for `expm1`. `tanh`
+differs by less than 1e-12 of itself.
 """
 
 import math

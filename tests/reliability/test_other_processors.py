@@ -62,7 +62,7 @@ def assert_same(found, expected):
 
 @pytest.fixture(scope="module")
 def here():
-    """What this processor computes, by part."""
+    """Digests of all parts on this processor."""
     found = digests_of([part for part in PARTS if part != "firefly"])
     assert len(found) > 600
     return found
