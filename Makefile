@@ -39,9 +39,7 @@ endef
 export PYTHONDONTWRITEBYTECODE =
 
 # Each worker begins with a run of neighbours, which share fixtures; one that has none left takes from the others.
-# There is a worker more than processors, since a worker may wait for a kernel that another one compiles.
-WORKERS = $(shell $(BIN)/python -c 'import os; print((os.cpu_count() or 1) + 1)')
-SPREAD = -n $(WORKERS) --dist worksteal
+SPREAD = -n auto --dist worksteal
 
 # The tests in a virtual environment.
 define test_in

@@ -88,10 +88,7 @@ def _run(env: Any, actions: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Compile on all processors, and print how long it took.
-
-    There is one process more than processors, since one may wait for a kernel that another one compiles.
-    """
+    """Compile in as many processes as there are processors, and print how long it took."""
     parser = argparse.ArgumentParser(
         prog="python -m swarm_gym.warm_up",
         description="Compile the kernels of all optimizers into the user's cache, on all processors.",
@@ -100,7 +97,7 @@ def main() -> None:
     begin = time.perf_counter()
     print("compiling the kernels, once per version of the sources ...", flush=True)
     with command(kept="compiled kernels are kept"):
-        warm_up(numba.config.NUMBA_NUM_THREADS + 1, lambda what: print(f"  {what}", flush=True))
+        warm_up(numba.config.NUMBA_NUM_THREADS, lambda what: print(f"  {what}", flush=True))
     print(f"ready after {time.perf_counter() - begin:.1f} s")
 
 
