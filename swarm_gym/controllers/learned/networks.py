@@ -34,6 +34,7 @@ from swarm_gym.sources import Source
 _DECISIVE = (
     "weights_sha256",
     "network",
+    "optimizer",
     "observation",
     "action",
     "initial_population_size",
