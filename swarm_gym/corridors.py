@@ -31,7 +31,6 @@ from swarm_gym.problem import AnalyticProblem, GridProblem, Problem
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.problem.grid.encoding import Curve
 from swarm_gym.scenarios import Circle, GridMap, Obstacle, Point
-from swarm_gym.scenarios.scenario import TOUCHING
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -137,7 +136,7 @@ def posts_of(problem: Problem) -> Posts:
     require_paths("posts", problem)
     assert isinstance(problem, AnalyticProblem | GridProblem)
     if isinstance(problem, AnalyticProblem):
-        points = obstacle_posts(problem.scenario.obstacles)
+        points = obstacle_posts(problem.scenario.obstacles, problem.scenario.tolerance)
     else:
         points = grid_posts(problem.scenario.map)
     axes = RotatedAxes.of(problem.scenario)
@@ -145,8 +144,8 @@ def posts_of(problem: Problem) -> Posts:
 
 
 @lru_cache(maxsize=256)  # robots that drive get new problems on the same map
-def obstacle_posts(obstacles: tuple[Obstacle, ...]) -> tuple[Point, ...]:
-    """Return one post for each group of circles and polygons that overlap or touch.
+def obstacle_posts(obstacles: tuple[Obstacle, ...], tolerance: float) -> tuple[Point, ...]:
+    """Return one post for each group of circles and polygons that are apart by a tolerance at most.
 
     The post lies in the first obstacle of the group: the centre of a circle, the mean of a polygon's
     vertices.
@@ -163,7 +162,7 @@ def obstacle_posts(obstacles: tuple[Obstacle, ...]) -> tuple[Point, ...]:
 
     for i, j in combinations(range(len(obstacles)), 2):
         apart = max((extents[i, :2] - extents[j, 2:]).max(), (extents[j, :2] - extents[i, 2:]).max())
-        if apart <= TOUCHING and first(i) != first(j) and _touch(*cores[i], *cores[j]):
+        if apart <= tolerance and first(i) != first(j) and _touch(*cores[i], *cores[j], tolerance):
             one, other = sorted((first(i), first(j)))
             group[other] = one
     posts = [cores[i][0].mean(axis=0).tolist() for i in range(len(obstacles)) if first(i) == i]
@@ -277,10 +276,10 @@ def _core(obstacle: Obstacle) -> tuple[Floats, float]:
     return np.array(obstacle.vertices), 0.0
 
 
-def _touch(one: Floats, radius: float, other: Floats, other_radius: float) -> bool:
-    """Return whether two obstacles, see `_core`, overlap or are no farther apart than `TOUCHING`."""
+def _touch(one: Floats, radius: float, other: Floats, other_radius: float, tolerance: float) -> bool:
+    """Return whether two obstacles, see `_core`, overlap or are no farther apart than a tolerance."""
     distance = min(_distance(one, other), _distance(other, one))
-    return distance - radius - other_radius <= TOUCHING or _overlap(one, other)
+    return distance - radius - other_radius <= tolerance or _overlap(one, other)
 
 
 def _distance(points: Floats, outline: Floats) -> float:

@@ -12,8 +12,9 @@ from types import ModuleType
 from typing import Any
 
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
-from swarm_gym.planning.planner import Plan, plan
+from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
+from swarm_gym.planning.result import Plan
 from swarm_gym.planning.writing import FORMATS, format_of, write_plan
 from swarm_gym.scenarios import Point
 
@@ -42,13 +43,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options.goal,
             robot_radius=options.robot_radius,
             clearance=options.clearance,
+            planner=options.planner,
             optimizer=options.optimizer,
             controller=options.controller,
             max_evaluations=evaluations,
             max_seconds=seconds,
             seed=options.seed,
             previous=None if options.previous is None else read_previous(options.previous),
-            fallback=options.fallback == "exact",
         )
         print(_described(found))
         if options.output is not None:
@@ -66,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m swarm_gym.plan",
-        description="Plan a free path on a map with a swarm optimizer.",
+        description="Plan a short free path on a map: exactly where that is quick, else with a swarm.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -88,6 +89,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="D",
         help="distance that the robot keeps from obstacles besides, in the map's units",
     )
+    parser.add_argument(
+        "--planner",
+        choices=PLANNERS,
+        default=PLANNERS[0],
+        help="auto: the exact shortest path where it is quickly known, else a swarm; swarm: a swarm alone "
+        "(default: auto)",
+    )
     parser.add_argument("--optimizer", help="name of the optimizer; by default one that suits the map")
     parser.add_argument(
         "--controller", help="name of the controller; by default one that suits the optimizer"
@@ -104,9 +112,6 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="FILE",
         help="path from before the map changed, from which planning goes on: a .csv file of --output",
-    )
-    parser.add_argument(
-        "--fallback", choices=("exact",), help="take the exact planner's path if the swarm finds none"
     )
     parser.add_argument(
         "--output",

@@ -41,6 +41,7 @@ def of_swarm(name: str) -> Planner:
         try:
             found = plan(
                 task.scenario,
+                planner="swarm",
                 optimizer=swarm.optimizer,
                 controller=swarm.controller,
                 max_seconds=checkpoints[-1],

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.history import HISTORY
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.scenarios.scenario import Point
+from swarm_gym.scenarios.obstacles import Point
 
 Floats = NDArray[np.float64]
 RunKey = tuple[str, str, int]  # controller, scenario, seed

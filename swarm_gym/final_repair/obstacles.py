@@ -42,9 +42,9 @@ class Contact(NamedTuple):
 
 
 def obstacles_of(scenario: Scenario) -> Obstacles:
-    """Return the obstacles of a scenario as arrays."""
-    circles = [(o.x, o.y, o.radius) for o in scenario.obstacles if isinstance(o, Circle)]
-    polygons = [np.array(o.vertices) for o in scenario.obstacles if isinstance(o, Polygon)]
+    """Return the solids of a scenario as arrays."""
+    circles = [(o.x, o.y, o.radius) for o in scenario.solids if isinstance(o, Circle)]
+    polygons = [np.array(o.vertices) for o in scenario.solids if isinstance(o, Polygon)]
     return Obstacles(
         np.array(circles, dtype=np.float64).reshape(-1, 3),
         np.concatenate([np.empty((0, 2)), *polygons]),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError
-from swarm_gym.planning.planner import Plan
+from swarm_gym.planning.result import Plan
 from swarm_gym.scenarios import Circle, GridScenario
 
 Floats = NDArray[np.float64]

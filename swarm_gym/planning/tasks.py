@@ -1,14 +1,23 @@
 """Tasks of planning: maps of any kind with a start and a goal, and the same maps with grown obstacles."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.planning.frame import Frame
 from swarm_gym.planning.geojson import read_geojson
+from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import (
     AnyScenario,
+    Circle,
     GridScenario,
     MapScenario,
+    Obstacle,
     Point,
     Scenario,
     grown,
@@ -20,6 +29,10 @@ from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
 READERS = {".yaml": read_ros_map, ".map": read_map}
 GEOJSON = (".geojson", ".json")
+# What the exact planner takes a second for, at most: cells of a grid map, corners and circles of others.
+MOST_CELLS, MOST_CORNERS = 2**21, 2000
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,14 +40,35 @@ class Task:
     """A task of planning.
 
     Attributes:
-        given: the map as it is, with start and goal.
-        grown: map with obstacles that have grown by the margin: a point on it is the whole robot.
+        given: the map as it is, with start and goal, in map units.
         margin: distance in map units that the path keeps from obstacles: radius of the robot and clearance.
+        frame: the coordinates that the planner works in.
+        bare: the map as it is, in the frame.
+        grown: map with obstacles that have grown by the margin, in the frame: a point on it is the whole
+            robot.
     """
 
     given: MapScenario
-    grown: MapScenario
     margin: float
+    frame: Frame
+    bare: MapScenario
+    grown: MapScenario
+
+    @property
+    def is_quick(self) -> bool:
+        """Whether the exact shortest path is quickly computed, by the size of the map alone."""
+        if isinstance(self.grown, GridScenario):
+            return self.grown.map.blocked.size <= MOST_CELLS
+        return sum(map(_corners, self.grown.solids)) <= MOST_CORNERS
+
+    @cached_property
+    def shortest(self) -> tuple[float, Floats]:
+        """Length and points, (k, 2), of the exact shortest path of the robot, in the frame.
+
+        Raises:
+            NoPathError: if there is none.
+        """
+        return shortest_path(self.grown)
 
 
 def read_task(
@@ -55,7 +89,29 @@ def read_task(
         NoPathError: if obstacles separate start and goal, also after they have grown.
     """
     given = _given(where, start, goal)
-    return Task(given, given if margin == 0.0 else grown(given, margin), margin)
+    if isinstance(given, GridScenario):
+        return Task(given, margin, Frame(), given, given if margin == 0.0 else grown(given, margin))
+    frame = Frame.of(given)
+    try:
+        bare = frame.moved(given)
+        return Task(given, margin, frame, bare, bare if margin == 0.0 else grown(bare, frame.factor * margin))
+    except ScenarioError as error:
+        raise ScenarioError(_refusal(given, margin) or str(error)) from error
+
+
+def _refusal(given: Scenario, margin: float) -> str | None:
+    """Return which end is too close to an obstacle, in the user's units; None if none is."""
+    where = f"map {shown(given.name)}"
+    for name, end in (("start", given.start), ("goal", given.target)):
+        if any(solid.depth(end) > 0.0 for solid in given.solids):
+            return f"{where}: {name} {end} lies inside an obstacle"
+        apart = clearance_of(given, np.array([end, end]))
+        if apart < margin:
+            return (
+                f"{where}: {name} {end} is {apart:.6g} from an obstacle; obstacles have grown by {margin:g}, "
+                "for the robot's radius and the clearance"
+            )
+    return None
 
 
 def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
@@ -74,3 +130,7 @@ def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | N
     if start is not None:
         scenario = replace(scenario, start=start)
     return scenario if goal is None else replace(scenario, target=goal)
+
+
+def _corners(obstacle: Obstacle) -> int:
+    return 1 if isinstance(obstacle, Circle) else len(obstacle.vertices)

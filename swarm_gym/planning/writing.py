@@ -10,7 +10,7 @@ import numpy as np
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.drawing import as_png, as_svg
-from swarm_gym.planning.planner import Plan
+from swarm_gym.planning.result import Plan
 
 
 def as_csv(plan: Plan) -> str:

@@ -26,6 +26,7 @@ from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.growing import grown
 from swarm_gym.scenarios.ioh_scenario import IohScenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon
 from swarm_gym.scenarios.raster import rasterised
 from swarm_gym.scenarios.registry import (
     FAMILIES,
@@ -36,7 +37,7 @@ from swarm_gym.scenarios.registry import (
     require_analytic,
     sample_names,
 )
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
+from swarm_gym.scenarios.scenario import Scenario
 
 __all__ = [
     "FAMILIES",

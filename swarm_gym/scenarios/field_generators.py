@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, Scenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon
+from swarm_gym.scenarios.scenario import Scenario
 
 # Distance between the border of the workspace and start or target, in map units.
 BORDER = 20

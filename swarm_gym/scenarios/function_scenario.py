@@ -32,7 +32,7 @@ import numpy as np
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.scenario import require_numbers
+from swarm_gym.scenarios.obstacles import require_numbers
 
 MAX_DIMENSION = 1000
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.scenario import Point
+from swarm_gym.scenarios.obstacles import Point
 
 Cell = tuple[int, int]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.scenarios.grid_map import Cell, GridMap
-from swarm_gym.scenarios.scenario import Point, require_numbers
+from swarm_gym.scenarios.obstacles import Point, require_numbers
 
 # Number of cells that pictures show around the cells that can be reached.
 SURROUNDINGS = 3

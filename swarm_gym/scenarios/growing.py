@@ -10,7 +10,7 @@ from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.scenarios.dynamic.scenario import MapScenario
 from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Polygon
 
 CORNERS = 32  # of the polygon around a disc, by which polygons grow
 FINE = 4.0  # cells of a grown grid map are as small as the margin over this, if the map is not too large then

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Polygon
+from swarm_gym.scenarios.scenario import Scenario
 
 # Depth in cells up to which an obstacle only touches a cell. It is well above rounding errors of map
 # coordinates, so that a rectangle along the edges of cells blocks only the cells inside.

@@ -171,7 +171,9 @@ def test_posts_are_those_of_the_world_in_force():
     for _ in play(env):
         problem = env.simulation.problem_of(0)
         posts.append(posts_of(problem).points.tolist())
-        assert posts[-1] == [list(post) for post in obstacle_posts(problem.scenario.obstacles)]
+        assert posts[-1] == [
+            list(post) for post in obstacle_posts(problem.scenario.obstacles, problem.scenario.tolerance)
+        ]
     assert posts[0] != posts[1] != posts[2] != posts[3]
 
 

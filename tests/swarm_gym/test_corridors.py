@@ -144,7 +144,7 @@ TRIANGLE = Polygon(((0.0, 0.0), (4.0, 0.0), (2.0, 3.0)))
     ],
 )
 def test_obstacles_that_overlap_or_touch_have_one_post(one, other, merged):
-    posts = obstacle_posts((one, other))
+    posts = obstacle_posts((one, other), 1e-8)
     assert len(posts) == (1 if merged else 2)
     assert one.contains(posts[0])
     assert merged or other.contains(posts[1])
@@ -152,14 +152,14 @@ def test_obstacles_that_overlap_or_touch_have_one_post(one, other, merged):
 
 def test_obstacles_are_merged_over_others():
     circles = tuple(Circle(x, 0, 0.6) for x in (0, 3, 1, 5, 2))  # 0-1-2-3 is a chain
-    assert obstacle_posts(circles) == ((0.0, 0.0), (5.0, 0.0))
+    assert obstacle_posts(circles, 1e-8) == ((0.0, 0.0), (5.0, 0.0))
 
 
 @pytest.mark.parametrize("seed", range(30))
 def test_groups_of_obstacles_are_the_parts_of_their_union(seed):
     obstacles = random_scenario(np.random.default_rng(seed), 3 + seed).obstacles
     parts = shapely.get_parts(shapely.union_all([shape(obstacle, quad_segs=4000) for obstacle in obstacles]))
-    posts = [shapely.Point(post) for post in obstacle_posts(obstacles)]
+    posts = [shapely.Point(post) for post in obstacle_posts(obstacles, 1e-8)]
     assert [sum(part.contains(post) for post in posts) for part in parts] == [1] * len(parts)
     assert len(posts) == len(parts)
 

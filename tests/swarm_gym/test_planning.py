@@ -15,7 +15,7 @@ from helpers.shapes import shape
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
-from swarm_gym.planning import plan, planner
+from swarm_gym.planning import plan, search, tasks
 from swarm_gym.planning.drawing import GOAL, OBSTACLE, PAPER, PATH, START
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, Polygon, Scenario, grown, make_scenario
@@ -44,7 +44,7 @@ FIELD = {
     ],
 )
 def test_paths_among_obstacles_are_free_and_short(name, radius):
-    found = plan(name, robot_radius=radius / 2, clearance=radius / 2, seed=1)
+    found = plan(name, robot_radius=radius / 2, clearance=radius / 2, seed=1, planner="swarm")
     assert_free(found, radius)
     assert found.gap < (0.06 if radius == 0.0 else 0.6)
     assert found.found_by.startswith("swarm")
@@ -53,29 +53,60 @@ def test_paths_among_obstacles_are_free_and_short(name, radius):
 
 @pytest.mark.parametrize("name", ["rooms:0", "caves:1"])
 def test_paths_on_grids_are_free(name):
-    assert_free(plan(name))
+    assert_free(plan(name, planner="swarm"))
 
 
 def test_the_robots_radius_counts_on_grids():
-    assert_free(plan("rooms:0", robot_radius=0.4), 0.4)
+    assert_free(plan("rooms:0", robot_radius=0.4, planner="swarm"), 0.4)
 
 
 def test_the_same_seed_gives_the_same_path_and_more_budget_no_longer_one():
-    first, again = plan("case2", seed=3), plan("case2", seed=3)
+    first, again = (plan("case2", seed=3, planner="swarm") for _ in range(2))
     np.testing.assert_array_equal(first.path, again.path)
-    more = plan("case2", seed=3, max_evaluations=2 * first.evaluations)
+    more = plan("case2", seed=3, planner="swarm", max_evaluations=2 * first.evaluations)
     assert more.evaluations >= 2 * first.evaluations
     assert more.length <= first.length
-    other = swarm_gym.plan("case2", optimizer="particle-swarm", controller="fixed:40", seed=3)
+    other = swarm_gym.plan(
+        "case2", planner="swarm", optimizer="particle-swarm", controller="fixed:40", seed=3
+    )
     assert_free(other)
 
 
+def _ticking(monkeypatch):
+    """Let every look at the clock take 0.01 seconds."""
+    ticks = iter(np.arange(0.0, 10000.0, 0.01))
+    monkeypatch.setattr(search.time, "monotonic", lambda: next(ticks))
+
+
 def test_seconds_end_an_episode_in_its_middle(monkeypatch):
-    ticks = iter(np.arange(0.0, 1000.0, 0.01))
-    monkeypatch.setattr(planner.time, "monotonic", lambda: next(ticks))
-    found = plan("case1", max_seconds=0.2)
-    assert found.evaluations < plan("case1").evaluations
+    _ticking(monkeypatch)
+    found = plan("case1", max_seconds=0.2, planner="swarm")
+    assert found.evaluations < plan("case1", planner="swarm").evaluations
     assert_free(found)
+
+
+@pytest.mark.parametrize("name", ["case3", "rooms:0"])
+def test_more_seconds_never_give_a_longer_path(monkeypatch, name):
+    lengths = []
+    for seconds in (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0):
+        _ticking(monkeypatch)
+        found = plan(name, max_seconds=seconds, planner="swarm")
+        assert [step.length for step in found.improvements] == sorted(
+            (step.length for step in found.improvements), reverse=True
+        )
+        lengths.append(found.length)
+    assert lengths == sorted(lengths, reverse=True)
+    assert lengths[-1] < lengths[0]
+
+
+@pytest.mark.parametrize("name", ["case1", "case2", "case3", "random-fields:test:5", "rooms:0", "caves:1"])
+def test_the_exact_path_is_the_result_where_it_is_quick(name):
+    found = plan(name, max_seconds=0.1)
+    assert_free(found)
+    assert found.found_by == "exact planner"
+    assert found.evaluations == 0
+    assert 0.0 <= found.gap < 1e-4
+    assert found.length <= plan(name, max_evaluations=1, planner="swarm").length * (1.0 + 1e-4)
 
 
 def test_ctrl_c_gives_the_best_path_so_far(monkeypatch):
@@ -87,7 +118,7 @@ def test_ctrl_c_gives_the_best_path_so_far(monkeypatch):
         return step(env, action)
 
     monkeypatch.setattr(SwarmEnv, "step", interrupted)
-    found = plan("case3")
+    found = plan("case3", planner="swarm")
     assert found.stopped
     assert_free(found)
 
@@ -113,10 +144,10 @@ def test_polygons_of_geojson_are_obstacles_convex_or_not(tmp_path):
 
 
 def test_files_have_the_path_in_every_format(tmp_path, capsys):
-    command = ["--map", "case1", "--seed", "2", "--output"]
+    command = ["--map", "case1", "--seed", "2", "--planner", "swarm", "--output"]
     for ending in ("csv", "geojson", "yaml", "svg"):
         assert main([*command, str(tmp_path / f"path.{ending}")]) == 0
-    found = plan("case1", seed=2)
+    found = plan("case1", seed=2, planner="swarm")
     printed = capsys.readouterr().out
     assert f"length       {found.length:.6g}" in printed
     assert "found by     swarm" in printed
@@ -184,16 +215,18 @@ CAGED = Scenario("caged", (10.0, 30.0), (50.0, 30.0), RING, (0.0, 0.0, 100.0, 60
 OPEN = Scenario("open", (10.0, 30.0), (90.0, 30.0), (Circle(50, 29, 10),), (0.0, 0.0, 100.0, 60.0))
 
 
-def test_the_exact_planner_stands_in_only_where_it_is_asked_to(monkeypatch):
-    with pytest.raises(NoPathError, match="no free path found on 'caged' with"):
-        plan(CAGED)
-    with pytest.raises(NoPathError, match="separate start and target"):
-        plan(CAGED, fallback=True)
-    monkeypatch.setattr(planner, "final_repair", lambda *_: None)
+def test_the_exact_planner_stands_in_where_the_swarm_finds_nothing(monkeypatch):
+    for options in ({}, {"planner": "swarm"}):
+        with pytest.raises(NoPathError, match="separate start and target"):
+            plan(CAGED, **options)
+    monkeypatch.setattr(search, "final_repair", lambda *_: None)
     with pytest.raises(NoPathError, match="no free path found on 'open'"):
-        plan(OPEN)
-    found = plan(OPEN, fallback=True)
+        plan(OPEN, planner="swarm")
+    monkeypatch.setattr(tasks, "MOST_CORNERS", 0)
+    found = plan(OPEN)
     assert found.found_by == "exact planner"
+    assert found.evaluations > 0
+    assert found.gap is None
     assert found.length == pytest.approx(shortest_path(OPEN)[0], rel=1e-3)
 
 

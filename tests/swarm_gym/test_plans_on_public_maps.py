@@ -49,7 +49,7 @@ def test_public_maps_have_free_paths_within_two_per_cent(name):
     file = needed(name)
     gaps = []
     for start, goal in tasks_of(file, PUBLIC[name]):
-        found = plan(file, start, goal)
+        found = plan(file, start, goal, planner="swarm")
         assert_free(found)
         gaps.append(found.gap)
     assert np.mean(np.array(gaps) <= 0.02) >= 0.9

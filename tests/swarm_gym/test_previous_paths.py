@@ -31,9 +31,9 @@ def wall_on(scenario, path):
 
 @pytest.mark.parametrize("name", ["caves:1", "case3"])
 def test_planning_goes_on_from_the_path_before_an_obstacle_appeared(name):
-    before = plan(name, seed=2)
+    before = plan(name, seed=2, planner="swarm")
     changed = wall_on(before.map, before.path)
-    again = plan(changed, seed=2, previous=before.path)
+    again = plan(changed, seed=2, previous=before.path, planner="swarm")
     assert_free(again)
     first = again.improvements[0]
     assert first.found_by.startswith("previous path")
@@ -45,7 +45,7 @@ def test_planning_goes_on_from_the_path_before_an_obstacle_appeared(name):
 
 def test_a_previous_path_that_is_still_the_shortest_is_kept():
     exact = shortest_path(make_scenario("rooms:0"))[1]
-    found = plan("rooms:0", previous=exact)
+    found = plan("rooms:0", previous=exact, planner="swarm")
     assert found.found_by == "previous path"
     assert found.gap == pytest.approx(0.0, abs=1e-9)
 
@@ -67,7 +67,7 @@ def test_a_previous_path_that_does_not_fit_is_refused(previous, message):
 def test_the_command_reads_the_previous_path_that_it_wrote(tmp_path, capsys):
     file = tmp_path / "path.csv"
     assert main(["--map", "rooms:0", "--output", str(file)]) == 0
-    assert main(["--map", "rooms:0", "--previous", str(file), "--budget", "1"]) == 0
+    assert main(["--map", "rooms:0", "--previous", str(file), "--budget", "1", "--planner", "swarm"]) == 0
     assert "found by     " in capsys.readouterr().out
     for content, message in (("a,b\n", "line 1"), ("x,y\n1,2\n3\n", "line 3"), (None, "cannot be read")):
         file.unlink() if content is None else file.write_text(content)

@@ -32,9 +32,9 @@ class Pair(NamedTuple):
 
 
 def rotated_shapes(scenario: Scenario) -> list[Shape]:
-    """Return the obstacles of a scenario in coordinates (x', y')."""
+    """Return the solids of a scenario in coordinates (x', y')."""
     axes = RotatedAxes.of(scenario)
-    return [_rotated(obstacle, axes) for obstacle in scenario.obstacles]
+    return [_rotated(obstacle, axes) for obstacle in scenario.solids]
 
 
 def extent_of_all(shapes: list[Shape]) -> tuple[float, float]:

@@ -80,7 +80,7 @@ class AnalyticProblem(MapProblem):
         """An upper bound of the degree of collision for any start in the workspace, in map units."""
         x_min, y_min, x_max, y_max = self.scenario.workspace
         reach = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
-        shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.obstacles]
+        shifts = [(reach + _extent(obstacle)) / 2.0 for obstacle in self.scenario.solids]
         return (self.num_waypoints + 1) * math.fsum(shifts)
 
     def begun_at(self, start: Point) -> "AnalyticProblem":
@@ -97,7 +97,7 @@ class AnalyticProblem(MapProblem):
 
     def is_clear(self, path: Floats) -> bool:
         """Return whether a polyline enters no obstacle."""
-        return is_clear(path, self.scenario.obstacles)
+        return is_clear(path, self.scenario.solids, self.scenario.tolerance)
 
     @property
     def identity(self) -> tuple[Any, ...]:
@@ -111,7 +111,7 @@ class AnalyticProblem(MapProblem):
             self.length_weight,
         )
         # As floats, since 1, 1.0 and a NumPy number are one value but print differently.
-        return [float(number) for number in numbers], [_plain(o) for o in scenario.obstacles]
+        return [float(number) for number in numbers], [_plain(o) for o in scenario.solids]
 
     def points(self, vectors: ArrayLike) -> Floats:
         """Return the paths, (..., n + 2, 2) in map coordinates, of decision vectors (..., n)."""

@@ -8,7 +8,8 @@ or square roots of them, so a way is the same on every machine.
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Scenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle
+from swarm_gym.scenarios.scenario import Scenario
 
 ALONG, ACROSS = 5, 10  # distances between columns and between rows, in map units
 # A way keeps more than half of an edge away from obstacles, so that whole edges are free.

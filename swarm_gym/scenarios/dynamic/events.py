@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon, require_numbers
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon, require_numbers
 
 # Obstacles by number; None stands for an obstacle that has disappeared.
 Obstacles = list[Obstacle | None]

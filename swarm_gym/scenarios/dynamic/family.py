@@ -17,7 +17,7 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
 from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
-from swarm_gym.scenarios.scenario import Circle, Polygon
+from swarm_gym.scenarios.obstacles import Circle, Polygon
 
 NAME = "dynamic"
 USAGE = f"{NAME}:<base>[-<event>@<iteration>[-<last>]][-drive@<first>,every=<iterations>,distance=<length>]"

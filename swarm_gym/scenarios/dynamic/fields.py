@@ -18,7 +18,8 @@ from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Event, Move
 from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
 from swarm_gym.scenarios.family import Family, expand_split
 from swarm_gym.scenarios.field_generators import Scatter, drawn
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Polygon
+from swarm_gym.scenarios.scenario import Scenario
 
 NAME = "dynamic-fields"
 USAGE = f"{NAME}:<split>:<number>"

@@ -25,7 +25,7 @@ from swarm_gym.scenarios.family import Family, spaceless
 from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, require_inside, stamp_of
 from swarm_gym.scenarios.grid_map import MAX_RESOLUTION, MAX_SIDE, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Point
+from swarm_gym.scenarios.obstacles import Point
 
 NAME = "ros"
 USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"

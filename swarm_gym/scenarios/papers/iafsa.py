@@ -18,7 +18,7 @@ from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
 from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Point
+from swarm_gym.scenarios.obstacles import Point
 
 NAME = "routes"
 

@@ -7,7 +7,8 @@ The paper does not print the range of the first waypoints. With y in [120, 480] 
 see docs/readings.md.
 """
 
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon, Scenario
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Polygon
+from swarm_gym.scenarios.scenario import Scenario
 
 START = (20.0, 300.0)
 TARGET = (980.0, 300.0)
