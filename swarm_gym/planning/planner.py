@@ -35,8 +35,9 @@ def plan(
 ) -> Plan:
     """Return a short free path from start to goal.
 
-    Where the exact shortest path is quickly known, it is the result, since no path is shorter. Elsewhere, and
-    with `planner="swarm"`, a swarm looks for paths. Its episodes run until a budget is spent, each from
+    Where the exact shortest path is quickly known, it is the result, since no path is shorter; a swarm plans
+    after it only if an optimizer or a controller is named. Elsewhere, and with `planner="swarm"`, a swarm
+    looks for paths. Its episodes run until a budget is spent, each from
     another seed; without a budget, `EPISODES` do. The best path of each is made free, see
     `swarm_gym.final_repair`, and the shortest is kept. With a longer budget the path is never longer. On grid
     maps, swarms begin around a path of A*: the first around the shortest one, the others around paths that a
@@ -76,10 +77,11 @@ def plan(
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance)
     before = None if previous is None else require_previous(previous, task.given)
-    quick = planner == "auto" and task.is_quick
-    evaluations, stopped, improvements = 0, False, []
-    if not quick:
-        search = Search(task, optimizer, controller, seed, began)
+    exact_first = planner == "auto" and task.is_quick
+    improvements = [improvement_of(task, task.shortest[1], "exact planner", began)] if exact_first else []
+    evaluations, stopped = 0, False
+    if not exact_first or optimizer is not None or controller is not None:
+        search = Search(task, optimizer, controller, seed, began, improvements)
         if before is not None:
             search.begin_with(task.frame.to_frame(before))
         stopped = search.run_until(
@@ -87,7 +89,7 @@ def plan(
             math.inf if max_seconds is None else began + max_seconds,
             math.inf if max_evaluations or max_seconds else EPISODES,
         )
-        evaluations, improvements = search.evaluations, search.improvements
+        evaluations = search.evaluations
     if not improvements:
         # Where there is no path at all, `shortest` says so.
         exact = task.shortest[1] if task.is_quick or planner == "auto" else None
@@ -97,7 +99,7 @@ def plan(
                 f"{time.monotonic() - began:.2f} seconds; a larger budget, or `planner='auto'`, may help"
             )
         assert exact is not None
-        improvements = [improvement_of(task, exact, "exact planner", began)]
+        improvements.append(improvement_of(task, exact, "exact planner", began))
     seconds = time.monotonic() - began
     best = improvements[-1]
     gap = best.length / (task.shortest[0] / task.frame.factor) - 1.0 if task.is_quick else None

@@ -40,11 +40,20 @@ class Search:
     """Episodes on a task, and the shortest free path that they have found.
 
     Attributes:
-        improvements: the paths that were the shortest one in turn.
+        improvements: the paths that were the shortest one in turn; the list that was given, in which the last
+            path may already be known.
         evaluations: evaluations so far.
     """
 
-    def __init__(self, task: Task, optimizer: str | None, controller: str | None, seed: int, began: float):
+    def __init__(
+        self,
+        task: Task,
+        optimizer: str | None,
+        controller: str | None,
+        seed: int,
+        began: float,
+        improvements: list[Improvement],
+    ):
         on_grid = isinstance(task.grown, GridScenario)
         usual, usual_controller = ON_GRIDS if on_grid else ON_OBSTACLES
         name = optimizer or usual
@@ -57,9 +66,11 @@ class Search:
         self._task, self._seed = task, seed
         self._guide: Floats | None = None
         self._best: Floats | None = None  # the shortest free path so far, (k, 2), in the frame of the task
+        if improvements:
+            self._best = task.frame.to_frame(improvements[-1].path)
         self._began = began
         self._episodes = 0
-        self.improvements: list[Improvement] = []
+        self.improvements = improvements
         self.evaluations = 0
 
     def begin_with(self, path: Floats) -> None:
