@@ -1,6 +1,7 @@
 """Every controller by name: contract, independence of the width, refusals, policy files."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -41,6 +42,10 @@ NAMES = [
     for family in CONTROLLERS
     for argument in ARGUMENTS.get(family, [""])
 ]
+# Names of one recipe, by its name, so that a test of all controllers is a few dozen tests, not hundreds.
+RECIPES: dict[str, list[str]] = {}
+for name in NAMES:
+    RECIPES.setdefault(name.partition("/")[0], []).append(name)
 
 
 @pytest.fixture
@@ -48,26 +53,28 @@ def policy(tmp_path):
     return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_controller_keeps_the_protocol_and_the_limits(name):
-    controller = make_controller(name)
-    assert isinstance(controller, Controller)
-    assert 2 <= controller.initial_population_size <= 200
-    rng = np.random.default_rng(1)
-    controller.reset(7, seed=3)
-    for step in range(5):
-        observations = random_observations(controller.observation, rng, 7)
-        observations[:, 3] = 0 if step == 0 else observations[:, 3]
-        actions = controller.act(observations)
-        options = {"action": controller.action, "max_evaluations": controller.max_evaluations}
-        layout = make_action(Settings(**options), get_optimizer(controller.made_for or "firefly"))
-        assert actions.shape == (7, *layout.space.shape)
-        assert ((actions >= layout.space.low) & (actions <= layout.space.high)).all()
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_every_controller_keeps_the_protocol_and_the_limits(recipe):
+    for name in RECIPES[recipe]:
+        controller = make_controller(name)
+        assert isinstance(controller, Controller)
+        assert 2 <= controller.initial_population_size <= 200
+        rng = np.random.default_rng(1)
+        controller.reset(7, seed=3)
+        for step in range(5):
+            observations = random_observations(controller.observation, rng, 7)
+            observations[:, 3] = 0 if step == 0 else observations[:, 3]
+            actions = controller.act(observations)
+            options = {"action": controller.action, "max_evaluations": controller.max_evaluations}
+            layout = make_action(Settings(**options), get_optimizer(controller.made_for or "firefly"))
+            assert actions.shape == (7, *layout.space.shape)
+            assert ((actions >= layout.space.low) & (actions <= layout.space.high)).all()
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(name):
-    assert_decides_alike_at_any_width(lambda: make_controller(name), np.random.default_rng(2), seed=10)
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_decisions_do_not_depend_on_how_many_swarms_are_decided_for(recipe):
+    for name in RECIPES[recipe]:
+        assert_decides_alike_at_any_width(partial(make_controller, name), np.random.default_rng(2), seed=10)
 
 
 def test_random_covers_the_action_space_and_is_seeded():
@@ -164,26 +171,28 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
             make_controller(f"learned:{name}")
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_controller_runs_episodes(name):
-    controller = make_controller(name)
-    optimizer = controller.made_for or "firefly"
-    episodes = run_episodes(controller, "case3", range(50, 53), optimizer, iterations=3)
-    assert episodes.sizes.shape == episodes.repair_degrees.shape == (3, 3)
-    assert (episodes.final_fitness > (300 if optimizer == "firefly" else 0)).all()
-    assert (episodes.evaluations > 0).all()
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_every_controller_runs_episodes(recipe):
+    for name in RECIPES[recipe]:
+        controller = make_controller(name)
+        optimizer = controller.made_for or "firefly"
+        episodes = run_episodes(controller, "case3", range(50, 53), optimizer, iterations=3)
+        assert episodes.sizes.shape == episodes.repair_degrees.shape == (3, 3)
+        assert (episodes.final_fitness > (300 if optimizer == "firefly" else 0)).all()
+        assert (episodes.evaluations > 0).all()
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_an_identity_is_json_and_does_not_change_while_the_controller_decides(name):
-    controller = make_controller(name)
-    identity = json.dumps(controller.identity(), sort_keys=True)
-    assert identity == json.dumps(make_controller(name).identity(), sort_keys=True)
-    controller.reset(3, seed=0)
-    rng = np.random.default_rng(0)
-    for _ in range(2):
-        controller.act(random_observations(controller.observation, rng, 3))
-    assert json.dumps(controller.identity(), sort_keys=True) == identity
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_an_identity_is_json_and_does_not_change_while_the_controller_decides(recipe):
+    for name in RECIPES[recipe]:
+        controller = make_controller(name)
+        identity = json.dumps(controller.identity(), sort_keys=True)
+        assert identity == json.dumps(make_controller(name).identity(), sort_keys=True)
+        controller.reset(3, seed=0)
+        rng = np.random.default_rng(0)
+        for _ in range(2):
+            controller.act(random_observations(controller.observation, rng, 3))
+        assert json.dumps(controller.identity(), sort_keys=True) == identity
 
 
 def test_controllers_that_decide_differently_have_different_identities():

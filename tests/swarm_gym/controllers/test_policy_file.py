@@ -73,12 +73,12 @@ def parts_of(data):
     return data[8:end], data[end:]
 
 
-@pytest.mark.parametrize("name", packaged_policies())
-def test_every_packaged_policy_loads_and_is_far_below_the_limits(name):
-    load_policy(resolve(name))
-    data = resolve(name).read_bytes()
-    assert len(data) < MAX_FILE / 100
-    assert struct.unpack("<Q", data[:8])[0] < MAX_HEADER / 100
+def test_every_packaged_policy_loads_and_is_far_below_the_limits():
+    for name in packaged_policies():
+        load_policy(resolve(name))
+        data = resolve(name).read_bytes()
+        assert len(data) < MAX_FILE / 100, name
+        assert struct.unpack("<Q", data[:8])[0] < MAX_HEADER / 100, name
 
 
 # The file.
