@@ -9,11 +9,13 @@ Which files: a YAML file may come from a stranger, so it must not choose which f
   as a picture and nothing else, so the worst that a hostile archive brings about is a wrong map.
 * A map in the data folder, which holds downloads, has its picture in the data folder, also behind links.
 
-Brightness, as the documentation of map_server has it:
+Brightness:
 
-* Colours are averaged, (red + green + blue) / 3, and pixels of a palette have the colour of their entry.
+* Colours are averaged, (red + green + blue) / 3, as map_server documents it. Pixels of a palette have the
+  colour of their entry.
 * The grey value of a picture with 16 bits counts in 65535ths. Of colours with 16 bits the upper eight count.
-* A pixel that is not opaque is unknown. Opacity is not averaged with the colours.
+* A pixel that is not opaque is unknown. Map_server documents this for mode `scale`; in mode `trinary` most of
+  its versions average the opacity with the colours, by which an opaque grey 205 would be free.
 """
 
 import io
