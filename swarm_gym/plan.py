@@ -15,7 +15,7 @@ from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan
-from swarm_gym.planning.writing import FORMATS, format_of, write_plan
+from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
 from swarm_gym.scenarios import Point
 
 INVALID, NO_PATH = 2, 3  # exit statuses
@@ -34,8 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options = parser.parse_args(arguments)
     try:
-        if options.output is not None:
-            format_of(options.output)
+        require_formats(options.output)
         evaluations, seconds = _budget(parser, options.budget)
         found = plan(
             options.map,
@@ -52,9 +51,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             previous=None if options.previous is None else read_previous(options.previous),
         )
         print(_described(found))
-        if options.output is not None:
-            write_plan(found, options.output)
-            print(f"written to {options.output}")
+        if options.output:
+            write_plan(found, *options.output)
+            print(f"written to {', '.join(map(str, options.output))}")
     except NoPathError as error:
         print(f"no path: {error}", file=sys.stderr)
         return NO_PATH
@@ -74,8 +73,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--map",
         required=True,
-        help="a file (.yaml of ROS's map_server, .map of Moving AI, .geojson with polygons), or a scenario's "
-        "name, e.g. case1",
+        help="a file (.yaml or .yml of ROS's map_server, .map of Moving AI, .geojson with polygons), or a "
+        "scenario's name, e.g. case1",
     )
     parser.add_argument("--start", type=_point, metavar="X,Y", help="start, in the map's units")
     parser.add_argument("--goal", type=_point, metavar="X,Y", help="goal, in the map's units")
@@ -116,8 +115,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--output",
         type=Path,
+        action="append",
+        default=[],
         metavar="FILE",
-        help=f"file for the path; its ending says how: {', '.join(FORMATS)}",
+        help=f"file for the path; its ending says how: {', '.join(FORMATS)}; may be given several times",
     )
     return parser
 

@@ -11,6 +11,7 @@ from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.planning.frame import Frame
 from swarm_gym.planning.geojson import read_geojson
+from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import (
     AnyScenario,
@@ -27,7 +28,7 @@ from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import read_map
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
-READERS = {".yaml": read_ros_map, ".map": read_map}
+READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
 GEOJSON = (".geojson", ".json")
 # What the exact planner takes a second for, at most: cells of a grid map, corners and circles of others.
 MOST_CELLS, MOST_CORNERS = 2**21, 2000
@@ -77,8 +78,8 @@ def read_task(
     """Return the task on a map.
 
     Args:
-        where: a file, here or in the data folder: `.yaml` of ROS's map_server, `.map` of Moving AI, or
-            GeoJSON with polygons; or a scenario or its name.
+        where: a file, here or in the data folder: `.yaml` or `.yml` of ROS's map_server, `.map` of Moving
+            AI, or GeoJSON with polygons; or a scenario or its name. A file that exists wins.
         start: (x, y), in map units; a scenario has its own.
         goal: (x, y), in map units; a scenario has its own.
         margin: distance to keep from obstacles, in map units.
@@ -116,8 +117,8 @@ def _refusal(given: Scenario, margin: float) -> str | None:
 
 def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
     named = str(where) if isinstance(where, str | Path) else ""
-    ending = Path(named).suffix
-    if ending in (*READERS, *GEOJSON) and not set("?#") & set(named):
+    if named and is_map_file(named, (*READERS, *GEOJSON)):
+        ending = ending_of(named)
         if start is None or goal is None:
             raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
         path = Path(named) if Path(named).is_file() else find_data_file(named)

@@ -1,13 +1,14 @@
 """Files with a path: CSV, GeoJSON, ROS's nav_msgs/Path as YAML, or a picture, by the ending of the name."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from swarm_gym.errors import SettingError
+from swarm_gym.errors import MissingExtraError, SettingError
 from swarm_gym.files import write_atomically
 from swarm_gym.planning.drawing import as_png, as_svg
 from swarm_gym.planning.result import Plan
@@ -57,23 +58,42 @@ FORMATS: dict[str, Callable[[Plan], str | bytes]] = {
 }
 
 
-def format_of(path: Path) -> Callable[[Plan], str | bytes]:
-    """Return the function that makes the content of a file of that name.
+def require_formats(paths: Iterable[Path]) -> None:
+    """Raise an error unless the path of a plan can be written to files of these names.
 
     Raises:
-        SettingError: for an ending that is not in `FORMATS`.
+        SettingError: for an ending that is not in `FORMATS`, a folder, or a name that is given twice.
+        MissingExtraError: for a PNG, if Pillow is missing.
     """
-    if path.suffix not in FORMATS:
-        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(FORMATS)}")
-    return FORMATS[path.suffix]
+    seen = set()
+    for path in paths:
+        _format_of(path)
+        if path.is_dir():
+            raise SettingError(f"output {str(path)!r}: a folder; name a file in it")
+        if path.suffix == ".png" and find_spec("PIL") is None:
+            raise MissingExtraError(f"output {str(path)!r}", "Pillow", "maps")
+        if path in seen:
+            raise SettingError(f"output {str(path)!r}: given twice; name each file once")
+        seen.add(path)
 
 
-def write_plan(plan: Plan, path: Path) -> None:
-    """Write the path of a plan in the format that the file's ending names.
+def write_plan(plan: Plan, *paths: Path) -> None:
+    """Write the path of a plan to files, each in the format that its ending names.
+
+    No file is written before the contents of all are complete, and each is written completely or not at all.
 
     Raises:
         SettingError: for an ending that is not in `FORMATS`.
         MissingExtraError: for a PNG, if Pillow is missing.
-        OSError: if the file cannot be written.
+        OSError: naming the first file that cannot be written; those before it are complete.
     """
-    write_atomically(path, format_of(path)(plan))
+    contents = [_format_of(path)(plan) for path in paths]
+    for path, content in zip(paths, contents, strict=True):
+        write_atomically(path, content)
+
+
+def _format_of(path: Path) -> Callable[[Plan], str | bytes]:
+    """Return the function that makes the content of a file of that name."""
+    if path.suffix not in FORMATS:
+        raise SettingError(f"output {str(path)!r}: the name must end with {', '.join(FORMATS)}")
+    return FORMATS[path.suffix]

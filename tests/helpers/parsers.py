@@ -161,12 +161,17 @@ def _manifests() -> list[bytes]:
     return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
 
 
-def _png() -> bytes:
+def _picture(kind: str, mode: str) -> bytes:
     from PIL import Image
 
     content = io.BytesIO()
-    Image.fromarray(np.array([[0, 254], [205, 254]], np.uint8)).save(content, "PNG")
+    Image.fromarray(np.array([[0, 254], [205, 254]], np.uint8)).convert(mode).save(content, kind)
     return content.getvalue()
+
+
+def _pictures() -> list[bytes]:
+    kinds = [("PNG", "L"), ("PNG", "RGBA"), ("PNG", "P"), ("PNG", "I;16"), ("BMP", "L"), ("BMP", "RGB")]
+    return [_picture(*kind) for kind in (*kinds, ("JPEG", "L"), ("JPEG", "RGB"))]
 
 
 _JSON = (
@@ -192,7 +197,11 @@ PARSERS = {
     ),
     "ros-yaml": Parser(".yaml", lambda: [YAML], _read_yaml, (ScenarioError,), _YAML),
     "ros-image": Parser(
-        ".pgm", lambda: [IMAGE, IMAGE.replace(b"P5", b"P2"), _png()], _read_image, (ScenarioError,), _IMAGE
+        ".pgm",
+        lambda: [IMAGE, IMAGE.replace(b"P5", b"P2"), *_pictures()],
+        _read_image,
+        (ScenarioError,),
+        _IMAGE,
     ),
     "scenario-name": Parser(
         ".txt", lambda: list(NAMES), _expand, (SwarmGymError,), ("-shifted:", "0-999999", "@", "#")

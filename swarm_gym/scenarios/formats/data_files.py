@@ -37,7 +37,7 @@ def find_data_file(*names: str) -> Path:
             # An absolute name replaces `place`.
             if os.path.isfile(place / name):
                 if not PurePath(name).is_absolute():
-                    require_inside(folder, place / name)
+                    _require_inside(folder, place / name)
                 return place / name
     searched = "" if PurePath(names[0]).is_absolute() else f"; searched {folder} and its subfolders"
     raise ScenarioError(
@@ -46,7 +46,7 @@ def find_data_file(*names: str) -> Path:
     )
 
 
-def require_inside(folder: Path, path: Path) -> None:
+def _require_inside(folder: Path, path: Path) -> None:
     """Raise an error if a path leads out of a folder, by its parts or by links.
 
     Raises:
@@ -82,7 +82,7 @@ def stamp_of(path: Path) -> tuple[int, int]:
     try:
         status = path.stat()
     except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from error
     return status.st_mtime_ns, status.st_size
 
 

@@ -2,15 +2,20 @@
 
 Source: the documentation of map_server (http://wiki.ros.org/map_server) and of its successor in Nav2.
 
-Map coordinates are metres, x to the right and y upwards. A pixel of grey value v is occupied with probability
-p = (255 - v) / 255, or v / 255 in a negated map. It is blocked where p > occupied_thresh, free where p <
-free_thresh, and unknown between them. Unknown cells count as blocked, because a robot must not plan through
-an area that it has not seen.
+Map coordinates are metres, x to the right and y upwards. The key `mode` says what a grey value v means:
+
+* `trinary`, the default: a cell is occupied with probability p = (255 - v) / 255, or v / 255 in a negated
+  map. It is free where p < free_thresh, occupied where p > occupied_thresh, and unknown between them.
+* `scale`: p is the same. Where p is at most free_thresh map_server publishes 0, and the cell is free. The
+  values from 1 to 99 that it publishes between the thresholds are no promise that a cell is free.
+* `raw`: v is the published value itself, p = v / 100 up to 100, and unknown above it. Map_server leaves it to
+  the reader what is free; here it is p < free_thresh.
+
+Unknown cells count as blocked, because a robot must not plan through an area that it has not seen. In every
+mode a pixel that is not opaque is unknown. `ros_image` reads the pictures.
 """
 
-import io
 import math
-import os
 import re
 import warnings
 from functools import lru_cache
@@ -22,17 +27,21 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.family import Family, spaceless
-from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, require_inside, stamp_of
-from swarm_gym.scenarios.grid_map import MAX_RESOLUTION, MAX_SIDE, MIN_RESOLUTION, GridMap
+from swarm_gym.scenarios.formats.data_files import find_data_file, open_file, stamp_of
+from swarm_gym.scenarios.formats.ros_image import locate_picture, read_picture
+from swarm_gym.scenarios.grid_map import MAX_ORIGIN, MAX_RESOLUTION, MIN_RESOLUTION, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.obstacles import Point
 
 NAME = "ros"
 USAGE = f"{NAME}:<map>?start=<x>,<y>&goal=<x>,<y>[&inflate=<radius>]"
 
+ENDINGS = (".yaml", ".yml")  # of the YAML file, in small letters
+MODES = ("trinary", "scale", "raw")
 MAX_YAML = 2**16  # bytes
-MAX_IMAGE = 2**26  # bytes, enough for all pixels as decimal numbers
-MAX_COORDINATE = 1e6  # metres
+MAX_YAW = 1e-6  # radians that count as rounding: a map of 4096 cells turns by less than 0.005 cells
+# Values of p * 255 that are usual for unknown cells: map_saver writes grey 205, other programs a middle grey.
+UNKNOWN = (50, 127, 128)
 _NUMBER = r"-?[0-9]{1,9}(?:\.[0-9]{1,15})?"
 
 
@@ -45,6 +54,7 @@ class RosMapFile(NamedTuple):
         origin: (x, y) of the outer corner of the lower left pixel, in metres.
         negate: whether white means occupied.
         free_thresh: probability of occupation below which a cell is free.
+        mode: meaning of a grey value, one of `MODES`.
     """
 
     image: Path
@@ -52,6 +62,7 @@ class RosMapFile(NamedTuple):
     origin: Point
     negate: bool
     free_thresh: float
+    mode: str
 
 
 def read_yaml(path: str | Path) -> RosMapFile:
@@ -63,21 +74,26 @@ def read_yaml(path: str | Path) -> RosMapFile:
     """
     path = Path(path)
     entries = _Entries(path, _load(path))
-    mode = entries.text("mode", "trinary")
-    if mode != "trinary":
-        raise entries.refused("mode", "'trinary'")
+    mode = entries.text("mode", MODES[0])
+    if mode not in MODES:
+        raise entries.refused("mode", f"one of {', '.join(MODES)}")
     negate = entries.text("negate").lower()
     if negate not in ("0", "1", "false", "true"):
         raise entries.refused("negate", "0 or 1")
+    if mode == "raw" and negate in ("1", "true"):
+        raise entries.refused("negate", "0 in mode raw, where ROS 1 negates values and Nav2 does not")
     occupied, free = entries.number("occupied_thresh", 0, 1), entries.number("free_thresh", 0, 1)
     if free > occupied:
         raise entries.refused("free_thresh", f"at most occupied_thresh, which is {occupied:g}")
     resolution = entries.number("resolution", MIN_RESOLUTION, MAX_RESOLUTION)
-    return RosMapFile(entries.image(), resolution, entries.origin(), negate in ("1", "true"), free)
+    image = locate_picture(path, entries.text("image"))
+    return RosMapFile(image, resolution, entries.origin(), negate in ("1", "true"), free, mode)
 
 
 def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
     """Read the map of a YAML file and inflate it by a radius in metres.
+
+    A warning counts the cells that are free though their grey value is usual for unknown cells.
 
     Raises:
         ScenarioError: if a file cannot be read or is malformed; the message names file and reason.
@@ -85,7 +101,11 @@ def read_ros_map(path: str | Path, radius: float = 0.0) -> GridMap:
     """
     path = Path(path)
     described = read_yaml(path)
-    return _read(path.stem, described, stamp_of(described.image), radius)
+    try:
+        stamp = stamp_of(described.image)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: image {error}") from error
+    return _inflated(path, described, stamp, radius)
 
 
 def expand(name: str) -> tuple[str, ...]:
@@ -99,7 +119,7 @@ def expand(name: str) -> tuple[str, ...]:
 
 
 def tidy(name: str) -> str:
-    """Return the name without spaces between its parts, and without `.yaml` in the data folder.
+    """Return the name without spaces between its parts, and without `.yaml` in the data folder; `.yml` stays.
 
     Raises:
         ScenarioError: if the name has another form.
@@ -114,14 +134,14 @@ def make(name: str) -> GridScenario:
     """Return the scenario of that name; start, goal and radius are in metres.
 
     The map is the file `<map>.yaml` in the data folder, or in a folder of it as in `ros:house/map`, or an
-    absolute path that ends with `.yaml`.
+    absolute path that ends with `.yaml`. A name that ends with `.yml` is that of the file itself.
 
     Raises:
         ScenarioError: if a file is missing or malformed, or there is no path from start to goal.
         MissingExtraError: if PyYAML or Pillow is missing.
     """
     given, start, goal, radius = _parse(name)
-    path = find_data_file(given if Path(given).is_absolute() else f"{given}.yaml")
+    path = find_data_file(given if given.lower().endswith(ENDINGS) else f"{given}.yaml")
     return GridScenario(name, read_ros_map(path, radius), start, goal)
 
 
@@ -129,14 +149,56 @@ FAMILY = Family(USAGE, (), expand, make, tidy)
 
 
 @lru_cache(maxsize=8)
-def _read(name: str, described: RosMapFile, _stamp: tuple[int, int], radius: float) -> GridMap:
-    grey = np.arange(256)
-    probability = (grey if described.negate else 255 - grey) / 255
-    # Unknown cells are blocked like occupied ones, so occupied_thresh decides nothing.
-    blocked = (probability >= described.free_thresh)[_read_grey(described.image)]
-    side, (x, y) = described.resolution, described.origin
-    grid = GridMap(name, blocked, side, (x + side / 2, y + (len(blocked) - 0.5) * side), y_up=True)
+def _inflated(path: Path, described: RosMapFile, stamp: tuple[int, int], radius: float) -> GridMap:
+    grid = _read(path, described, stamp)
     return grid.inflated(radius) if radius else grid
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, described: RosMapFile, _stamp: tuple[int, int]) -> GridMap:
+    picture = read_picture(described.image)
+    probability = _probabilities(described, picture.white)
+    # Unknown cells are blocked like occupied ones, so occupied_thresh decides nothing.
+    below = np.less_equal if described.mode == "scale" else np.less
+    free_levels = below(probability, described.free_thresh)
+    free = free_levels[picture.levels]
+    if picture.opaque is not None:
+        free &= picture.opaque
+    if described.mode != "raw":
+        suspect = free_levels & np.isin(np.rint(255 * probability), UNKNOWN)
+        _warn_of_unknown(path, described, probability, picture.levels, suspect, free)
+    side, (x, y) = described.resolution, described.origin
+    return GridMap(path.stem, ~free, side, (x + side / 2, y + (len(free) - 0.5) * side), y_up=True)
+
+
+def _probabilities(described: RosMapFile, white: int) -> NDArray[np.float64]:
+    """Return the probability of being occupied for each level from black to white; unknown is 1."""
+    levels = np.arange(white + 1)
+    if described.mode == "raw":
+        published = np.rint(255 * levels / white)
+        return np.where(published <= 100, published / 100, 1.0)
+    return (levels if described.negate else white - levels) / white
+
+
+def _warn_of_unknown(
+    path: Path,
+    described: RosMapFile,
+    probability: NDArray[np.float64],
+    levels: NDArray[Any],
+    suspect: NDArray[np.bool_],
+    free: NDArray[np.bool_],
+) -> None:
+    """Warn of cells that are free though their grey value, one of the suspect levels, means unknown."""
+    found = levels[suspect[levels] & free] if suspect.any() else levels[:0]
+    if found.size:
+        greys = sorted({round(255 * level / (len(suspect) - 1)) for level in np.unique(found).tolist()})
+        below = math.floor(1000 * probability[found].min()) / 1000
+        usual = f"{found.size:,} cells of grey {' and '.join(map(str, greys))}, usual for unknown cells"
+        change = f"change free_thresh from {described.free_thresh:g} to {below:g} to block them"
+        warnings.warn(
+            f"{path}: {usual}, count as free; {change}",
+            stacklevel=4,
+        )
 
 
 def _parse(name: str) -> tuple[str, Point, Point, float]:
@@ -148,9 +210,10 @@ def _parse(name: str) -> tuple[str, Point, Point, float]:
     if not match:
         raise ScenarioError(f"scenario {shown(name)}: expected {USAGE}, with decimal numbers, in metres")
     given, *numbers = match.groups()
-    if Path(given).is_absolute() and not given.endswith(".yaml"):
+    if Path(given).is_absolute() and not given.lower().endswith(ENDINGS):
         raise ScenarioError(
-            f"scenario {shown(name)}: an absolute path to a map must end with .yaml, got {shown(given)}"
+            f"scenario {shown(name)}: an absolute path to a map must end with .yaml or .yml, got "
+            f"{shown(given)}"
         )
     x, y, goal_x, goal_y, radius = (float(number or 0) for number in numbers)
     return given, (x, y), (goal_x, goal_y), radius
@@ -188,22 +251,16 @@ class _Entries:
             raise ScenarioError(f"{self._path}: the key 'origin' is missing; add it as map_server writes it")
         values = self._entries["origin"]
         numbers = [_as_number(value) for value in values] if isinstance(values, list) else []
-        if len(numbers) != 3 or not all(abs(number) <= MAX_COORDINATE for number in numbers):
-            raise self.refused("origin", f"[x, y, yaw], in metres and radians, at most {MAX_COORDINATE:g}")
-        if numbers[2] != 0:
-            raise self.refused("origin", "[x, y, 0], since maps that are turned by a yaw are not supported")
-        return numbers[0], numbers[1]
-
-    def image(self) -> Path:
-        given = self.text("image")
-        path = Path(given)
-        if not given.isprintable() or not path.name:
-            raise self.refused("image", "a file name")
-        if not path.is_absolute() and (".." in path.parts or path.drive or path.root):
-            raise self.refused("image", "a file in the folder of the YAML file")
-        # A YAML file must not choose which files are opened. ROS writes absolute paths into its own folder.
-        require_inside(self._path.parent, self._path.parent / path)
-        return self._path.parent / path
+        if len(numbers) != 3 or not all(abs(number) <= MAX_ORIGIN for number in numbers):
+            raise self.refused("origin", f"[x, y, yaw], in metres and radians, at most {MAX_ORIGIN:g}")
+        x, y, yaw = numbers
+        if abs(math.remainder(yaw, math.tau)) > MAX_YAW:
+            raise self.refused(
+                "origin",
+                f"[x, y, 0], since maps that are turned are not supported: turn the picture by "
+                f"{math.degrees(yaw):g} degrees counter-clockwise",
+            )
+        return x, y
 
 
 def _as_number(value: object) -> float:
@@ -237,38 +294,3 @@ def _load(path: Path) -> dict[Any, Any]:
             f"{path}: expected keys and values, as map_server writes them, got {shown(entries)}"
         )
     return entries
-
-
-def _read_grey(path: Path) -> NDArray[np.uint8]:
-    """Return the grey values of an image, shape (height, width), first row on top."""
-    try:
-        from PIL import Image
-    except ImportError as error:
-        raise MissingExtraError(f"image {path}", "Pillow", "maps") from error
-    try:
-        with open_file(path) as file:
-            size = os.fstat(file.fileno()).st_size
-            if size > MAX_IMAGE:
-                raise ScenarioError(f"{path}: expected at most {MAX_IMAGE} bytes, got {size}")
-            # Decoding from memory, since a decoder asks a file for as many bytes as its header claims.
-            content = io.BytesIO(file.read())
-        with warnings.catch_warnings():
-            # The check below is stricter than Pillow's warning.
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(content, formats=("PPM", "PNG"))
-            width, height = image.size
-            # Checked before any pixel is decoded.
-            if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
-                raise ScenarioError(
-                    f"{path}: expected at most {MAX_SIDE} cells along a side, got {width} x {height}"
-                )
-            if image.mode not in ("1", "L"):
-                raise ScenarioError(
-                    f"{path}: expected a grey image of at most 8 bits, without transparency, got mode "
-                    f"{image.mode!r}"
-                )
-            return np.array(image.convert("L"))
-    except ScenarioError:
-        raise
-    except Exception as error:  # a decoder may raise anything on malformed bytes
-        raise ScenarioError(f"{path}: cannot be read as a PGM or PNG image: {error}") from error
