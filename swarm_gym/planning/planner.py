@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.planning.geographic import Projection
 from swarm_gym.planning.guide import guided_population
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.scaling import scaled_to_cases
@@ -44,7 +45,7 @@ class Improvement:
 
     Attributes:
         seconds: time since planning began.
-        path: (k, 2) points from start to goal, in map units.
+        path: (k, 2) points from start to goal, in the coordinates of the map's file.
         found_by: origin of the path, see `Plan`.
     """
 
@@ -58,9 +59,9 @@ class Plan:
     """A free path.
 
     Attributes:
-        map: the map as it was given, with start and goal.
-        path: (k, 2) points from start to goal, in map units.
-        length: length of the path, in map units.
+        map: the map as it was given, with start and goal; in metres for longitude and latitude.
+        path: (k, 2) points from start to goal, in the coordinates of the map's file.
+        length: length of the path, in map units: those of the file, or metres for longitude and latitude.
         clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
         evaluations: evaluations of the optimizer, and those of final repairs.
         seconds: time that planning took, without that of `gap`.
@@ -72,6 +73,7 @@ class Plan:
         stopped: whether Ctrl-C ended planning.
         improvements: the paths that were the shortest one in turn, the last of which is `path`; not
             that of the exact planner.
+        projection: projection from longitude and latitude to metres; None for coordinates in a plane.
     """
 
     map: MapScenario
@@ -84,6 +86,12 @@ class Plan:
     found_by: str
     stopped: bool = False
     improvements: tuple[Improvement, ...] = ()
+    projection: Projection | None = None
+
+    @property
+    def path_on_map(self) -> Floats:
+        """The path in map units, (k, 2): that of `path`, or in metres for longitude and latitude."""
+        return self.path if self.projection is None else self.projection.to_metres(self.path)
 
 
 def plan(
@@ -100,6 +108,8 @@ def plan(
     seed: int = 0,
     previous: ArrayLike | None = None,
     fallback: bool = False,
+    workspace: str | Path | ArrayLike | None = None,
+    coordinates: str | None = None,
 ) -> Plan:
     """Return a free path from start to goal, found by a swarm.
 
@@ -110,8 +120,7 @@ def plan(
     the first path, and on grid maps the first swarm begins around that.
 
     Args:
-        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON with polygons), a scenario,
-            or its name.
+        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, or its name.
         start: (x, y) in map units; a scenario has its own.
         goal: (x, y) in map units; a scenario has its own.
         robot_radius: radius of the robot, in map units.
@@ -124,6 +133,10 @@ def plan(
         previous: points of a path from start to goal, (k, 2), in map units: the path that was valid before
             the map changed.
         fallback: whether the exact planner's path is returned if the swarm finds none.
+        workspace: area that the robot stays in, with all of its radius, on maps of obstacles:
+            (x_min, y_min, x_max, y_max), corners of a polygon, (k, 2), or a GeoJSON file with one polygon.
+        coordinates: "plane" for x and y in one unit, or "longitude-latitude": planning is in metres then, and
+            radius, clearance and length are; by default what a GeoJSON file names, else "plane".
 
     Raises:
         ScenarioError: for a map, start or goal that is invalid.
@@ -138,10 +151,10 @@ def plan(
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
     began = time.monotonic()
-    task = read_task(where, start, goal, robot_radius + clearance)
+    task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates)
     search = _Search(task, optimizer, controller, seed, began)
     if previous is not None:
-        search.begin_with(require_previous(previous, task.given))
+        search.begin_with(require_previous(previous, task))
     limit = math.inf if max_seconds is None else began + max_seconds
     most = math.inf if max_evaluations is None else max_evaluations
     stopped = False
@@ -170,7 +183,17 @@ def plan(
     gap = _gap(task, length)
     least = clearance_of(task.given, found)
     return Plan(
-        task.given, found, length, least, search.evaluations, seconds, gap, found_by, stopped, improvements
+        task.given,
+        task.for_user(found),
+        length,
+        least,
+        search.evaluations,
+        seconds,
+        gap,
+        found_by,
+        stopped,
+        tuple(replace(one, path=task.for_user(one.path)) for one in improvements),
+        task.projection,
     )
 
 

@@ -238,4 +238,5 @@ def _cross(a: Point, b: Point, c: Point) -> float:
 
 
 def _signed_area(vertices: tuple[Point, ...]) -> float:
-    return math.fsum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*vertices, vertices[0]))) / 2
+    # Seen from a vertex: products of large coordinates would round away the area of a small polygon.
+    return math.fsum(_cross(vertices[0], a, b) for a, b in pairwise(vertices[1:])) / 2
