@@ -26,7 +26,7 @@ EXAMPLES = """examples:
   python -m swarm_gym.plan --map case2 --output path.csv
   python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8.5,3 --robot-radius 0.2 --output path.yaml
   python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
-  python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,20,10 --output path.geojson
+  python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,9,5 --output path.csv
 
 exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found
 """
@@ -80,7 +80,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--map",
         required=True,
-        help="a file (.yaml of ROS's map_server, .map of Moving AI, .geojson), or a scenario's name, e.g. case1",
+        help="a file (.yaml of ROS's map_server, .map of Moving AI, .geojson), or a scenario's name, "
+        "e.g. case1",
     )
     parser.add_argument("--start", type=_point, metavar="X,Y", help="start, in the map's units")
     parser.add_argument("--goal", type=_point, metavar="X,Y", help="goal, in the map's units")
@@ -97,14 +98,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--workspace",
         metavar="X_MIN,Y_MIN,X_MAX,Y_MAX|FILE",
-        help="area that the robot stays in, on maps of obstacles: a box, e.g. 0,0,20,10, or a .geojson file with "
-        "one polygon (default: no limit)",
+        help="area that the robot stays in, on maps of obstacles: a box, e.g. 0,0,20,10, or a .geojson file "
+        "with one polygon (default: no limit)",
     )
     parser.add_argument(
         "--coordinates",
         choices=COORDINATES,
-        help="kind of the coordinates of a .geojson file; with longitude-latitude, radius, clearance and length "
-        "are in metres (default: what the file names, else plane)",
+        help="kind of the coordinates of a .geojson file; with longitude-latitude, radius, clearance and "
+        "length are in metres (default: what the file names, else plane)",
     )
     parser.add_argument("--optimizer", help="name of the optimizer; by default one that suits the map")
     parser.add_argument(
@@ -159,7 +160,7 @@ def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | No
 def _warnings_in_a_line() -> Iterator[None]:
     """Print warnings to standard error, each in a line without the place in the code."""
 
-    def show(message: Warning | str, *_: Any) -> None:
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
         print(f"warning: {message}", file=sys.stderr)
 
     with warnings.catch_warnings():

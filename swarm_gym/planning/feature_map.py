@@ -1,4 +1,4 @@
-"""Maps of features: a GeoJSON file, start, goal and workspace as one scenario, in metres where it has degrees."""
+"""Maps of features: a GeoJSON file with start, goal and workspace as a scenario, in metres for degrees."""
 
 import warnings
 from collections.abc import Callable
@@ -94,8 +94,8 @@ def _kind(
             )
     if named is None and look_geographic(points):
         warnings.warn(
-            f"{path}: the coordinates look like longitude and latitude, and are taken as x and y in one unit; "
-            f"choose coordinates {GEOGRAPHIC!r} to plan in metres, or {PLANE!r} to silence this",
+            f"{path}: the coordinates look like longitude and latitude, but are taken as x and y in one "
+            f"unit; choose coordinates {GEOGRAPHIC!r} to plan in metres, or {PLANE!r} to silence this",
             stacklevel=3,
         )
     return named or PLANE

@@ -22,8 +22,9 @@ COORDINATES = (PLANE, GEOGRAPHIC)
 WIDEST = 100_000.0
 FINEST = 3  # decimals that coordinates in metres seldom exceed
 
-# Codes of EPSG for longitude and latitude: WGS 84 and its three-dimensional form, ETRS89, and the systems of North
-# America, Canada, Australia (two), New Zealand, Japan, China and South America. They differ by metres at most.
+# Codes of EPSG for longitude and latitude: WGS 84 and its three-dimensional form, ETRS89, and the systems of
+# North America, Canada, Australia (two), New Zealand, Japan, China and South America. Their ellipsoids differ
+# by less than a millimetre on 10 km.
 GEOGRAPHIC_CODES = {"4326", "4979", "4258", "4269", "4617", "4283", "7844", "4167", "6668", "4490", "4674"}
 WEB_MERCATOR = {"3857", "3785", "900913"}
 _EPSG = re.compile(r"EPSG(?:/[\d.]+/|:[\d.]*:|:|\.xml#)(\d+)$", re.IGNORECASE)
@@ -66,8 +67,8 @@ def projection_for(where: str, points: Floats) -> Projection:
     """
     for point in points[(np.abs(points) > (180.0, 90.0)).any(axis=1)][:1]:
         raise ScenarioError(
-            f"{where}: expected longitude in [-180, 180] and latitude in [-90, 90], got {tuple(point.tolist())}; "
-            f"for x and y in one unit choose coordinates {PLANE!r}"
+            f"{where}: expected longitude in [-180, 180] and latitude in [-90, 90], "
+            f"got {tuple(point.tolist())}; for x and y in one unit choose coordinates {PLANE!r}"
         )
     low, high = points.min(axis=0), points.max(axis=0)
     if high[0] - low[0] > 180.0:
@@ -104,7 +105,7 @@ def require_coordinates(name: object) -> None:
 def named_by(where: str, reference: Any) -> str | None:
     """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
 
-    The form is that of the GeoJSON specification of 2008, which RFC 7946 has removed: programs still write it.
+    Its form is that of the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.
 
     Raises:
         ScenarioError: if the member is malformed.
@@ -122,15 +123,15 @@ def named_by(where: str, reference: Any) -> str | None:
     code = found[1] if found else ""
     if code in WEB_MERCATOR:
         warnings.warn(
-            f"{where}: coordinates of EPSG:{code} are no metres: at latitude L they are longer by 1 / cos(L), so "
-            "radius and clearance are, too; convert the file to longitude and latitude or to UTM",
+            f"{where}: lengths in EPSG:{code} are no metres: at latitude L they are multiplied by "
+            "1 / cos(L), so radius and clearance must be, too; convert the file to longitude and latitude or to UTM",
             stacklevel=2,
         )
     return GEOGRAPHIC if _CRS84.search(name) or code in GEOGRAPHIC_CODES else PLANE
 
 
 def look_geographic(points: Floats) -> bool:
-    """Return whether points, (k, 2), are likely longitudes and latitudes: fine numbers in less than a degree."""
+    """Return whether points, (k, 2), may well be longitudes and latitudes: fine numbers in under a degree."""
     inside = bool((np.abs(points) <= (180.0, 90.0)).all())
     return inside and float(np.ptp(points, axis=0).max()) < 1.0 and _are_fine(points.ravel().tolist())
 

@@ -1,7 +1,8 @@
 """The geometry of GeoJSON files: every polygon, line and point, with the feature that it belongs to.
 
-Source: H. Butler et al., "The GeoJSON format", RFC 7946 (2016). Heights, the third numbers of positions, do not
-matter here.
+Heights, the third numbers of positions, do not matter here.
+
+Source: H. Butler et al., "The GeoJSON format", RFC 7946 (2016).
 """
 
 import json
@@ -28,7 +29,7 @@ class Shape(NamedTuple):
     Attributes:
         name: words that name the file and the feature in messages, such as "a.geojson: feature 2 (id 7)".
         kind: "Polygon", "LineString" or "Point".
-        parts: of a polygon the outer ring and the holes; else one list with the positions.
+        parts: outer ring and holes of a polygon, each closed; one list of positions for a line or a point.
     """
 
     name: str
@@ -43,7 +44,7 @@ class Features(NamedTuple):
         path: name of the file.
         shapes: all polygons, lines and points.
         total: number of features.
-        incomplete: numbers of the features without a geometry, or with a part that has none; they count from 0.
+        incomplete: numbers of the features without a geometry, or with a part that has none, from 0 on.
         reference: member "crs", which names a coordinate reference system; None without one.
     """
 
@@ -61,8 +62,8 @@ class Features(NamedTuple):
         named = ", ".join(map(str, self.incomplete[:10])) + (", ..." if number > 10 else "")
         features, have = ("features", "have") if number > 1 else ("feature", "has")
         return (
-            f"{self.path}: {number} {features} of {self.total} {have} no geometry, or an empty part, which is "
-            f"left out: {features} {named} (counted from 0)"
+            f"{self.path}: {number} {features} of {self.total} {have} no geometry, or an empty part, which "
+            f"is left out: {features} {named} (counted from 0)"
         )
 
 

@@ -1,7 +1,7 @@
 """Polygons of any form, cut into few convex pieces whose union is the polygon.
 
-A constrained Delaunay triangulation is made coarser: a diagonal is removed wherever the two pieces beside it are
-convex together. Two pieces of a polygon that touch along an edge share that edge as a whole.
+A constrained Delaunay triangulation is made coarser: a diagonal is removed wherever the two pieces beside it
+are convex together. Two pieces of a polygon that touch along an edge share that edge as a whole.
 
 Source: S. Hertel, K. Mehlhorn, "Fast triangulation of simple polygons", FCT 1983, LNCS 158. The number of
 pieces is at most four times the least possible.
@@ -20,11 +20,11 @@ from swarm_gym.scenarios import Point, Polygon
 Floats = NDArray[np.float64]
 Ring = list[Point]  # corners; the first is not repeated at the end
 
-# Height of a corner above the line between its neighbours, as a share of the map's extent, up to which the corner
-# counts as straight. Moving and scaling a map rounds by about 1e-15 of its extent, so that pieces stay convex.
+# Height of a corner above the line between its neighbours, as a share of the map's extent, up to which it is
+# straight. Moving and scaling a map rounds by about 1e-15 of its extent, so that pieces stay convex.
 FLAT = 1e-13
 SAME_AREA = 1e-12  # largest difference between the areas of a polygon and its triangles, as a share
-# Spacing, as a share of the extent, of the points to which a polygon is rounded whose corners nearly lie on edges.
+# Spacing, as a share of the extent, of the points to which a polygon with corners nearly on edges is rounded.
 GRID = 1e-11
 
 
@@ -63,7 +63,7 @@ def as_convex(ring: Ring, extent: float) -> Ring | None:
 
 
 def cut(area: Any, extent: float) -> list[Ring] | None:
-    """Return the convex pieces of a polygon, counter-clockwise; None if it has no triangles that are not flat.
+    """Return the convex pieces of a polygon, counter-clockwise; None if some of its triangles are flat.
 
     Args:
         area: a valid `shapely.Polygon`, which may have holes.
@@ -120,8 +120,8 @@ class _Edges:
         origin: point where each edge begins.
         after: edge that follows each one around its piece.
         before: edge before each one.
-        twin: edge between the same points in the other direction, with the piece on the other side; None on the
-            boundary of the polygon.
+        twin: edge between the same points in the other direction, with the piece on the other side; None on
+            the boundary of the polygon.
         alive: whether each edge is still there.
     """
 

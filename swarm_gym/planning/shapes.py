@@ -14,9 +14,9 @@ from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon
 
 Floats = NDArray[np.float64]
 
-# Half the width of a line and the radius of a point, as a share of the map's extent. An obstacle has an inside, so
-# a wall without width becomes this thin. It is above the depth up to which a path counts as free, and paths around
-# it are longer by no more than that share.
+# Half the width of a line and the radius of a point, as a share of the map's extent. Obstacles have an inside,
+# so a wall without width becomes this thin. That is above the depth up to which a path counts as free, and a
+# path around a wall is longer by about that share.
 THIN = 1e-9
 ROUNDINGS = 8.0  # least half width, in distances between neighbouring floats at the map's farthest coordinate
 
@@ -34,8 +34,9 @@ def extent_of(points: Floats) -> float:
 def obstacles_of(shape: Shape, extent: float, half_width: float) -> list[Obstacle]:
     """Return the obstacles whose union is a shape.
 
-    A polygon is cut into convex pieces; its holes are free. If its rings cross themselves or each other, it is
-    the area that its outer ring encloses, without what its holes enclose. Parts of it without width are walls.
+    A polygon is cut into convex pieces; its holes are free. If its rings cross themselves or each other, it
+    is the area that its outer ring encloses, without what its holes enclose. Parts of the outer ring without
+    width are walls.
 
     Args:
         shape: polygon, line or point.
@@ -68,7 +69,7 @@ def _pieces(outer: Ring, holes: list[Ring], extent: float, half_width: float) ->
     import shapely
 
     given = shapely.Polygon(outer, holes)
-    areas = [given] if given.is_valid else _areas(shapely.make_valid(given, method="structure"))
+    areas = [given] if given.is_valid else _areas(_filled(outer).difference(_filled(*holes)))
     pieces = [cut(one, extent) for one in areas]
     if None in pieces:
         areas = _areas(rounded(shapely.union_all(areas), extent))
@@ -80,9 +81,20 @@ def _pieces(outer: Ring, holes: list[Ring], extent: float, half_width: float) ->
         return found
     # Parts of the outer ring that have no width are not in the areas.
     covered = shapely.union_all([one.buffer(half_width) for one in areas])
-    for line in shapely.get_parts(shapely.LineString([*outer, outer[0]]).difference(covered)):
-        found += _wall(tuple(map(tuple, shapely.get_coordinates(line).tolist())), half_width)
+    left = shapely.LineString([*outer, outer[0]]).difference(covered)
+    for line in shapely.get_parts(left):
+        if not line.is_empty:
+            found += _wall(tuple(map(tuple, shapely.get_coordinates(line).tolist())), half_width)
     return found
+
+
+def _filled(*rings: Ring) -> Any:
+    """Return what rings enclose together; parts that a ring encloses twice are in it."""
+    import shapely
+
+    return shapely.union_all(
+        [shapely.make_valid(shapely.Polygon(ring), method="structure") for ring in rings]
+    )
 
 
 def _areas(found: Any) -> list[Any]:
@@ -101,7 +113,7 @@ def _wall(points: tuple[Point, ...], half_width: float) -> list[Obstacle]:
 
 
 def _segment(a: Point, b: Point, half_width: float) -> Polygon:
-    """Return the rectangle around a segment, longer by half its width at both ends, so that joints overlap."""
+    """Return a rectangle along a segment, longer by half its width at both ends, so that joints overlap."""
     share = half_width / math.dist(a, b)
     x, y = share * (b[0] - a[0]), share * (b[1] - a[1])
     return Polygon(

@@ -40,8 +40,8 @@ class Task:
         margin: distance in map units that the path keeps from obstacles: radius of the robot and clearance.
         start: start in the user's coordinates.
         goal: goal in the user's coordinates.
-        projection: projection from the user's longitudes and latitudes to map units, which are metres then; None
-            if the user's coordinates are map units.
+        projection: projection from the user's longitudes and latitudes to map units, which are metres then;
+            None if the user's coordinates are map units.
     """
 
     given: MapScenario
@@ -84,8 +84,8 @@ def read_task(
         coordinates: kind of the user's coordinates, see `COORDINATES`; None takes what the file names.
 
     Raises:
-        ScenarioError: for a file that is missing or malformed, or an end that is outside the map or workspace,
-            inside an obstacle, or closer to one than the margin.
+        ScenarioError: for a file that is missing or malformed, or an end that is outside the map or the
+            workspace, inside an obstacle, or closer to one than the margin.
         SettingError: for a workspace or kind of coordinates that is invalid, or that the map cannot have.
         NoPathError: if obstacles separate start and goal, also after they have grown.
     """
@@ -95,7 +95,8 @@ def read_task(
     larger = given if margin == 0.0 else grown(given, margin)
     if projection is None:
         return Task(given, larger, margin, given.start, given.target, None)
-    assert start is not None and goal is not None  # as files need them
+    assert start is not None  # as files need it
+    assert goal is not None
     return Task(given, larger, margin, start, goal, projection)
 
 
@@ -120,7 +121,9 @@ def _given(
             return read_feature_map(path, start, goal, margin, workspace, coordinates)
         scenario = GridScenario(path.stem, READERS[ending](path), start, goal)
     if coordinates == GEOGRAPHIC:
-        raise SettingError(f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}")
+        raise SettingError(
+            f"coordinates {coordinates!r}: expected a GeoJSON file, the map is {scenario.name!r}"
+        )
     return _within(scenario, workspace, margin), None
 
 

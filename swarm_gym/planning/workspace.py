@@ -37,8 +37,8 @@ def read_workspace(given: str | Path | ArrayLike) -> Workspace:
     """Return a workspace.
 
     Args:
-        given: (x_min, y_min, x_max, y_max), also as text; corners of a polygon, (k, 2); or the name of a GeoJSON
-            file with one polygon, here or in the data folder.
+        given: (x_min, y_min, x_max, y_max), also as text; corners of a polygon, (k, 2); or the name of a
+            GeoJSON file with one polygon, here or in the data folder.
 
     Raises:
         SettingError: for another value.
@@ -80,7 +80,9 @@ def confined(scenario: Scenario, shape: Shape) -> Scenario:
     return replace(scenario, obstacles=obstacles, workspace=workspace)
 
 
-def require_within(role: str, point: Point, given: Point, shape: Shape, tolerance: float, margin: float) -> None:
+def require_within(
+    role: str, point: Point, given: Point, shape: Shape, tolerance: float, margin: float
+) -> None:
     """Raise an error if an end lies outside a workspace, or closer to its edge than the margin.
 
     Args:
@@ -96,11 +98,13 @@ def require_within(role: str, point: Point, given: Point, shape: Shape, toleranc
     """
     distance = distance_to(shape.parts, point)
     if distance > tolerance and not is_inside(shape.parts, point):
-        raise ScenarioError(f"{role} {given} lies outside the {shape.name}; move it inside, or choose a larger one")
+        raise ScenarioError(
+            f"{role} {given} lies outside the {shape.name}; move it inside, or choose a larger one"
+        )
     if distance < margin - tolerance:
         raise ScenarioError(
-            f"{role} {given} is {distance:g} from the edge of the {shape.name}; expected at least {margin:g}, "
-            "the robot's radius plus the clearance"
+            f"{role} {given} is {distance:g} from the edge of the {shape.name}; expected at least "
+            f"{margin:g}, the robot's radius plus the clearance"
         )
 
 
@@ -137,7 +141,7 @@ def _of_file(name: str) -> Workspace:
 
 
 def _numbers(text: str) -> list[float] | None:
-    """Return the numbers of a text that has four of them; None for another text, such as the name of a file."""
+    """Return the numbers of a text that has four of them; None for another text, such as a file's name."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
@@ -174,7 +178,8 @@ def _checked(shape: Shape) -> Shape:
 
 def _refused(given: object) -> SettingError:
     return SettingError(
-        f"workspace: expected {BOX}, corners of shape (k, 2), or a GeoJSON file with one polygon, got {shown(given)}"
+        f"workspace: expected {BOX}, corners of shape (k, 2), or a GeoJSON file with one polygon, "
+        f"got {shown(given)}"
     )
 
 
