@@ -123,8 +123,8 @@ def named_by(where: str, reference: Any) -> str | None:
     code = found[1] if found else ""
     if code in WEB_MERCATOR:
         warnings.warn(
-            f"{where}: lengths in EPSG:{code} are no metres: at latitude L they are multiplied by "
-            "1 / cos(L), so radius and clearance must be, too; convert the file to longitude and latitude or to UTM",
+            f"{where}: lengths in EPSG:{code} are no metres, but longer by 1 / cos(latitude), so radius and "
+            "clearance must be, too; convert the file to longitude and latitude or to UTM",
             stacklevel=2,
         )
     return GEOGRAPHIC if _CRS84.search(name) or code in GEOGRAPHIC_CODES else PLANE

@@ -14,8 +14,8 @@ from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon
 
 Floats = NDArray[np.float64]
 
-# Half the width of a line and the radius of a point, as a share of the map's extent. Obstacles have an inside,
-# so a wall without width becomes this thin. That is above the depth up to which a path counts as free, and a
+# Half the width of a line and the radius of a point, as a share of the map's extent. Obstacles have an
+# inside, so a wall without width becomes this thin. That is above the depth up to which a path is free, and a
 # path around a wall is longer by about that share.
 THIN = 1e-9
 ROUNDINGS = 8.0  # least half width, in distances between neighbouring floats at the map's farthest coordinate
