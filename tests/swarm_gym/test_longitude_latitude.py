@@ -68,6 +68,14 @@ def test_lengths_and_corners_of_projected_maps_are_those_on_earth(centre):
     assert max(abs(x[1]), abs(y[0])) < 1e-3
 
 
+@pytest.mark.parametrize(("kilometres", "expected"), [(1.0, 0.023), (10.0, 2.3)])
+def test_a_line_that_is_straight_in_degrees_is_nearly_straight_in_metres(kilometres, expected):
+    half = kilometres / 2.0 / (111.32 * np.cos(np.radians(50.0)))  # in degrees, along a circle of latitude
+    ends = Projection(8.0, 50.0).to_metres([(8.0 - half, 50.0), (8.0 + half, 50.0)])
+    assert np.hypot(*(ends[1] - ends[0])) == pytest.approx(1000.0 * kilometres, rel=0.01)
+    assert np.hypot(*ends.mean(axis=0)) == pytest.approx(expected, rel=0.03)
+
+
 @pytest.mark.parametrize(
     ("points", "message"),
     [
