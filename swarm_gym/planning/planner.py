@@ -121,8 +121,8 @@ def plan(
 
     Args:
         where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, or its name.
-        start: (x, y) in map units; a scenario has its own.
-        goal: (x, y) in map units; a scenario has its own.
+        start: (x, y) in the coordinates of the map; a scenario has its own.
+        goal: (x, y) in the coordinates of the map; a scenario has its own.
         robot_radius: radius of the robot, in map units.
         clearance: distance that the robot keeps from obstacles besides, in map units.
         optimizer: name of the optimizer; by default one that suits the kind of map.
@@ -130,8 +130,8 @@ def plan(
         max_evaluations: evaluations after which no further episode begins, and at least one does.
         max_seconds: seconds after which planning ends.
         seed: seed of the first episode.
-        previous: points of a path from start to goal, (k, 2), in map units: the path that was valid before
-            the map changed.
+        previous: points of a path from start to goal, (k, 2), in the coordinates of the map: the path that
+            was valid before the map changed.
         fallback: whether the exact planner's path is returned if the swarm finds none.
         workspace: area that the robot stays in, with all of its radius, on maps of obstacles:
             (x_min, y_min, x_max, y_max), corners of a polygon, (k, 2), or a GeoJSON file with one polygon.
@@ -142,6 +142,7 @@ def plan(
         ScenarioError: for a map, start or goal that is invalid.
         SettingError: for another value that is invalid.
         NoPathError: if there is no path, or none was found within the budget.
+        MissingExtraError: if the map needs a library that is missing.
     """
     require_number("robot_radius", robot_radius, 0.0, 1e9)
     require_number("clearance", clearance, 0.0, 1e9)

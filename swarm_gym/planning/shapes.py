@@ -92,9 +92,8 @@ def _filled(*rings: Ring) -> Any:
     """Return what rings enclose together; parts that a ring encloses twice are in it."""
     import shapely
 
-    return shapely.union_all(
-        [shapely.make_valid(shapely.Polygon(ring), method="structure") for ring in rings]
-    )
+    valid = [shapely.make_valid(shapely.Polygon(ring), method="structure") for ring in rings]
+    return shapely.union_all([area for one in valid for area in _areas(one)])
 
 
 def _areas(found: Any) -> list[Any]:
