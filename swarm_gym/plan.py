@@ -6,12 +6,15 @@ called like the function.
 
 import argparse
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
+from swarm_gym.planning.geographic import COORDINATES
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan
@@ -24,6 +27,7 @@ EXAMPLES = """examples:
   python -m swarm_gym.plan --map case2 --output path.csv
   python -m swarm_gym.plan --map warehouse.yaml --start 1,2 --goal 8.5,3 --robot-radius 0.2 --output path.yaml
   python -m swarm_gym.plan --map arena.map --start 1,12 --goal 3,40 --budget 2s --output path.svg
+  python -m swarm_gym.plan --map yard.geojson --start 1,2 --goal 8,3 --workspace 0,0,9,5 --output path.csv
 
 exit status: 0 with a path, 2 for invalid input, 3 if there is no path or none was found
 """
@@ -36,20 +40,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         require_formats(options.output)
         evaluations, seconds = _budget(parser, options.budget)
-        found = plan(
-            options.map,
-            options.start,
-            options.goal,
-            robot_radius=options.robot_radius,
-            clearance=options.clearance,
-            planner=options.planner,
-            optimizer=options.optimizer,
-            controller=options.controller,
-            max_evaluations=evaluations,
-            max_seconds=seconds,
-            seed=options.seed,
-            previous=None if options.previous is None else read_previous(options.previous),
-        )
+        with _warnings_in_a_line():
+            found = plan(
+                options.map,
+                options.start,
+                options.goal,
+                robot_radius=options.robot_radius,
+                clearance=options.clearance,
+                planner=options.planner,
+                optimizer=options.optimizer,
+                controller=options.controller,
+                max_evaluations=evaluations,
+                max_seconds=seconds,
+                seed=options.seed,
+                previous=None if options.previous is None else read_previous(options.previous),
+                workspace=options.workspace,
+                coordinates=options.coordinates,
+            )
         print(_described(found))
         if options.output:
             write_plan(found, *options.output)
@@ -73,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--map",
         required=True,
-        help="a file (.yaml or .yml of ROS's map_server, .map of Moving AI, .geojson with polygons), or a "
+        help="a file (.yaml or .yml of ROS's map_server, .map of Moving AI, .geojson), or a "
         "scenario's name, e.g. case1",
     )
     parser.add_argument("--start", type=_point, metavar="X,Y", help="start, in the map's units")
@@ -94,6 +101,18 @@ def _parser() -> argparse.ArgumentParser:
         default=PLANNERS[0],
         help="auto: the exact shortest path where it is quickly known, else a swarm; swarm: a swarm alone "
         "(default: auto)",
+    )
+    parser.add_argument(
+        "--workspace",
+        metavar="X_MIN,Y_MIN,X_MAX,Y_MAX|FILE",
+        help="area that the robot stays in, on maps of obstacles: a box, e.g. 0,0,20,10, or a .geojson file "
+        "with one polygon (default: no limit)",
+    )
+    parser.add_argument(
+        "--coordinates",
+        choices=COORDINATES,
+        help="kind of the coordinates of a .geojson file; with longitude-latitude, radius, clearance and "
+        "length are in metres (default: what the file names, else plane)",
     )
     parser.add_argument("--optimizer", help="name of the optimizer; by default one that suits the map")
     parser.add_argument(
@@ -141,6 +160,19 @@ def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | No
         parser.error(
             f"argument --budget: expected evaluations such as 50000 or seconds such as 2s, got {text!r}"
         )
+
+
+@contextmanager
+def _warnings_in_a_line() -> Iterator[None]:
+    """Print warnings to standard error, each in a line without the place in the code."""
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        print(f"warning: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", UserWarning)
+        warnings.showwarning = show
+        yield
 
 
 def _described(found: Plan) -> str:

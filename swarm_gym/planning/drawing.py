@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 WIDTH = 900.0  # of a picture, in pixels
 LINE, DOT = 2.5, 6.0  # width of the path, radius of start and goal, in pixels
 PAPER, OBSTACLE, PATH, START, GOAL = "#ffffff", "#9aa3ad", "#c2410c", "#15803d", "#1d4ed8"
+EDGE = 1.0  # width of the edges of obstacles, in pixels: no seams between pieces, and lines can be seen
 FINER = 3  # a PNG is drawn so many times larger and then reduced, so that edges are smooth
 
 
@@ -27,12 +28,14 @@ class _Shapes(NamedTuple):
         circles: obstacles, (x, y, radius).
         polygons: obstacles, each with corners (k, 2).
         path: points (n, 2).
+        edge: width of the edges of obstacles; 0.0 for cells.
     """
 
     height: float
     circles: list[tuple[float, float, float]]
     polygons: list[Floats]
     path: Floats
+    edge: float
 
 
 def as_svg(plan: Plan) -> str:
@@ -42,13 +45,19 @@ def as_svg(plan: Plan) -> str:
     def points(line: Floats) -> str:
         return " ".join(f"{x:.2f},{y:.2f}" for x, y in line.tolist())
 
+    # Edges of cells are sharp, since smooth ones would leave seams between them.
+    edges = (
+        f'stroke="{OBSTACLE}" stroke-width="{shapes.edge:g}" stroke-linejoin="round"'
+        if shapes.edge
+        else 'shape-rendering="crispEdges"'
+    )
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {shapes.height:g}" '
             f'width="{WIDTH:g}">',
             f"<title>a path of length {plan.length:g} on {plan.map.name}</title>",
             f'<rect width="{WIDTH:g}" height="{shapes.height:g}" fill="{PAPER}"/>',
-            f'<g fill="{OBSTACLE}">',
+            f'<g fill="{OBSTACLE}" {edges}>',
             *(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.2f}"/>' for x, y, radius in shapes.circles),
             *(f'<polygon points="{points(corners)}"/>' for corners in shapes.polygons),
             "</g>",
@@ -82,9 +91,12 @@ def as_png(plan: Plan) -> bytes:
         return [(FINER * x, FINER * y) for x, y in line.tolist()]
 
     for x, y, radius in shapes.circles:
-        canvas.circle((FINER * x, FINER * y), FINER * radius, fill=OBSTACLE)
+        canvas.circle((FINER * x, FINER * y), FINER * (radius + shapes.edge / 2.0), fill=OBSTACLE)
     for corners in shapes.polygons:
         canvas.polygon(scaled(corners), fill=OBSTACLE)
+        if shapes.edge:
+            around = np.vstack([corners, corners[:1]])
+            canvas.line(scaled(around), fill=OBSTACLE, width=round(FINER * shapes.edge), joint="curve")
     canvas.line(scaled(shapes.path), fill=PATH, width=round(FINER * LINE), joint="curve")
     for (x, y), colour in _ends(shapes):
         canvas.circle((FINER * x, FINER * y), FINER * DOT, fill=colour)
@@ -114,7 +126,8 @@ def _shapes_of(plan: Plan) -> _Shapes:
                 circles.append((x, y, scale * obstacle.radius))
             else:
                 polygons.append(in_pixels(np.array(obstacle.vertices)))
-    return _Shapes(scale * (y_max - y_min), circles, polygons, in_pixels(plan.path))
+    edge = 0.0 if isinstance(scenario, GridScenario) else EDGE
+    return _Shapes(scale * (y_max - y_min), circles, polygons, in_pixels(plan.path_on_map), edge)
 
 
 def _ends(shapes: _Shapes) -> list[tuple[tuple[float, float], str]]:

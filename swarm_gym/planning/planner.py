@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -32,6 +33,8 @@ def plan(
     max_seconds: float | None = None,
     seed: int = 0,
     previous: ArrayLike | None = None,
+    workspace: str | Path | ArrayLike | None = None,
+    coordinates: str | None = None,
 ) -> Plan:
     """Return a short free path from start to goal.
 
@@ -45,10 +48,9 @@ def plan(
     is the first path, and on grid maps the first swarm begins around that.
 
     Args:
-        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON with polygons), a scenario,
-            or its name.
-        start: (x, y) in map units; a scenario has its own.
-        goal: (x, y) in map units; a scenario has its own.
+        where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, or its name.
+        start: (x, y) in the coordinates of the map; a scenario has its own.
+        goal: (x, y) in the coordinates of the map; a scenario has its own.
         robot_radius: radius of the robot, in map units.
         clearance: distance that the robot keeps from obstacles besides, in map units.
         planner: "auto", or "swarm" to let the swarm plan alone, also where the exact planner is quick.
@@ -57,13 +59,18 @@ def plan(
         max_evaluations: evaluations after which no further episode begins, and at least one does.
         max_seconds: seconds after which planning ends.
         seed: seed of the first episode.
-        previous: points of a path from start to goal, (k, 2), in map units: the path that was valid before
-            the map changed.
+        previous: points of a path from start to goal, (k, 2), in the coordinates of the map: the path that
+            was valid before the map changed.
+        workspace: area that the robot stays in, with all of its radius, on maps of obstacles:
+            (x_min, y_min, x_max, y_max), corners of a polygon, (k, 2), or a GeoJSON file with one polygon.
+        coordinates: "plane" for x and y in one unit, or "longitude-latitude": planning is in metres then, and
+            radius, clearance and length are; by default what a GeoJSON file names, else "plane".
 
     Raises:
         ScenarioError: for a map, start or goal that is invalid.
         SettingError: for another value that is invalid.
         NoPathError: if there is no path, or none was found within the budget.
+        MissingExtraError: if the map needs a library that is missing.
     """
     require_number("robot_radius", robot_radius, 0.0, 1e9)
     require_number("clearance", clearance, 0.0, 1e9)
@@ -75,8 +82,8 @@ def plan(
     if max_evaluations is not None:
         require_integer("max_evaluations", max_evaluations, 1)
     began = time.monotonic()
-    task = read_task(where, start, goal, robot_radius + clearance)
-    before = None if previous is None else require_previous(previous, task.given)
+    task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates)
+    before = None if previous is None else require_previous(previous, task)
     exact_first = planner == "auto" and task.is_quick
     improvements = [improvement_of(task, task.shortest[1], "exact planner", began)] if exact_first else []
     evaluations, stopped = 0, False
@@ -106,7 +113,7 @@ def plan(
     least = clearance_of(task.bare, task.frame.to_frame(best.path)) / task.frame.factor
     return Plan(
         task.given,
-        best.path,
+        task.for_user(best.path),
         best.length,
         least,
         evaluations,
@@ -114,5 +121,6 @@ def plan(
         gap,
         best.found_by,
         stopped,
-        tuple(improvements),
+        tuple(replace(one, path=task.for_user(one.path)) for one in improvements),
+        task.projection,
     )

@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import SettingError
-from swarm_gym.scenarios import MapScenario
+from swarm_gym.planning.tasks import Task
 
 Floats = NDArray[np.float64]
 
 SAME = 1e-6  # how far ends may be from start and goal, as a share of the distance between these
 
 
-def require_previous(path: ArrayLike, scenario: MapScenario) -> Floats:
+def require_previous(path: ArrayLike, task: Task) -> Floats:
     """Return a previous path as an array, (k, 2), in map units.
 
     Args:
-        path: points from the start to the goal of the scenario, (k, 2).
-        scenario: the map as it is now.
+        path: points from start to goal, (k, 2), in the user's coordinates.
+        task: task on the map as it is now.
 
     Raises:
         SettingError: if it has another shape, numbers that are not finite, or other ends.
@@ -31,16 +31,19 @@ def require_previous(path: ArrayLike, scenario: MapScenario) -> Floats:
         raise SettingError(f"previous: expected at least two points, shape (k, 2), got shape {points.shape}")
     if not np.isfinite(points).all():
         raise SettingError(f"previous: expected finite numbers, got {points[~np.isfinite(points)][0]}")
-    limit = SAME * scenario.straight_line
-    for name, given, expected in (
-        ("starts", points[0], scenario.start),
-        ("ends", points[-1], scenario.target),
+    on_map = task.on_map(points)
+    limit = SAME * task.given.straight_line
+    for index, verb, end, expected in (
+        (0, "starts", task.given.start, task.start),
+        (-1, "ends", task.given.target, task.goal),
     ):
-        if np.hypot(*(given - expected)) > limit:
-            x, y = given.tolist()
-            raise SettingError(f"previous: expected a path that {name} at {expected}, got {(x, y)}")
-    points[0], points[-1] = scenario.start, scenario.target
-    return points
+        if not np.hypot(*(on_map[index] - end)) <= limit:
+            x, y = points[index].tolist()
+            raise SettingError(f"previous: expected a path that {verb} at {expected}, got {(x, y)}")
+        on_map[index] = end
+    if not np.isfinite(on_map).all():
+        raise SettingError(f"previous: expected longitudes and latitudes, got {points.tolist()!r:.80}")
+    return on_map
 
 
 def read_previous(file: Path) -> Floats:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.planning.geographic import Projection
 from swarm_gym.scenarios import MapScenario
 
 Floats = NDArray[np.float64]
@@ -16,7 +17,7 @@ class Improvement:
 
     Attributes:
         seconds: time since planning began.
-        path: (k, 2) points from start to goal, in map units.
+        path: (k, 2) points from start to goal, in the coordinates of the map's file.
         length: length of the path, in map units.
         found_by: origin of the path, see `Plan`.
     """
@@ -32,9 +33,9 @@ class Plan:
     """A free path.
 
     Attributes:
-        map: the map as it was given, with start and goal.
-        path: (k, 2) points from start to goal, in map units.
-        length: length of the path, in map units.
+        map: the map as it was given, with start and goal; in metres for longitude and latitude.
+        path: (k, 2) points from start to goal, in the coordinates of the map's file.
+        length: length of the path, in map units: those of the file, or metres for longitude and latitude.
         clearance: least distance of the path from an obstacle, in map units; infinite without obstacles.
         evaluations: evaluations of the optimizer, and those of final repairs.
         seconds: time that planning took, without that of `gap`.
@@ -45,6 +46,7 @@ class Plan:
             after its repair; the last three with " and planner" if pieces of the path were planned anew.
         stopped: whether Ctrl-C ended planning.
         improvements: the paths that were the shortest one in turn, the last of which is `path`.
+        projection: projection from longitude and latitude to metres; None for coordinates in a plane.
     """
 
     map: MapScenario
@@ -57,3 +59,9 @@ class Plan:
     found_by: str
     stopped: bool = False
     improvements: tuple[Improvement, ...] = ()
+    projection: Projection | None = None
+
+    @property
+    def path_on_map(self) -> Floats:
+        """The path in map units, (k, 2): that of `path`, or in metres for longitude and latitude."""
+        return self.path if self.projection is None else self.projection.to_metres(self.path)

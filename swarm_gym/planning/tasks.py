@@ -1,17 +1,18 @@
-"""Tasks of planning: maps of any kind with a start and a goal, and the same maps with grown obstacles."""
+"""Tasks of planning: a map with start and goal as it is given, and as the planner works on it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.planning.frame import Frame
-from swarm_gym.planning.geojson import read_geojson
-from swarm_gym.planning.map_names import ending_of, is_map_file
+from swarm_gym.planning.geographic import Projection, require_coordinates
+from swarm_gym.planning.maps import read_any_map
+from swarm_gym.planning.workspace import read_workspace
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import (
     AnyScenario,
@@ -22,18 +23,12 @@ from swarm_gym.scenarios import (
     Point,
     Scenario,
     grown,
-    make_scenario,
 )
-from swarm_gym.scenarios.formats.data_files import find_data_file
-from swarm_gym.scenarios.formats.moving_ai import read_map
-from swarm_gym.scenarios.formats.ros_map import read_ros_map
-
-READERS = {".yaml": read_ros_map, ".yml": read_ros_map, ".map": read_map}  # endings in any case
-GEOJSON = (".geojson", ".json")
-# What the exact planner takes a second for, at most: cells of a grid map, corners and circles of others.
-MOST_CELLS, MOST_CORNERS = 2**21, 2000
 
 Floats = NDArray[np.float64]
+
+# What the exact planner takes a second for, at most: cells of a grid map, corners and circles of others.
+MOST_CELLS, MOST_CORNERS = 2**21, 2000
 
 
 @dataclass(frozen=True)
@@ -47,6 +42,10 @@ class Task:
         bare: the map as it is, in the frame.
         grown: map with obstacles that have grown by the margin, in the frame: a point on it is the whole
             robot.
+        start: start in the user's coordinates.
+        goal: goal in the user's coordinates.
+        projection: projection from the user's longitudes and latitudes to map units, which are metres then;
+            None if the user's coordinates are map units.
     """
 
     given: MapScenario
@@ -54,6 +53,9 @@ class Task:
     frame: Frame
     bare: MapScenario
     grown: MapScenario
+    start: Point
+    goal: Point
+    projection: Projection | None
 
     @property
     def is_quick(self) -> bool:
@@ -71,33 +73,62 @@ class Task:
         """
         return shortest_path(self.grown)
 
+    def for_user(self, path: Floats) -> Floats:
+        """Return a path from start to goal, (k, 2) in map units, in the user's coordinates."""
+        if self.projection is None:
+            return path
+        points = self.projection.to_degrees(path)
+        points[0], points[-1] = self.start, self.goal
+        return points
+
+    def on_map(self, path: Floats) -> Floats:
+        """Return a path in the user's coordinates, (k, 2), in map units."""
+        return path if self.projection is None else self.projection.to_metres(path)
+
 
 def read_task(
-    where: str | Path | AnyScenario, start: Point | None, goal: Point | None, margin: float
+    where: str | Path | AnyScenario,
+    start: Point | None,
+    goal: Point | None,
+    margin: float,
+    workspace: str | Path | ArrayLike | None = None,
+    coordinates: str | None = None,
 ) -> Task:
     """Return the task on a map.
 
     Args:
         where: a file, here or in the data folder: `.yaml` or `.yml` of ROS's map_server, `.map` of Moving
-            AI, or GeoJSON with polygons; or a scenario or its name. A file that exists wins.
-        start: (x, y), in map units; a scenario has its own.
-        goal: (x, y), in map units; a scenario has its own.
+            AI, or GeoJSON; or a scenario or its name. A file that exists wins.
+        start: (x, y), in the user's coordinates; a scenario has its own.
+        goal: (x, y), in the user's coordinates; a scenario has its own.
         margin: distance to keep from obstacles, in map units.
+        workspace: box, polygon or file of what the robot stays in, see `read_workspace`; None for no limit.
+        coordinates: kind of the user's coordinates, see `COORDINATES`; None takes what the file names.
 
     Raises:
-        ScenarioError: for a file that is missing or malformed, or an end that is outside the map, inside an
-            obstacle, or closer to one than the margin.
+        ScenarioError: for a file that is missing or malformed, or an end that is outside the map or the
+            workspace, inside an obstacle, or closer to one than the margin.
+        SettingError: for a workspace or kind of coordinates that is invalid, or that the map cannot have.
         NoPathError: if obstacles separate start and goal, also after they have grown.
     """
-    given = _given(where, start, goal)
+    require_coordinates(coordinates)
+    area = None if workspace is None else read_workspace(workspace)
+    given, projection = read_any_map(where, start, goal, margin, area, coordinates)
+    ends = given.start, given.target
+    if projection is not None:
+        assert start is not None  # as files need it
+        assert goal is not None
+        ends = start, goal
     if isinstance(given, GridScenario):
-        return Task(given, margin, Frame(), given, given if margin == 0.0 else grown(given, margin))
+        larger = given if margin == 0.0 else grown(given, margin)
+        return Task(given, margin, Frame(), given, larger, *ends, projection)
     frame = Frame.of(given)
     try:
         bare = frame.moved(given)
-        return Task(given, margin, frame, bare, bare if margin == 0.0 else grown(bare, frame.factor * margin))
+        larger = bare if margin == 0.0 else grown(bare, frame.factor * margin)
     except ScenarioError as error:
         raise ScenarioError(_refusal(given, margin) or str(error)) from error
+    return Task(given, margin, frame, bare, larger, *ends, projection)
 
 
 def _refusal(given: Scenario, margin: float) -> str | None:
@@ -113,24 +144,6 @@ def _refusal(given: Scenario, margin: float) -> str | None:
                 "for the robot's radius and the clearance"
             )
     return None
-
-
-def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:
-    named = str(where) if isinstance(where, str | Path) else ""
-    if named and is_map_file(named, (*READERS, *GEOJSON)):
-        ending = ending_of(named)
-        if start is None or goal is None:
-            raise ScenarioError(f"map {named!r}: a file needs a start and a goal, (x, y) in map units")
-        path = Path(named) if Path(named).is_file() else find_data_file(named)
-        if ending in GEOJSON:
-            return read_geojson(path, start, goal)
-        return GridScenario(path.stem, READERS[ending](path), start, goal)
-    scenario = make_scenario(str(where) if isinstance(where, Path) else where)
-    if not isinstance(scenario, Scenario | GridScenario):
-        raise ScenarioError(f"scenario {shown(scenario.name)}: planning needs a map that stays as it is")
-    if start is not None:
-        scenario = replace(scenario, start=start)
-    return scenario if goal is None else replace(scenario, target=goal)
 
 
 def _corners(obstacle: Obstacle) -> int:

@@ -15,12 +15,12 @@ from swarm_gym.planning.result import Plan
 
 
 def as_csv(plan: Plan) -> str:
-    """Return lines `x,y` below a head, in map units."""
+    """Return lines `x,y` below a head, in the coordinates of the map's file."""
     return "".join(["x,y\n", *(f"{x!r},{y!r}\n" for x, y in plan.path.tolist())])
 
 
 def as_geojson(plan: Plan) -> str:
-    """Return a feature with a line string, in map units."""
+    """Return a feature with a line string, in the coordinates of the map's file."""
     facts: dict[str, Any] = {
         "map": plan.map.name,
         "length": plan.length,
@@ -35,7 +35,7 @@ def as_geojson(plan: Plan) -> str:
 
 def as_ros_path(plan: Plan) -> str:
     """Return a message nav_msgs/Path in the frame `map`; poses look along the path."""
-    headings = np.arctan2(*np.diff(plan.path, axis=0).T[::-1])
+    headings = np.arctan2(*np.diff(plan.path_on_map, axis=0).T[::-1])
     lines = ["header:", "  frame_id: map", "poses:"]
     for (x, y), heading in zip(plan.path.tolist(), [*headings.tolist(), headings[-1]], strict=True):
         sin, cos = np.sin(heading / 2.0), np.cos(heading / 2.0)

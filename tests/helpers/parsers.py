@@ -8,6 +8,7 @@ import itertools
 import json
 import math
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -27,11 +28,12 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
 from swarm_gym.observation import make_observation
+from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
-for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "yaml"):
+for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "pyproj", "shapely", "yaml"):
     pytest.importorskip(_package, reason="needs the extra `maps`")
 
 LONGEST_MESSAGE = 5000  # characters
@@ -110,6 +112,12 @@ def _read_yaml(path: Path) -> object:
     return read_ros_map(path)
 
 
+def _read_features(path: Path) -> object:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return read_feature_map(path, (-20.0, -20.0), (20.0, 20.0), 0.1, None, None)
+
+
 def _expand(path: Path) -> object:
     return expand_name(os.fsdecode(path.read_bytes()))
 
@@ -161,6 +169,26 @@ def _manifests() -> list[bytes]:
     return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
 
 
+def _features() -> list[bytes]:
+    ring = [[0, 0], [4, 0], [4, 4], [1, 1], [0, 0]]
+    shapes = {
+        "Polygon": [ring, [[3, 1], [3.5, 1], [3.5, 2], [3, 1]]],
+        "MultiPolygon": [[ring[:3] + ring[:1]], []],
+        "MultiLineString": [[[0, 0, 1], [1e0, -1]]],
+        "Point": [7.25, 8],
+    }
+    geometries = [{"type": kind, "coordinates": one} for kind, one in shapes.items()]
+    features = [
+        {"type": "Feature", "id": 1, "properties": {"name": "a"}, "geometry": one} for one in geometries
+    ]
+    features.append({"type": "Feature", "geometry": {"type": "GeometryCollection", "geometries": geometries}})
+    crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}
+    collected = {"type": "FeatureCollection", "features": [*features, None]}
+    return [
+        json.dumps(one).encode() for one in (collected, {**collected, "crs": crs}, features[0], geometries[1])
+    ]
+
+
 def _picture(kind: str, mode: str) -> bytes:
     from PIL import Image
 
@@ -202,6 +230,13 @@ PARSERS = {
         _read_image,
         (ScenarioError,),
         _IMAGE,
+    ),
+    "geojson": Parser(
+        ".geojson",
+        _features,
+        _read_features,
+        (ScenarioError,),
+        (*_JSON, "LineString", "MultiPoint", "EPSG:3857", "geometries", "features", "1e-300", "179.9"),
     ),
     "scenario-name": Parser(
         ".txt", lambda: list(NAMES), _expand, (SwarmGymError,), ("-shifted:", "0-999999", "@", "#")

@@ -20,6 +20,7 @@ INSTRUMENTED = [
     "safetensors",
     "swarm_gym.errors",
     "swarm_gym.observation",
+    "swarm_gym.planning",
     "swarm_gym.scenarios",
     "tomllib",
     "yaml",

@@ -1,0 +1,148 @@
+"""Longitude and latitude: a local projection to metres, and which files have such coordinates."""
+
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError, shown
+
+Floats = NDArray[np.float64]
+
+PLANE, GEOGRAPHIC = "plane", "longitude-latitude"
+COORDINATES = (PLANE, GEOGRAPHIC)
+
+# Widest map in metres, to the east and to the north. Up to its corners, 71 km from the centre, the projection
+# changes lengths by at most 2.1e-5 of them.
+WIDEST = 100_000.0
+FINEST = 3  # decimals that coordinates in metres seldom exceed
+
+# Codes of EPSG for longitude and latitude: WGS 84 and its three-dimensional form, ETRS89, and the systems of
+# North America, Canada, Australia (two), New Zealand, Japan, China and South America. Their ellipsoids differ
+# by less than a millimetre on 10 km.
+GEOGRAPHIC_CODES = {"4326", "4979", "4258", "4269", "4617", "4283", "7844", "4167", "6668", "4490", "4674"}
+WEB_MERCATOR = {"3857", "3785", "900913"}
+_EPSG = re.compile(r"EPSG(?:/[\d.]+/|:[\d.]*:|:|\.xml#)(\d+)$", re.IGNORECASE)
+_CRS84 = re.compile(r"(?:OGC.*[:/]|^)CRS:?84h?$", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Projection:
+    """An azimuthal equidistant projection of the ellipsoid WGS 84: distances from its centre are exact.
+
+    Attributes:
+        longitude: longitude of the centre, in degrees.
+        latitude: latitude of the centre, in degrees.
+    """
+
+    longitude: float
+    latitude: float
+
+    def to_metres(self, points: ArrayLike) -> Floats:
+        """Return points (k, 2), longitude and latitude, as x to the east and y to the north, in metres."""
+        longitudes, latitudes = np.asarray(points, dtype=np.float64).reshape(-1, 2).T
+        return np.stack(_proj(self)(longitudes, latitudes), axis=-1)
+
+    def to_degrees(self, points: ArrayLike) -> Floats:
+        """Return points (k, 2) in metres as longitude and latitude."""
+        x, y = np.asarray(points, dtype=np.float64).reshape(-1, 2).T
+        return np.stack(_proj(self)(x, y, inverse=True), axis=-1)
+
+
+def projection_for(where: str, points: Floats) -> Projection:
+    """Return a projection around the middle of points.
+
+    Args:
+        where: name of the map, for messages.
+        points: longitude and latitude of everything on the map, (k, 2).
+
+    Raises:
+        ScenarioError: if these are no longitudes and latitudes, or too far apart for one plane.
+        MissingExtraError: if pyproj is missing.
+    """
+    for point in points[(np.abs(points) > (180.0, 90.0)).any(axis=1)][:1]:
+        raise ScenarioError(
+            f"{where}: expected longitude in [-180, 180] and latitude in [-90, 90], "
+            f"got {tuple(point.tolist())}; for x and y in one unit choose coordinates {PLANE!r}"
+        )
+    low, high = points.min(axis=0), points.max(axis=0)
+    if high[0] - low[0] > 180.0:
+        raise ScenarioError(
+            f"{where}: longitudes from {low[0]:g} to {high[0]:g} cross the antimeridian; "
+            f"project the map to metres first, and choose coordinates {PLANE!r}"
+        )
+    try:
+        import pyproj  # noqa: F401
+    except ImportError as error:
+        raise MissingExtraError(f"{where}: longitude and latitude", "pyproj", "maps") from error
+    longitude, latitude = ((low + high) / 2.0).tolist()
+    projection = Projection(longitude, latitude)
+    metres = projection.to_metres(points)
+    span = np.ptp(metres, axis=0).max()
+    if not span <= WIDEST:  # also for NaN and infinity, far from the centre
+        raise ScenarioError(
+            f"{where}: start, goal and map span {span / 1000.0:,.0f} km, expected at most "
+            f"{WIDEST / 1000.0:g} km, where the earth is nearly flat; leave out what is far away"
+        )
+    return projection
+
+
+def require_coordinates(name: object) -> None:
+    """Raise an error if a value is not in `COORDINATES`, nor None for a choice by the file.
+
+    Raises:
+        SettingError: for another value.
+    """
+    if name is not None and (not isinstance(name, str) or name not in COORDINATES):
+        raise SettingError(f"coordinates must be one of {', '.join(COORDINATES)}, got {shown(name)}")
+
+
+def named_by(where: str, reference: Any) -> str | None:
+    """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
+
+    Its form is that of the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.
+
+    Raises:
+        ScenarioError: if the member is malformed.
+    """
+    if reference is None:
+        return None
+    properties = reference.get("properties") if isinstance(reference, dict) else None
+    name = properties.get("name") if isinstance(properties, dict) else None
+    if not isinstance(name, str):
+        raise ScenarioError(
+            f"{where}: expected a member 'crs' with properties that have a name, such as EPSG:4326, "
+            f"got {shown(reference)}"
+        )
+    found = _EPSG.search(name)
+    code = found[1] if found else ""
+    if code in WEB_MERCATOR:
+        warnings.warn(
+            f"{where}: lengths in EPSG:{code} are no metres, but longer by 1 / cos(latitude), so radius and "
+            "clearance must be, too; convert the file to longitude and latitude or to UTM",
+            stacklevel=2,
+        )
+    return GEOGRAPHIC if _CRS84.search(name) or code in GEOGRAPHIC_CODES else PLANE
+
+
+def look_geographic(points: Floats) -> bool:
+    """Return whether points, (k, 2), may well be longitudes and latitudes: fine numbers in under a degree."""
+    inside = bool((np.abs(points) <= (180.0, 90.0)).all())
+    return inside and float(np.ptp(points, axis=0).max()) < 1.0 and _are_fine(points.ravel().tolist())
+
+
+@lru_cache(maxsize=16)
+def _proj(projection: Projection) -> Any:
+    import pyproj
+
+    return pyproj.Proj(proj="aeqd", lon_0=projection.longitude, lat_0=projection.latitude, ellps="WGS84")
+
+
+def _are_fine(numbers: Sequence[float]) -> bool:
+    """Return whether most numbers have more than `FINEST` decimals."""
+    return 2 * sum(number != round(number, FINEST) for number in numbers) > len(numbers)
