@@ -92,7 +92,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "unimportable.py").write_text("raise OSError('no such device')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(own_code, "_given", set())
-    monkeypatch.setattr(own_code, "_found", {})
+    monkeypatch.setattr(own_code, "_used", set())
     # The optimizer stays: a class of parameters can be registered only once.
     for name in {"mine", "mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys():
         monkeypatch.delitem(sys.modules, name)
