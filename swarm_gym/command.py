@@ -20,10 +20,10 @@ TERMINATED = 128 + signal.SIGTERM
 
 
 class NumberParser(argparse.ArgumentParser):
-    """A parser of arguments that takes what begins with a minus sign and a digit as a value, not as an option.
+    """A parser of arguments that takes a minus sign with a digit for a value, not for an option.
 
-    So `--start -0.5,0.5` and `--shift -1e-3` need no equals sign. Python does the same from version 3.14 on;
-    before, it does so for plain numbers only.
+    So `--start -0.5,0.5` and `--shift -1e-3` need no equals sign. Python does the same from version 3.14 on.
+    Before, it does so for plain numbers only.
     """
 
     def __init__(self, *arguments: Any, **options: Any):

@@ -29,7 +29,7 @@ def listed(names: Iterable[str], given: object = "", where: str = "") -> str:
 
     Args:
         names: valid names, in order.
-        given: what was given instead.
+        given: name that was given instead.
         where: command, file or page that lists all, for a message that does not.
     """
     names = list(names)

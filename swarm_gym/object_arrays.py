@@ -1,8 +1,8 @@
 """Arrays of objects in infos: names of scenarios, and last observations of episodes.
 
-Gymnasium's wrappers for other array libraries, such as `gymnasium.wrappers.vector.NumpyToTorch`, convert all
-arrays in infos. No such library has arrays of objects, so they fail at these. Here they learn to keep them, and
-to convert the arrays inside.
+Gymnasium's wrappers for other array libraries, such as `gymnasium.wrappers.vector.NumpyToTorch`, convert
+all arrays in infos. No such library has arrays of objects, so the wrappers fail. Here they learn to keep such
+arrays, and to convert the arrays inside.
 """
 
 import sys
@@ -20,9 +20,9 @@ _CONVERSIONS = {
 
 
 class ObjectArray(np.ndarray):
-    """A NumPy array of objects that Gymnasium's wrappers keep as it is; results of functions are plain arrays.
+    """A NumPy array of objects that Gymnasium's wrappers keep as it is.
 
-    Make one as a view: `array.view(ObjectArray)`.
+    Make one as a view: `array.view(ObjectArray)`. Comparisons and functions return plain arrays.
     """
 
     def __array_wrap__(self, array: NDArray, _context: Any = None, return_scalar: bool = False) -> Any:

@@ -161,7 +161,7 @@ def _source_file(kind: str, name: str) -> Path | None:
 
 
 def _definition(found: object) -> str:
-    """Return the source of a class or function that was typed in; without one, the code that it compiled to."""
+    """Return the source of a class or function that was typed in, or else the code that it compiled to."""
     with suppress(OSError, TypeError):
         return getsource(found)  # type: ignore[arg-type]  # other objects raise a TypeError
     inside = [value for _, value in sorted(vars(found).items())] if isinstance(found, type) else [found]

@@ -89,11 +89,12 @@ class NativeVecEnv(VecEnv):
 
     def reset(self) -> NDArray:
         """Begin new episodes of all swarms, with what was given to `seed` and `set_options`, if anything."""
-        observations = None
+        observations: Any = None
+        seeds: Any = self._seeds
         for options, rows in self._alike():
             # A mask that is true everywhere would say the same as none.
             mask = {} if rows.all() else {"reset_mask": rows}
-            observations, infos = self.env.reset(seed=self._seeds, options={**options, **mask})
+            observations, infos = self.env.reset(seed=seeds, options={**options, **mask})
             for row in np.flatnonzero(rows):
                 self._began[row] = infos
         self._reset_seeds()
@@ -103,16 +104,18 @@ class NativeVecEnv(VecEnv):
         return as_numpy(observations)
 
     def set_options(self, options: Sequence[dict] | dict | None = None) -> None:
-        """Keep options of `SwarmVectorEnv.reset` for the next `reset`, for all swarms or one mapping for each.
+        """Keep options of `SwarmVectorEnv.reset` for the next `reset`: for all swarms, or for each one.
 
         Raises:
             UnknownNameError: for an option or scenario that does not exist.
             SettingError: for a value that an option cannot have, or another number of mappings.
         """
-        by_swarm = [options or {}] * self.num_envs if options is None or isinstance(options, Mapping) else options
+        given = {} if options is None else options
+        by_swarm = [given] * self.num_envs if isinstance(given, Mapping) else given
         if not isinstance(by_swarm, Sequence) or len(by_swarm) != self.num_envs:
             raise SettingError(
-                f"options must be a mapping, or a list of {self.num_envs}, one for each swarm, got {shown(options)}"
+                f"options must be a mapping, or a list of {self.num_envs}, one for each swarm, "
+                f"got {shown(options)}"
             )
         simulation: Any = self.env.unwrapped.simulation  # type: ignore[attr-defined]
         for one in {id(each): each for each in by_swarm}.values():
@@ -226,4 +229,3 @@ def _info_of(row: int, infos: Mapping[str, Any]) -> dict[str, Any]:
     """Return the info of one swarm in those of a vector, without what belongs to the episode before."""
     names = [name for name in infos if not name.startswith(("_", "final_"))]
     return {name: as_numpy(infos[name])[row] for name in names if as_numpy(infos[f"_{name}"])[row]}
-

@@ -3,9 +3,9 @@
 The folder of the cache is named by the sources of this package. Code that was compiled for a class of a user,
 such as the parameters of an own optimizer, also depends on the module of this class and on what it imports.
 
-The cache needs the source that a module was executed from. What has been typed in has no file: a notebook
-cell, IPython, standard input, `python -c`. A module that `importlib.reload` has executed again may mix old and
-new code. So neither is cached, and each process compiles it.
+The cache needs the source that a module was executed from. Code that was typed in has no file: in a notebook
+cell, IPython, on standard input or after `python -c`. A module that `importlib.reload` has executed again may
+mix old and new code. So neither is cached, and each process compiles it.
 """
 
 import ast

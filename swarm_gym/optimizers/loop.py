@@ -102,8 +102,8 @@ iterate, begin, adopt, change_size, re_evaluate = (
 def register(parameter_class: type, kernels: Kernels) -> None:
     """Let a class of parameters choose these kernels.
 
-    Numba tells NamedTuples apart by their names. Where the name of the class is taken, it becomes the full name.
-    Where that is taken, too, because a cell of a notebook or a module was executed again, it gets a number.
+    Numba tells NamedTuples apart by their names. If the name of the class is taken, it gets its full name. If
+    that is taken, too, since a cell of a notebook or a module was executed again, it gets a number.
     """
     others = _BY_CLASS["iterate"]
     assert parameter_class not in others, (
