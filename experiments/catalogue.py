@@ -78,5 +78,6 @@ def get_suite(name: str) -> Suite:
         OwnCodeError: if own code cannot be imported, or is no suite.
     """
     if name not in SUITES and not is_own("suite", name):
-        raise UnknownNameError("suite", name, (*SUITES, *COLLECTIONS))
+        valid = (*SUITES, *COLLECTIONS)
+        raise UnknownNameError("suite", name, valid, "python -m experiments.evaluate --help")
     return find("suite", name, SUITES, lambda found: isinstance(found, Suite), "a Suite")

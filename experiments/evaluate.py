@@ -13,7 +13,7 @@ from pathlib import Path
 import tyro
 
 from agents.backends import Backend, BackendError, BackendOptions
-from experiments.catalogue import COLLECTIONS
+from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.choice import Choice
 from experiments.documents.page import make_tables, write_collection_page, write_page
 from experiments.runs.configuration import configuration, environment_configuration
@@ -30,7 +30,7 @@ class EvaluateConfig:
     """Options of an evaluation."""
 
     suite: str = "paper"
-    """Suite or collection of suites to run, e.g. paper, headline or iafsa-paper. A wrong name lists all."""
+    """Suite or collection of suites to run, e.g. paper, headline or iafsa-paper; see the list above."""
     seeds: int | None = None
     """Number of seeds per controller and scenario, e.g. 20. By default the number that the suite states."""
     controllers: tuple[str, ...] = ()
@@ -119,7 +119,8 @@ def _figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
 
 def main() -> None:
     """Evaluate as the command line says."""
-    config = tyro.cli(EvaluateConfig, description=__doc__)
+    suites = ", ".join(sorted((*SUITES, *COLLECTIONS)))
+    config = tyro.cli(EvaluateConfig, description=f"{__doc__}\nSuites and collections: {suites}.")
     with command(
         ResultsError,
         BackendError,

@@ -16,13 +16,14 @@ from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.object_arrays import ObjectArray
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, Transition, make_reward
+from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS, RewardCheck, Transition, make_reward
 from swarm_gym.robots import require_drives
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -61,6 +62,7 @@ class SwarmBatch:
         self._action = make_action(self.settings, optimizer_class)
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
+        self._reward_check = None if self.settings.reward in REWARDS else RewardCheck(self.settings.reward)
         self.simulation = simulation_class(
             optimizer_class, self.settings, num_swarms, num_threads, self._observation.arrival_window
         )
@@ -68,9 +70,8 @@ class SwarmBatch:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
         if self.settings.reward in NEED_ROBOTS:
             require_drives(self.settings.scenarios, f"reward {self.settings.reward!r}")
-        self._scenario_names = np.array(
-            [problem.scenario.name for problem in self.simulation.problems], dtype=object
-        )
+        names = [problem.scenario.name for problem in self.simulation.problems]
+        self._scenario_names = np.array(names, dtype=object).view(ObjectArray)
         self.action_space: Box = self._action.space
         self.observation_space: Box = self._observation.space(self.simulation)
         self._low, self._high = Constant(self.observation_space.low), Constant(self.observation_space.high)
@@ -104,6 +105,7 @@ class SwarmBatch:
         Raises:
             ActionError: for an action that is not in the action space.
             StepOrderError: if no episode of a chosen swarm is under way.
+            OwnCodeError: for a reward of own code that is no array of B finite numbers.
         """
         simulation = self.simulation
         xp = simulation.xp
@@ -135,7 +137,12 @@ class SwarmBatch:
                 xp,
             )
         )
-        return xp.where(chosen, reward, 0.0), ended
+        if self._reward_check is None:
+            return xp.where(chosen, reward, 0.0), ended
+        self._reward_check.check_shape(reward, simulation.num_swarms)
+        paid = xp.where(chosen, reward, 0.0)
+        self._reward_check.check_numbers(paid, simulation.iteration, xp)
+        return paid, ended
 
     def _refuse_idle(self, chosen: Array) -> None:
         """Raise an error if any of these swarms, (B,), is to take a step although no episode is under way.
@@ -206,7 +213,7 @@ class SwarmBatch:
         made_for = self.settings.made_for
         if made_for is None or made_for == self._optimizer:
             return {}
-        return {"made_for": np.full(self.simulation.num_swarms, made_for)}
+        return {"made_for": np.full(self.simulation.num_swarms, made_for, dtype=object).view(ObjectArray)}
 
     def _measured(self, paths: NDArray, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
         """Return length and clearance of the best feasible paths of these swarms, (B,), else NaN."""

@@ -1,6 +1,11 @@
-"""The end of commands: any interruption or expected error becomes one line and an exit status."""
+"""Commands: how they read numbers, and how they end.
 
+Any interruption or expected error becomes one line and an exit status.
+"""
+
+import argparse
 import os
+import re
 import signal
 import sys
 import threading
@@ -12,6 +17,31 @@ LONGEST = 5_000  # characters of an error message
 # Exit statuses of shells for processes that a signal ended.
 INTERRUPTED = 128 + signal.SIGINT
 TERMINATED = 128 + signal.SIGTERM
+
+
+class NumberParser(argparse.ArgumentParser):
+    """A parser of arguments that takes a minus sign with a digit for a value, not for an option.
+
+    So `--start -0.5,0.5` and `--shift -1e-3` need no equals sign. Python does the same from version 3.14 on.
+    Before, it does so for plain numbers only.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any):
+        super().__init__(*arguments, **options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
+
+def point(text: str) -> tuple[float, float]:
+    """Return the two numbers of an argument `x,y`.
+
+    Raises:
+        argparse.ArgumentTypeError: for any other text.
+    """
+    try:
+        x, y = (float(number) for number in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"expected two numbers x,y, got {text!r}") from error
+    return x, y
 
 
 class _Terminated(BaseException):

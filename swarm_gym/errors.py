@@ -2,6 +2,8 @@
 
 import reprlib
 from collections.abc import Iterable
+from difflib import get_close_matches
+from itertools import islice
 from typing import Any
 
 # Limits of the values in messages, so that a message is not longer than a screen.
@@ -16,6 +18,28 @@ def shown(value: object) -> str:
         return _SHORT.repr(value)
     except Exception:  # an integer has thousands of digits, or an object's repr fails
         return f"<{type(value).__name__}>"
+
+
+LONGEST_LIST = 200  # characters of the names that a message lists, two lines
+_MOST_COMPARED = 2_000  # names
+
+
+def listed(names: Iterable[str], given: object = "", where: str = "") -> str:
+    """Return names for a message: all that fit into two lines, else those most like the one that was given.
+
+    Args:
+        names: valid names, in order.
+        given: name that was given instead.
+        where: command, file or page that lists all, for a message that does not.
+    """
+    names = list(names)
+    whole = ", ".join(names)
+    if len(whole) <= LONGEST_LIST:
+        return whole
+    some = get_close_matches(str(given)[:100], islice(names, _MOST_COMPARED), n=5, cutoff=0.0)
+    while len(some) > 1 and len(", ".join(some)) > LONGEST_LIST:
+        some.pop()
+    return f"{', '.join(some)}, ... ({len(names):,} in all{f', see {where}' if where else ''})"
 
 
 class SwarmGymError(Exception):
@@ -39,10 +63,17 @@ class NoPathError(ScenarioError):
 
 
 class UnknownNameError(SwarmGymError, ValueError):
-    """A name that is not in its registry."""
+    """A name that is not in its registry.
 
-    def __init__(self, kind: str, name: object, valid: Iterable[str]):
-        super().__init__(f"unknown {kind} {shown(name)}; valid: {', '.join(sorted(valid))}")
+    Args:
+        kind: kind of the names.
+        name: name that was given.
+        valid: names of the registry.
+        where: command, file or page that lists all names, for a registry of many.
+    """
+
+    def __init__(self, kind: str, name: object, valid: Iterable[str], where: str = ""):
+        super().__init__(f"unknown {kind} {shown(name)}; valid: {listed(sorted(valid), name, where)}")
 
 
 class SettingError(SwarmGymError, ValueError):

@@ -13,6 +13,9 @@ They go wherever a name of a registry goes:
 | preset | `swarm_gym.presets` | `TrainConfig` |
 | suite | `swarm_gym.suites` | `Suite` |
 
+A name is looked up each time it is used. So after an edited notebook cell or `importlib.reload` it stands for
+the new code; what was made before keeps the old one.
+
 To import a module is to run its code. So a name imports code only if it is given on a command line or in a
 call. A name that a file holds, such as a policy, a preset or a results database, is refused unless the same
 name was given before, for instance to `allow`.
@@ -21,10 +24,13 @@ name was given before, for instance to `allow`.
 import hashlib
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from inspect import getsource
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any, TypeVar
 
 from swarm_gym.errors import SwarmGymError, UnknownNameError, shown
@@ -43,9 +49,9 @@ GROUPS = {
 }
 _FORM = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*", re.ASCII)
 
-# Names that were given on the command line or in calls, and what those that were used stand for, by kind.
+# Names that were given on the command line or in calls, and those that were used, with their kind.
 _given: set[str] = set()
-_found: dict[tuple[str, str], Any] = {}
+_used: set[tuple[str, str]] = set()
 
 
 class OwnCodeError(SwarmGymError, ValueError):
@@ -84,13 +90,12 @@ def find(
 
 def own(kind: str, name: str, fits: Callable[[Any], bool], expected: str) -> Any:
     """Import what a name of own code stands for; `find` describes the arguments and errors."""
-    if (kind, name) not in _found:
-        found = _imported(kind, name)
-        if not fits(found):
-            raise OwnCodeError(f"{kind} {shown(name)}: expected {expected}, got {shown(found)}")
-        _found[kind, name] = found
-        _given.add(name)
-    return _found[kind, name]
+    found = _imported(kind, name)
+    if not fits(found):
+        raise OwnCodeError(f"{kind} {shown(name)}: expected {expected}, got {shown(found)}")
+    _used.add((kind, name))
+    _given.add(name)
+    return found
 
 
 def refuse_unless_given(kind: str, name: object, where: str) -> None:
@@ -130,11 +135,11 @@ def origin_of(kind: str, name: str) -> str:
     """Return a digest of the source of own code, and the version of its distribution if it is installed.
 
     It changes with any change of the module that the name is in. Modules that this one imports are not part
-    of it.
+    of it. Of code without a file, as in a notebook, it is a digest of the definition.
     """
     found = own(kind, name, lambda _: True, "anything")
     file, point = _source_file(kind, name), _installed(GROUPS[kind]).get(name)
-    source = repr(found).encode() if file is None else file.read_bytes()
+    source = _definition(found).encode() if file is None else file.read_bytes()
     digest = f"source {hashlib.sha256(source).hexdigest()[:16]}"
     if point is None or point.dist is None:
         return digest
@@ -143,15 +148,33 @@ def origin_of(kind: str, name: str) -> str:
 
 def source_files() -> dict[str, Path]:
     """Return the files of the own code that was used so far, by name, without those of installed packages."""
-    files = {name: _source_file(kind, name) for kind, name in _found if name not in _installed(GROUPS[kind])}
+    files = {name: _source_file(kind, name) for kind, name in _used if name not in _installed(GROUPS[kind])}
     return {name: file for name, file in files.items() if file is not None}
 
 
 def _source_file(kind: str, name: str) -> Path | None:
     """Return the file of the module of own code; None if it has none."""
     point = _installed(GROUPS[kind]).get(name)
-    file = import_module(name.partition(":")[0] if point is None else point.module).__file__
+    module = import_module(name.partition(":")[0] if point is None else point.module)
+    file = getattr(module, "__file__", None)  # a notebook has none
     return None if file is None else Path(file).resolve()
+
+
+def _definition(found: object) -> str:
+    """Return the source of a class or function that was typed in, or else the code that it compiled to."""
+    with suppress(OSError, TypeError):
+        return getsource(found)  # type: ignore[arg-type]  # other objects raise a TypeError
+    inside = [value for _, value in sorted(vars(found).items())] if isinstance(found, type) else [found]
+    functions = [value for value in inside if isinstance(value, FunctionType)]
+    if not functions:
+        return repr(found)
+    return "\n".join(_compiled(function.__code__) for function in functions)
+
+
+def _compiled(code: CodeType) -> str:
+    """Return the instructions, names and constants of code as text, without addresses of objects."""
+    constants = [_compiled(each) if isinstance(each, CodeType) else repr(each) for each in code.co_consts]
+    return repr((code.co_code, code.co_names, constants))
 
 
 @cache

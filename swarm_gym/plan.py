@@ -13,13 +13,13 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from swarm_gym.command import NumberParser, point
 from swarm_gym.errors import MissingExtraError, NoPathError, SwarmGymError
 from swarm_gym.planning.geographic import COORDINATES
 from swarm_gym.planning.planner import PLANNERS, plan
 from swarm_gym.planning.previous import read_previous
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.writing import FORMATS, require_formats, write_plan
-from swarm_gym.scenarios import Point
 
 INVALID, NO_PATH = 2, 3  # exit statuses
 
@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = NumberParser(
         prog="python -m swarm_gym.plan",
         description="Plan a short free path on a map: exactly where that is quick, else with a swarm.",
         epilog=EXAMPLES,
@@ -83,8 +83,8 @@ def _parser() -> argparse.ArgumentParser:
         help="a file (.yaml or .yml of ROS's map_server, .map of Moving AI, .geojson), or a "
         "scenario's name, e.g. case1",
     )
-    parser.add_argument("--start", type=_point, metavar="X,Y", help="start, in the map's units")
-    parser.add_argument("--goal", type=_point, metavar="X,Y", help="goal, in the map's units")
+    parser.add_argument("--start", type=point, metavar="X,Y", help="start, in the map's units")
+    parser.add_argument("--goal", type=point, metavar="X,Y", help="goal, in the map's units")
     parser.add_argument(
         "--robot-radius", type=float, default=0.0, metavar="R", help="radius of the robot, in the map's units"
     )
@@ -140,14 +140,6 @@ def _parser() -> argparse.ArgumentParser:
         help=f"file for the path; its ending says how: {', '.join(FORMATS)}; may be given several times",
     )
     return parser
-
-
-def _point(text: str) -> Point:
-    try:
-        x, y = (float(number) for number in text.split(","))
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"expected two numbers x,y, got {text!r}") from error
-    return x, y
 
 
 def _budget(parser: argparse.ArgumentParser, text: str | None) -> tuple[int | None, float | None]:

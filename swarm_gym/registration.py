@@ -1,4 +1,9 @@
-"""Ids of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`."""
+"""Ids of the environments in Gymnasium's registry: `swarm_gym/<Optimizer>-v0`.
+
+A process knows them once it has imported `swarm_gym`. Worker processes that start anew (spawn, forkserver)
+have not, and Gymnasium has no plug-ins since version 1.0. The id `swarm_gym:swarm_gym/Firefly-v0` imports the
+package first, so that it works in every process.
+"""
 
 import gymnasium
 
@@ -18,8 +23,7 @@ def environment_id(optimizer: str) -> str:
         return f"swarm_gym/{OPTIMIZERS[optimizer][1]}-v0"
     own = get_optimizer(optimizer)
     name = f"{own.__module__.replace('.', '-')}/{own.__qualname__.replace('.', '-')}-v0"
-    if name not in gymnasium.registry:
-        _register(name, optimizer)
+    _register(name, optimizer)
     return name
 
 
@@ -30,6 +34,9 @@ def register_environments() -> None:
 
 
 def _register(name: str, optimizer: str) -> None:
+    """Register an environment, unless it is: Gymnasium would warn of a second time, as after a reload."""
+    if name in gymnasium.registry:
+        return
     gymnasium.register(
         name,
         entry_point="swarm_gym.env:SwarmEnv",

@@ -14,17 +14,22 @@ times the straight line from start to target, on grid maps and for walks it is t
 functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
 fitness - optimum) / optimum, see `swarm_gym.reference`. The detour is (driven length - shortest way) /
 shortest way, where the shortest way leads from start to target on the map after all events.
+
+A reward of own code has to be an array of B finite numbers. Its shape is checked in every step, and so is
+that it is finite, on a GPU in the first step only: later the answer would wait for the GPU.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Namespace
+from swarm_gym.arrays import Namespace, as_numpy
 from swarm_gym.compiler.elementary import log
-from swarm_gym.own_code import find
+from swarm_gym.errors import shown
+from swarm_gym.own_code import OwnCodeError, find
 
 Floats = NDArray[np.float64]
 
@@ -145,3 +150,56 @@ def make_reward(name: str) -> Reward:
         OwnCodeError: if own code cannot be imported, or is no function.
     """
     return find("reward", name, REWARDS, callable, "a function of a Transition")
+
+
+class RewardCheck:
+    """A check of the rewards of own code, step by step, whose errors name the reward.
+
+    Args:
+        name: name of the reward.
+    """
+
+    def __init__(self, name: str):
+        self._name = name
+        self._begun = False
+
+    def check_shape(self, reward: object, num_swarms: int) -> None:
+        """Raise an error if a reward is no array of numbers with one for each swarm.
+
+        Raises:
+            OwnCodeError: with the shape and what was expected.
+        """
+        shape = getattr(reward, "shape", None)
+        if shape is None or tuple(shape) != (num_swarms,):
+            found = shown(reward) if shape is None else f"an array of shape {tuple(shape)}"
+            raise OwnCodeError(
+                f"reward {self._name!r} must return an array of shape ({num_swarms},), one number for each "
+                f"swarm, got {found}"
+            )
+
+    def check_numbers(self, paid: Floats, iterations: NDArray[np.int64], xp: Namespace) -> None:
+        """Raise an error if a swarm is paid what is no finite number.
+
+        Args:
+            paid: (B,) rewards, 0 for swarms that took no step.
+            iterations: (B,) iterations that the swarms have made.
+            xp: namespace of the rewards.
+
+        Raises:
+            OwnCodeError: naming the first such swarm, its iteration and the value.
+        """
+        if self._begun and xp is not np:
+            return
+        self._begun = True
+        if xp is np and paid.dtype.kind not in "biuf":
+            raise OwnCodeError(f"reward {self._name!r} must return numbers, got the type {paid.dtype}")
+        # The sum is quicker to check than every number, and not finite if one of them is not.
+        if math.isfinite(paid.sum()):
+            return
+        swarms = np.flatnonzero(~np.isfinite(as_numpy(paid)))
+        if swarms.size:
+            swarm = int(swarms[0])
+            raise OwnCodeError(
+                f"reward {self._name!r} of swarm {swarm} in iteration {int(iterations[swarm])} is "
+                f"{float(paid[swarm])}, expected a finite number"
+            )

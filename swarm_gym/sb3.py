@@ -10,7 +10,7 @@ All swarms stay in one native vector, so that stepping them costs what it costs 
 Swarms on a GPU (`device="cuda"`) are copied to the memory of the host at every step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
-from swarm_gym.errors import MissingExtraError
+from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.vector_env import SwarmVectorEnv
 
 try:
@@ -62,7 +62,8 @@ class NativeVecEnv(VecEnv):
     """A native vector of swarms as stable-baselines3 takes it.
 
     The info of an episode that ended has its sum of rewards, its length, its last observation, the best
-    fitness and the evaluations; that of an episode under way is empty.
+    fitness and the evaluations; that of an episode under way is empty. `reset_infos` has the infos with which
+    the episodes under way began.
 
     Args:
         env: environment with the autoreset mode of this class, `SAME_STEP`.
@@ -82,16 +83,53 @@ class NativeVecEnv(VecEnv):
         space: Any = env.single_observation_space if observation_space is None else observation_space
         super().__init__(env.num_envs, space, env.single_action_space)
         self._actions = np.empty(0)
+        self._began: list[Mapping[str, Any]] = [{}] * env.num_envs  # infos of the whole vector, by swarm
         self._returns = np.zeros(env.num_envs)
         self._lengths = np.zeros(env.num_envs, dtype=np.int64)
 
     def reset(self) -> NDArray:
-        """Begin new episodes of all swarms, with the seed given to `seed`, if any."""
-        observations, _ = self.env.reset(seed=self._seeds[0])
+        """Begin new episodes of all swarms, with what was given to `seed` and `set_options`, if anything."""
+        observations: Any = None
+        seeds: Any = self._seeds
+        for options, rows in self._alike():
+            # A mask that is true everywhere would say the same as none.
+            mask = {} if rows.all() else {"reset_mask": rows}
+            observations, infos = self.env.reset(seed=seeds, options={**options, **mask})
+            for row in np.flatnonzero(rows):
+                self._began[row] = infos
         self._reset_seeds()
+        self._reset_options()
         self._returns[:] = 0.0
         self._lengths[:] = 0
         return as_numpy(observations)
+
+    def set_options(self, options: Sequence[dict] | dict | None = None) -> None:
+        """Keep options of `SwarmVectorEnv.reset` for the next `reset`: for all swarms, or for each one.
+
+        Raises:
+            UnknownNameError: for an option or scenario that does not exist.
+            SettingError: for a value that an option cannot have, or another number of mappings.
+        """
+        given = {} if options is None else options
+        by_swarm = [given] * self.num_envs if isinstance(given, Mapping) else given
+        if not isinstance(by_swarm, Sequence) or len(by_swarm) != self.num_envs:
+            raise SettingError(
+                f"options must be a mapping, or a list of {self.num_envs}, one for each swarm, "
+                f"got {shown(options)}"
+            )
+        simulation: Any = self.env.unwrapped.simulation  # type: ignore[attr-defined]
+        for one in {id(each): each for each in by_swarm}.values():
+            simulation.read_options(one)
+        super().set_options(list(by_swarm))
+
+    @property
+    def reset_infos(self) -> list[dict[str, Any]]:
+        """The infos, by swarm, with which the episodes under way began."""
+        return [_info_of(row, infos) for row, infos in enumerate(self._began)]
+
+    @reset_infos.setter
+    def reset_infos(self, infos: list[dict[str, Any]]) -> None:
+        pass  # `VecEnv` begins with empty ones
 
     def step_async(self, actions: NDArray) -> None:
         """Keep the actions for `step_wait`."""
@@ -109,6 +147,7 @@ class NativeVecEnv(VecEnv):
         last: Any = as_numpy(infos["final_obs"]) if dones.any() else None
         for row in np.flatnonzero(dones):
             final = infos["final_info"]
+            self._began[row] = infos
             by_env[row] = self._ended(
                 int(row),
                 last[row],
@@ -168,3 +207,25 @@ class NativeVecEnv(VecEnv):
 
     def _rows(self, indices: int | Sequence[int] | None) -> list[int]:
         return list(self._get_indices(indices))
+
+    def _alike(self) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
+        """Yield the options for the next `reset`, each with the (B,) swarms that have them."""
+        left = np.ones(self.num_envs, dtype=np.bool_)
+        while left.any():
+            options = self._options[int(np.argmax(left))]
+            rows = left & [_equal(options, other) for other in self._options]
+            yield options, rows
+            left &= ~rows
+
+
+def _equal(options: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Return whether two sets of reset options, which may hold arrays, say the same."""
+    return options.keys() == other.keys() and all(
+        np.array_equal(value, other[name]) for name, value in options.items()
+    )
+
+
+def _info_of(row: int, infos: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the info of one swarm in those of a vector, without what belongs to the episode before."""
+    names = [name for name in infos if not name.startswith(("_", "final_"))]
+    return {name: as_numpy(infos[name])[row] for name in names if as_numpy(infos[f"_{name}"])[row]}

@@ -130,13 +130,14 @@ class Settings:
         """Return settings from keyword options; parameters of the optimizer are options like the others.
 
         Raises:
-            UnknownNameError: for an option that does not exist; the message lists the valid ones.
+            UnknownNameError: for an option that does not exist.
             SettingError: for a value that an option cannot have, or an option that would change nothing.
         """
         own = {f.name for f in fields(cls)} - {"knobs"}
         for name in options:
             if name not in own and name not in optimizer.parameters:
-                raise UnknownNameError("option", name, own | set(optimizer.parameters))
+                valid = own | set(optimizer.parameters)
+                raise UnknownNameError("option", name, valid, "swarm_gym.settings.Settings")
         values = {name: value for name, value in options.items() if name in own}
         if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
             raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)

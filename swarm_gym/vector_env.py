@@ -13,6 +13,7 @@ from swarm_gym.arrays import Array, as_numpy, copy_of
 from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
+from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
 from swarm_gym.simulation import Simulation
 
 Flags = NDArray[np.bool_]
@@ -31,6 +32,9 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         envs = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=64, scenario="random-fields:train:0-511")
         observations, infos = envs.reset(seed=0)
         observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+
+    Names of scenarios and `final_obs` are arrays of objects, which Gymnasium's wrappers for other array
+    libraries keep, see `swarm_gym.object_arrays`.
 
     On the device "cuda", swarms live on a GPU. Observations, rewards and flags are tensors of torch there,
     and so may actions be. Infos of a step are numbers only, in tensors, too; paths are in `final_info` alone.
@@ -128,6 +132,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         if isinstance(options, Mapping):
             mask, options = options.get("reset_mask"), {k: v for k, v in options.items() if k != "reset_mask"}
         chosen = self._read_mask(mask)
+        let_wrappers_keep_objects()
         self.begin(chosen, seed, options)
         return self._batch.observe(), self._infos(chosen)
 
@@ -181,7 +186,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
         final, rows = self._batch.observe(), as_numpy(terminated).copy()
         if isinstance(final, np.ndarray):
-            by_swarm = np.full(self.num_envs, None, dtype=object)
+            by_swarm = np.full(self.num_envs, None, dtype=object).view(ObjectArray)
             for row in np.flatnonzero(rows):
                 by_swarm[row] = final[row].copy()
             final = by_swarm

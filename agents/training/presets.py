@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from agents.training.config import TrainConfig
 from agents.training.own_names import refuse_own_code
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, packaged_names, read_bytes
-from swarm_gym.errors import shown
+from swarm_gym.errors import listed, shown
 from swarm_gym.own_code import is_own, own
 
 PRESETS = Path(__file__).parent / "presets"
@@ -46,7 +46,8 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     """Return the configuration of a preset; `dependents` are the files whose `like` led here, in order."""
     path = find_file(name, PRESETS, ".toml")
     if path is None:
-        raise PresetError(f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file")
+        known = listed(preset_names(), name, str(PRESETS))
+        raise PresetError(f"preset {shown(name)}: neither one of {known} nor a file")
     try:
         content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
     # Bytes that are no UTF-8, and numbers of thousands of digits, raise ValueError too.
@@ -67,7 +68,8 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     for key, value in content.items():
         if key not in kinds:
             raise PresetError(
-                f"{path}: unknown key {shown(key)}, expected one of like, {', '.join(sorted(kinds))}"
+                f"{path}: unknown key {shown(key)}, expected one of "
+                f"{listed(['like', *sorted(kinds)], key, 'python -m agents.train --help')}"
             )
         values[key] = _as(kinds[key], value, f"{path}: {key}")
     refuse_own_code(values, str(path))

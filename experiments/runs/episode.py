@@ -11,7 +11,9 @@ from experiments.runs.blinded import load_blinded
 from experiments.runs.entrants import entrant
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
+from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.controllers.names import BLINDED, ControllerName
+from swarm_gym.own_code import is_own, own
 from swarm_gym.registration import environment_id
 from swarm_gym.simulation import Simulation
 from swarm_gym.warm_up import warm_up_single
@@ -69,9 +71,18 @@ def iterate(
         yield info
 
 
-@cache
 def controller_of(name: str) -> Controller:
-    """Return the controller of that name, which is made once per process; suites may blind policies."""
+    """Return the controller of that name, which is made once per process; suites may blind policies.
+
+    Own code is made again when its name stands for something else, as after an edited notebook cell.
+    """
+    family = ControllerName.parse(name).family
+    is_code = family not in (BLINDED, *CONTROLLERS) and is_own("controller", name)
+    return _controller(name, own("controller", name, callable, "a controller") if is_code else None)
+
+
+@cache
+def _controller(name: str, code: object) -> Controller:  # noqa: ARG001 (another controller for other code)
     parts = ControllerName.parse(name)
     return load_blinded(parts.argument) if parts.family == BLINDED else make_controller(name)
 

@@ -70,7 +70,7 @@ class KernelCache(FunctionCache):
     save at once may take the same number, and the index would then name the code of another signature.
 
     Code for classes or functions of users lies in a folder for their sources. Where these have no file, as
-    in a notebook, it is compiled in each process.
+    in a notebook, or were executed again, nothing is kept: it is compiled in each process.
 
     Args:
         function: the function.

@@ -11,6 +11,7 @@ from numba.extending import overload
 
 from swarm_gym.compiler.borrowing import CheckedCompiler
 from swarm_gym.compiler.cache import KernelCache
+from swarm_gym.compiler.own_sources import has_file, tell_apart
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Inline = Literal["late", "early"]
@@ -120,7 +121,10 @@ def _compile(function: Function, kind: type[_Dispatcher], **options: Any) -> Fun
         return np.errstate(over="ignore")(function)
     # Whether references are counted is said of every kernel: else the first caller would decide it.
     options = {"_nrt": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **options}
+    plain: Any = function
+    tell_apart(plain)
     dispatcher = numba.njit(pipeline_class=CheckedCompiler, **options)(function)
     dispatcher.__class__ = kind
-    dispatcher._cache = KernelCache(function, options)
+    if has_file(plain):  # what is typed in is compiled in each process, see `own_sources`
+        dispatcher._cache = KernelCache(function, options)
     return dispatcher

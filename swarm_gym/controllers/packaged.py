@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from swarm_gym.controllers.names import ControllerName
-from swarm_gym.errors import shown
+from swarm_gym.errors import listed, shown
 
 # Largest size of text files of controllers and presets, in bytes; the largest packaged one has 51 kB.
 MAX_TEXT_FILE = 2**20
@@ -46,7 +46,7 @@ def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Pa
     """Return the packaged JSON file of that name, else the file at that path.
 
     Raises:
-        ValueError: an instance of `error`, if neither exists; the message lists the packaged files.
+        ValueError: an instance of `error`, if neither exists; the message names packaged files.
     """
     path = find_file(name, folder, ".json")
     if path is None:
@@ -54,7 +54,7 @@ def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Pa
         recipes = [
             ControllerName.of("tuned", known).group.argument for known in packaged_names(folder, ".json")
         ]
-        packaged = ", ".join(dict.fromkeys(recipes)) or "none"
+        packaged = listed(dict.fromkeys(recipes), name, str(folder)) or "none"
         raise error(f"{kind} {shown(name)}: neither a packaged one ({packaged}) nor a file")
     return path
 

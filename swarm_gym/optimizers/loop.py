@@ -5,6 +5,7 @@ parameters, a NamedTuple, chooses its `Kernels`, which `Optimizer` registers her
 """
 
 from collections.abc import Callable
+from itertools import chain, count
 from typing import NamedTuple
 
 import numpy as np
@@ -101,12 +102,16 @@ iterate, begin, adopt, change_size, re_evaluate = (
 def register(parameter_class: type, kernels: Kernels) -> None:
     """Let a class of parameters choose these kernels.
 
-    The name of the class must be unique, since Numba tells NamedTuples apart by their names.
+    Numba tells NamedTuples apart by their names. If the name of the class is taken, it gets its full name. If
+    that is taken, too, since a cell of a notebook or a module was executed again, it gets a number.
     """
-    taken = {other.__name__ for other in _BY_CLASS["iterate"]}
-    assert parameter_class.__name__ not in taken, (
+    others = _BY_CLASS["iterate"]
+    assert parameter_class not in others, (
         f"each optimizer needs a class of parameters of its own, got {parameter_class} again"
     )
+    full, taken = f"{parameter_class.__module__}.{parameter_class.__qualname__}", {c.__name__ for c in others}
+    names = chain((parameter_class.__name__, full), (f"{full}_{k}" for k in count(2)))
+    parameter_class.__name__ = next(name for name in names if name not in taken)
     for name, kernel_of_optimizer in kernels._asdict().items():
         _BY_CLASS[name][parameter_class] = kernel_of_optimizer
 

@@ -21,7 +21,7 @@ class Optimizer:
 
     Attributes:
         name: name under which the optimizer is registered.
-        parameter_class: NamedTuple whose fields declare the parameters; its name must be unique.
+        parameter_class: NamedTuple whose fields declare the parameters; no other optimizer has the same.
         parameters: declarations of the parameters, by name; made from `parameter_class`.
         defaults: object of `parameter_class` with the defaults; its class chooses the kernels.
         smallest_population: smallest population size.

@@ -95,7 +95,8 @@ def expand_name(name: str) -> tuple[str, ...]:
         return family.expand(name)
     if isinstance(name, str) and (name in SCENARIOS or is_own("scenario", name)):
         return (name,)
-    raise UnknownNameError("scenario", name, [*SCENARIOS, *(f.usage for f in FAMILIES.values())])
+    forms = [*SCENARIOS, *(family.usage for family in FAMILIES.values())]
+    raise UnknownNameError("scenario", name, forms, "docs/scenarios.md")
 
 
 def is_known(name: object) -> bool:

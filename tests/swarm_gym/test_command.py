@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from swarm_gym.command import LONGEST, command
+from swarm_gym.command import LONGEST, NumberParser, command, point
 
 
 class WrongError(RuntimeError):
@@ -84,3 +84,22 @@ def test_a_command_in_another_thread():
     thread.start()
     thread.join()
     assert ended
+
+
+def test_arguments_may_begin_with_a_minus_sign():
+    parser = NumberParser()
+    parser.add_argument("--start", type=point)
+    parser.add_argument("--shift", type=float, nargs="*")
+    parser.add_argument("-v", action="store_true")
+    given = parser.parse_args(["--start", "-0.5,0.5", "--shift", "-1e-3", "-.5", "-2", "-v"])
+    assert (given.start, given.shift, given.v) == ((-0.5, 0.5), [-1e-3, -0.5, -2.0], True)
+    assert parser.parse_args(["--start=-.5,-1e3"]).start == (-0.5, -1000.0)
+
+
+@pytest.mark.parametrize("text", ["-1", "-1,a", "1,2,3", ""])
+def test_a_point_is_two_numbers(text, capsys):
+    parser = NumberParser()
+    parser.add_argument("--start", type=point)
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--start", text])
+    assert f"argument --start: expected two numbers x,y, got {text!r}" in capsys.readouterr().err

@@ -4,7 +4,12 @@ import pickle
 
 import pytest
 
-from swarm_gym.errors import ActionError, MissingExtraError, SwarmGymError, UnknownNameError
+from agents.training.presets import load_preset
+from experiments.catalogue import get_suite
+from swarm_gym.controllers import make_controller
+from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import ActionError, MissingExtraError, SwarmGymError, UnknownNameError, listed
+from swarm_gym.scenarios import make_scenario
 
 RAISED = (
     SwarmGymError(),
@@ -21,3 +26,37 @@ def test_an_error_is_the_same_after_its_way_from_a_worker(error):
     assert type(received) is type(error)
     assert str(received) == str(error)
     assert received.__notes__ == ["a note"]
+
+
+def test_of_few_names_a_message_lists_all():
+    error = UnknownNameError("optimizer", "firely", ["multivariate", "firefly"], "the page")
+    assert str(error) == "unknown optimizer 'firely'; valid: firefly, multivariate"
+
+
+def test_of_many_names_a_message_lists_those_that_are_alike():
+    error = UnknownNameError("map", "rom:27", [f"room:{number}" for number in range(5_000)], "the page")
+    assert "valid: room:27, " in str(error)
+    assert str(error).endswith(", ... (5,000 in all, see the page)")
+    assert len(str(error)) < 120
+    assert len(listed(["x" * 150, "y" * 150], "x")) < 200
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: make_scenario("cases1"),
+        lambda: make_controller("nothing"),
+        lambda: make_controller("learned:three-case"),
+        lambda: make_controller("open-loop:nothing"),
+        lambda: make_controller("tuned:nothing"),
+        lambda: SwarmEnv(scenarios="case1"),
+        lambda: SwarmEnv(scenario="caves:0-99").reset(options={"scenario": "caves:100"}),
+        lambda: load_preset("nothing"),
+        lambda: get_suite("nothing"),
+    ],
+)
+def test_messages_are_two_lines_at_most(ask):
+    with pytest.raises(ValueError, match=r"in all|valid: <module>") as error:
+        ask()
+    assert len(str(error.value)) < 320
+    assert "\n" not in str(error.value)

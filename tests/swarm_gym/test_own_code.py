@@ -1,16 +1,20 @@
 """Names of own code: what they give, what is refused before anything runs, and that files import nothing."""
 
+import importlib
 import importlib.metadata
 import json
 import sys
+import types
 
 import gymnasium
+import numba
 import numpy as np
 import pytest
 
 from agents.training.config import stored_config
 from agents.training.presets import load_preset
 from experiments.runs.entrants import entrant
+from experiments.runs.episode import controller_of
 from helpers.own_files import write_own_files
 from helpers.trainings import make_policy
 from swarm_gym import own_code
@@ -21,11 +25,14 @@ from swarm_gym.controllers.open_loop import OpenLoopFileError, save_open_loop
 from swarm_gym.controllers.tuned import FORMAT
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import OwnCodeError
 from swarm_gym.registration import environment_id
+from swarm_gym.reward import make_reward
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.testing import ContractError, check_controller, check_optimizer, check_scenario
+from swarm_gym.vector_env import SwarmVectorEnv
 
 BROKEN = """
 import numpy as np
@@ -92,7 +99,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "unimportable.py").write_text("raise OSError('no such device')\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(own_code, "_given", set())
-    monkeypatch.setattr(own_code, "_found", {})
+    monkeypatch.setattr(own_code, "_used", set())
     # The optimizer stays: a class of parameters can be registered only once.
     for name in {"mine", "mine.rule", "mine.hall", "mine.pay", "broken"} & sys.modules.keys():
         monkeypatch.delitem(sys.modules, name)
@@ -251,3 +258,145 @@ def test_the_check_of_controllers_passes_for_ours(name):
 def test_checks_name_the_contract_that_is_not_kept(check, name, expected):
     with pytest.raises(ContractError, match=expected):
         check(name)
+
+
+class TestEdits:
+    """A name stands for the present code: after a reload and after an edited cell of a notebook."""
+
+    @pytest.fixture
+    def edit(self, folder):
+        """Return a function that edits a file and executes its module again."""
+
+        def edit(module, old, new):
+            file = folder / f"{module.replace('.', '/')}.py"
+            text = file.read_text()
+            assert old in text
+            file.write_text(text.replace(old, new) + "\n")  # another size, so that the bytecode is stale
+            importlib.reload(sys.modules[module])
+
+        return edit
+
+    def test_controllers_and_what_checks_them(self, edit):
+        assert make_controller("mine.rule:ByThirds").initial_population_size == 60
+        edit("mine.rule", "initial_population_size = 60", "initial_population_size = 61")
+        assert make_controller("mine.rule:ByThirds").initial_population_size == 61
+        assert controller_of("mine.rule:ByThirds").initial_population_size == 61
+        check_controller("mine.rule:ByThirds")
+        edit("mine.rule", "return np.array(", "return np.nan * np.array(")
+        with pytest.raises(OwnCodeError, match="act must return finite numbers"):
+            check_controller("mine.rule:ByThirds")
+
+    def test_the_controllers_of_experiments_are_made_once_for_each_code(self, edit):
+        first = controller_of("mine.rule:ByThirds")
+        assert controller_of("mine.rule:ByThirds") is first
+        edit("mine.rule", "initial_population_size = 60", "initial_population_size = 59")
+        assert controller_of("mine.rule:ByThirds").initial_population_size == 59
+        assert controller_of("fixed:60") is controller_of("fixed:60")
+
+    def test_scenarios_rewards_and_layouts(self, edit):
+        assert make_scenario("mine.hall:HALL").target == (500.0, 0.0)
+        edit("mine.hall", "target=(500.0, 0.0)", "target=(450.0, 0.0)")
+        assert make_scenario("mine.hall:HALL").target == (450.0, 0.0)
+        reward, seen = make_reward("mine.pay:logarithm_of_the_gap"), make_observation("broken:seen")
+        edit("mine.pay", "0.0", "-5.0")
+        edit("broken", "number = 3", "number = 4")
+        assert make_reward("mine.pay:logarithm_of_the_gap") is not reward
+        assert make_observation("broken:seen") is not seen
+
+    def test_cells_of_a_notebook(self, monkeypatch):
+        main = types.ModuleType("__main__")  # has no file
+        monkeypatch.setitem(sys.modules, "__main__", main)
+        digests = []
+        for size in (5, 8):
+            exec(BROKEN + f"class Mine(Base):\n    initial_population_size = {size}\n", main.__dict__)
+            assert make_controller("__main__:Mine").initial_population_size == size
+            main.Mine.act = eval(f"lambda self, seen: {size} + 0 * seen[:, :2]")
+            digests.append(own_code.origin_of("controller", "__main__:Mine"))
+        assert digests[0] != digests[1]
+        assert own_code.source_files() == {}
+
+    @pytest.mark.slow
+    @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
+    def test_optimizers_and_their_kernels(self, edit, folder):
+        name, options = "mine.again:HillClimber", {"scenario": "case3", "initial_population_size": 9}
+        (folder / "mine/again.py").write_text((folder / "mine/swarm.py").read_text())
+
+        def episode():
+            env = gymnasium.make(environment_id(name), iterations=9, **options)
+            env.reset(seed=1)
+            return [env.step(np.array([9.0, 0.0]))[4]["best_fitness"] for _ in range(9)]
+
+        before = episode()
+        assert episode() == before
+        edit("mine.again", "Parameter(0.2,", "Parameter(0.9,")
+        larger_steps = episode()
+        edit("mine.again", "2.0 * work.noise[k] - 1.0", "0.0 * work.noise[k]")
+        no_steps = episode()
+        assert before[-1] != larger_steps[-1]
+        assert len(set(no_steps)) == 1 < len(set(before))
+        check_optimizer(name)
+
+
+PAY = """
+import numpy as np
+
+calls = [0]
+
+def one_for_all(transition):
+    return np.array([1.0])
+
+def a_number(transition):
+    return 1.0
+
+def lost_later(transition):
+    calls[0] += 1
+    reward = np.ones(len(transition.cost))
+    reward[-1] = np.nan if calls[0] > 2 else 1.0
+    return reward
+
+def infinite(transition):
+    return np.full(len(transition.cost), -np.inf)
+
+def words(transition):
+    return np.full(len(transition.cost), "much", dtype=object)
+
+def nothing_for_those_who_rest(transition):
+    return np.where(transition.cost > 0.0, 1.0, np.nan)
+"""
+REWARDED = {"iterations": 5, "initial_population_size": 6, "max_population_size": 12}
+
+
+class TestRewards:
+    """Rewards are checked in every step, and messages name them."""
+
+    @pytest.fixture(autouse=True)
+    def pay(self, folder, monkeypatch):
+        (folder / "paid.py").write_text(PAY)
+        monkeypatch.delitem(sys.modules, "paid", raising=False)
+
+    @pytest.mark.parametrize(
+        ("name", "expected"),
+        [
+            ("one_for_all", r"'paid:one_for_all' must return an array of shape \(3,\).* shape \(1,\)"),
+            ("a_number", r"'paid:a_number' must return an array of shape \(3,\).*got 1.0"),
+            ("lost_later", "'paid:lost_later' of swarm 2 in iteration 3 is nan, expected a finite number"),
+            ("infinite", "'paid:infinite' of swarm 0 in iteration 1 is -inf"),
+            ("words", "'paid:words' must return numbers, got the type object"),
+        ],
+    )
+    def test_what_is_no_number_for_each_swarm_is_refused(self, name, expected):
+        envs = SwarmVectorEnv(3, reward=f"paid:{name}", **REWARDED)
+        envs.reset(seed=0)
+        steps = 2 if name == "lost_later" else 0
+        for _ in range(steps):
+            envs.step(np.tile([6.0, 0.5], (3, 1)))
+        with pytest.raises(OwnCodeError, match=expected):
+            envs.step(np.tile([6.0, 0.5], (3, 1)))
+
+    def test_the_reward_of_a_swarm_that_rests_may_be_anything(self):
+        envs = SwarmVectorEnv(2, reward="paid:nothing_for_those_who_rest", **REWARDED)
+        envs.reset(seed=0)
+        envs.reset(options={"reset_mask": np.array([True, False])})
+        _, rewards, ended = envs.step_running(np.tile([6.0, 0.5], (2, 1)), np.array([True, False]))
+        assert rewards.tolist() == [1.0, 0.0]
+        assert not ended.any()

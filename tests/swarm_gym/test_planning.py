@@ -283,3 +283,11 @@ def test_other_values_are_refused():
         main(["--map", "case1", "--budget", "many"])
     with pytest.raises(SystemExit):
         main(["--map", "case1", "--start", "1;2"])
+
+
+def test_a_start_may_begin_with_a_minus_sign(tmp_path, capsys):
+    walls = {"type": "Polygon", "coordinates": [[[2, 0], [3, 0], [3, 1], [2, 1], [2, 0]]]}
+    (tmp_path / "wall.geojson").write_text(json.dumps(walls))
+    given = ["--map", str(tmp_path / "wall.geojson"), "--start", "-0.5,0.5", "--goal", "5,-.5"]
+    assert main([*given, "--budget", "500"]) == 0
+    assert "length" in capsys.readouterr().out

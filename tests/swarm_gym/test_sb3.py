@@ -7,8 +7,10 @@ pytest.importorskip("stable_baselines3", reason="needs the extra `study`")
 
 from gymnasium.vector import AutoresetMode
 from stable_baselines3 import PPO
-from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+from stable_baselines3.common.env_util import make_vec_env
+from stable_baselines3.common.vec_env import SubprocVecEnv, VecMonitor, VecNormalize
 
+from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.sb3 import NativeVecEnv, make_vec
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -72,3 +74,90 @@ def test_what_only_single_environments_have_is_refused():
         make_vec("fireflies", 2)
     with pytest.raises(ValueError, match="SAME_STEP"):
         NativeVecEnv(SwarmVectorEnv(2, **OPTIONS))
+
+
+SCENARIOS = ["case1", "case2", "case3"]
+
+
+def begun(env):
+    """Begin episodes and return the names of the scenarios in their infos."""
+    env.reset()
+    return [info["scenario"] for info in env.reset_infos]
+
+
+def test_options_are_those_of_the_next_reset():
+    made = make_vec(num_envs=6, seed=1, scenario=SCENARIOS, **OPTIONS)
+    drawn = begun(make_vec(num_envs=6, seed=1, scenario=SCENARIOS, **OPTIONS))
+    assert len(set(drawn)) > 1
+    made.set_options({"scenario": "case2"})
+    assert begun(made) == ["case2"] * 6
+    assert len(set(begun(made))) > 1  # options count once
+    made.set_options([{"scenario": name} for name in SCENARIOS * 2])
+    assert begun(VecMonitor(made).venv) == SCENARIOS * 2
+    made.seed(1)
+    made.set_options([{}, {"initial_population_size": 4}] * 3)
+    assert begun(made) == drawn
+    assert [info["population_size"] for info in made.reset_infos] == [6, 4] * 3
+    made.set_options({"scenario": "case2"})
+    made.set_options()
+    made.seed(1)
+    assert begun(made) == drawn
+
+
+def test_options_of_groups_of_swarms_do_not_change_what_seeds_draw():
+    population = np.zeros((3, 31))
+    made, all_alike = (make_vec(num_envs=4, seed=5, **OPTIONS) for _ in range(2))
+    made.set_options([{"initial_population": population.copy()}, {"initial_population_size": 3}] * 2)
+    all_alike.set_options({"initial_population_size": 3})
+    found, expected = made.reset(), all_alike.reset()
+    np.testing.assert_array_equal(found[1::2], expected[1::2])
+    assert not (found[::2] == expected[::2]).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"scenari": "case1"}, "unknown reset option 'scenari'; valid: amplitude"),
+        ({"scenario": "case2"}, "unknown scenario of this environment 'case2'; valid: case1"),
+        ([{}, {"initial_population_size": 0}], "initial_population_size must lie in"),
+        ([{}], "options must be a mapping, or a list of 2, one for each swarm"),
+        ({"reset_mask": [True, False]}, "unknown reset option 'reset_mask'"),
+    ],
+)
+def test_options_that_cannot_be_are_refused_when_they_are_given(options, error):
+    made = make_vec(num_envs=2, **OPTIONS)
+    with pytest.raises(ValueError, match=error):
+        made.set_options(options)
+    native = SwarmVectorEnv(2, **OPTIONS)
+    if isinstance(options, dict) and "reset_mask" not in options:
+        with pytest.raises(ValueError, match=error):
+            native.reset(options=options)
+
+
+def test_infos_of_resets_are_those_of_the_library():
+    made = make_vec(num_envs=3, seed=2, scenario=SCENARIOS, **OPTIONS)
+    single = make_vec_env(
+        SwarmEnv,
+        3,
+        seed=2,
+        env_kwargs={"scenario": SCENARIOS, "observation": "scaled", "action": "normalised", **OPTIONS},
+    )
+    assert made.reset_infos == [{}] * 3
+    made.reset(), single.reset()
+    for step in range(12):
+        if step in (0, 5, 7):
+            for ours, its in zip(made.reset_infos, single.reset_infos, strict=True):
+                np.testing.assert_equal(ours, its)
+        actions = np.full((3, 2), 0.1 * step - 0.5, dtype=np.float32)
+        made.step(actions), single.step(actions)
+
+
+@pytest.mark.parametrize("method", ["forkserver", "spawn"])
+def test_workers_that_start_anew_make_environments_by_an_id_with_its_package(method):
+    workers = {"vec_env_cls": SubprocVecEnv, "vec_env_kwargs": {"start_method": method}}
+    made = make_vec_env("swarm_gym:swarm_gym/Firefly-v0", 2, seed=3, env_kwargs=OPTIONS, **workers)
+    try:
+        seen = made.reset()
+    finally:
+        made.close()
+    np.testing.assert_array_equal(seen, SwarmVectorEnv(2, **OPTIONS).reset(seed=3)[0])

@@ -18,7 +18,7 @@ from safetensors.numpy import load, save
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.packaged import find_file, packaged_names, read_bytes
-from swarm_gym.errors import shown
+from swarm_gym.errors import listed, shown
 from swarm_gym.files import write_atomically
 
 __all__ = ["PolicyFileError", "Weights", "decode_policy", "encode_policy", "load_policy", "save_policy"]
@@ -53,9 +53,8 @@ def resolve(name: str) -> Path:
         return path
     names = [ControllerName.of("learned", packaged) for packaged in packaged_policies()]
     forms = sorted({one.argument if one.seed is None else f"{one.recipe}/<seed>" for one in names})
-    raise PolicyFileError(
-        f"policy {shown(name)}: neither a packaged policy ({', '.join(forms) or 'none'}) nor a file"
-    )
+    packaged = listed(forms, name, "docs/scores.md") or "none"
+    raise PolicyFileError(f"policy {shown(name)}: neither a packaged policy ({packaged}) nor a file")
 
 
 def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
