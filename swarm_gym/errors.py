@@ -70,10 +70,14 @@ class UnknownNameError(SwarmGymError, ValueError):
         name: name that was given.
         valid: names of the registry.
         where: command, file or page that lists all names, for a registry of many.
+
+    Attributes:
+        valid: all names of the registry, of which a message may list the most alike only.
     """
 
     def __init__(self, kind: str, name: object, valid: Iterable[str], where: str = ""):
-        super().__init__(f"unknown {kind} {shown(name)}; valid: {listed(sorted(valid), name, where)}")
+        self.valid = tuple(sorted(valid))
+        super().__init__(f"unknown {kind} {shown(name)}; valid: {listed(self.valid, name, where)}")
 
 
 class SettingError(SwarmGymError, ValueError):
