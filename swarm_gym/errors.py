@@ -36,7 +36,8 @@ def listed(names: Iterable[str], given: object = "", where: str = "") -> str:
     whole = ", ".join(names)
     if len(whole) <= LONGEST_LIST:
         return whole
-    some = get_close_matches(str(given)[:100], islice(names, _MOST_COMPARED), n=5, cutoff=0.0)
+    text = given if isinstance(given, str) else shown(given)
+    some = get_close_matches(text[:100], islice(names, _MOST_COMPARED), n=5, cutoff=0.0)
     while len(some) > 1 and len(", ".join(some)) > LONGEST_LIST:
         some.pop()
     return f"{', '.join(some)}, ... ({len(names):,} in all{f', see {where}' if where else ''})"
