@@ -36,7 +36,8 @@ def listed(names: Iterable[str], given: object = "", where: str = "") -> str:
     whole = ", ".join(names)
     if len(whole) <= LONGEST_LIST:
         return whole
-    some = get_close_matches(str(given)[:100], islice(names, _MOST_COMPARED), n=5, cutoff=0.0)
+    text = given if isinstance(given, str) else shown(given)
+    some = get_close_matches(text[:100], islice(names, _MOST_COMPARED), n=5, cutoff=0.0)
     while len(some) > 1 and len(", ".join(some)) > LONGEST_LIST:
         some.pop()
     return f"{', '.join(some)}, ... ({len(names):,} in all{f', see {where}' if where else ''})"
@@ -70,10 +71,14 @@ class UnknownNameError(SwarmGymError, ValueError):
         name: name that was given.
         valid: names of the registry.
         where: command, file or page that lists all names, for a registry of many.
+
+    Attributes:
+        valid: all names of the registry, of which a message may list the most alike only.
     """
 
     def __init__(self, kind: str, name: object, valid: Iterable[str], where: str = ""):
-        super().__init__(f"unknown {kind} {shown(name)}; valid: {listed(sorted(valid), name, where)}")
+        self.valid = tuple(sorted(valid))
+        super().__init__(f"unknown {kind} {shown(name)}; valid: {listed(self.valid, name, where)}")
 
 
 class SettingError(SwarmGymError, ValueError):

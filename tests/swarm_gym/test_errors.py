@@ -11,6 +11,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, MissingExtraError, SwarmGymError, UnknownNameError, listed
 from swarm_gym.scenarios import make_scenario
 
+FIELDS = "random-fields:train:"
 RAISED = (
     SwarmGymError(),
     ActionError("phi is 2"),
@@ -38,6 +39,7 @@ def test_of_many_names_a_message_lists_those_that_are_alike():
     assert "valid: room:27, " in str(error)
     assert str(error).endswith(", ... (5,000 in all, see the page)")
     assert len(str(error)) < 120
+    assert len(error.valid) == 5_000
     assert len(listed(["x" * 150, "y" * 150], "x")) < 200
 
 
@@ -50,7 +52,7 @@ def test_of_many_names_a_message_lists_those_that_are_alike():
         lambda: make_controller("open-loop:nothing"),
         lambda: make_controller("tuned:nothing"),
         lambda: SwarmEnv(scenarios="case1"),
-        lambda: SwarmEnv(scenario="caves:0-99").reset(options={"scenario": "caves:100"}),
+        lambda: SwarmEnv(scenario=f"{FIELDS}0-99").reset(options={"scenario": f"{FIELDS}100"}),
         lambda: load_preset("nothing"),
         lambda: get_suite("nothing"),
     ],

@@ -328,10 +328,10 @@ def assert_all(expected, actual):
 
 
 def words_of_refusal(call, *arguments, **options):
-    """Return the words of the message that refuses an unknown option, which lists those that there are."""
+    """Return the words of the error that refuses an unknown option, which has those that there are."""
     with pytest.raises((SwarmGymError, ValueError)) as refused:
         call(*arguments, **options)
-    return set(re.findall(r"[\w-]+", str(refused.value)))
+    return {*re.findall(r"[\w-]+", str(refused.value)), *getattr(refused.value, "valid", ())}
 
 
 def test_every_environment_optimizer_and_option_is_there():

@@ -86,7 +86,7 @@ def test_when_filming_fails_no_file_is_left(tmp_path, monkeypatch):
         ({"iterations": 0}, SettingError, "iterations must lie in .*, got 0"),
         ({"controller": "nobody"}, UnknownNameError, "unknown controller 'nobody'; valid: .*fixed"),
         ({"controller": "fixed:none"}, ValueError, "expected a population size"),
-        ({"scenario": "nowhere"}, UnknownNameError, "unknown scenario 'nowhere'; valid: .*case1"),
+        ({"scenario": "nowhere"}, UnknownNameError, "unknown scenario 'nowhere'; valid: .*docs/scenarios.md"),
     ],
 )
 def test_what_cannot_be_filmed_is_refused_and_nothing_is_written(tmp_path, options, error, message):
