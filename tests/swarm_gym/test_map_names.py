@@ -10,7 +10,8 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan
 from swarm_gym.planning.map_names import is_map_file
-from swarm_gym.planning.maps import GEOJSON, READERS, read_task
+from swarm_gym.planning.maps import GEOJSON, READERS
+from swarm_gym.planning.tasks import read_task
 
 ENDINGS = (*READERS, *GEOJSON)
 MAP = "type octile\nheight 3\nwidth 5\nmap\n.....\n..@..\n..@..\n"
