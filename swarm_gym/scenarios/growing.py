@@ -1,18 +1,19 @@
 """Obstacles grown by a margin: what a disc must not touch, its centre must stay out of."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
-from swarm_gym.compiler.elementary import cos, sin
 from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.scenarios.dynamic.scenario import MapScenario
 from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
-from swarm_gym.scenarios.scenario import Circle, Obstacle, Polygon
+from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon
 
-CORNERS = 32  # of the polygon around a disc, by which polygons grow
+STRAIGHT = 1e-14  # sine of the angle up to which an outline counts as straight at a corner
 FINE = 4.0  # cells of a grown grid map are as small as the margin over this, if the map is not too large then
 MOST_CELLS = 2**22
 
@@ -20,8 +21,8 @@ MOST_CELLS = 2**22
 def grown(scenario: MapScenario, margin: float) -> MapScenario:
     """Return the scenario with obstacles that have grown by a margin, in map units.
 
-    The corners of a grown polygon are round. They are replaced by polygons around them, which are larger by
-    0.5 % of the margin at most. A grid map is cut into smaller cells, and a cell is blocked if a point of it
+    Circles and polygons grow exactly. A grown polygon has round corners: it becomes a polygon with the edges
+    moved outwards, and a circle around each corner of the given one. So there are more obstacles afterwards. A grid map is cut into smaller cells, and a cell is blocked if a point of it
     is closer to a blocked cell than the margin; passages that are wider than twice the margin by less than
     1.5 small cells are closed.
 
@@ -32,7 +33,7 @@ def grown(scenario: MapScenario, margin: float) -> MapScenario:
     try:
         if isinstance(scenario, GridScenario):
             return replace(scenario, map=_grown_grid(scenario.map, margin))
-        return replace(scenario, obstacles=tuple(_grown(obstacle, margin) for obstacle in scenario.obstacles))
+        return replace(scenario, obstacles=_all_grown(scenario.obstacles, margin))
     except ScenarioError as error:
         kind = NoPathError if isinstance(error, NoPathError) else ScenarioError
         raise kind(
@@ -51,12 +52,41 @@ def _grown_grid(grid: GridMap, margin: float) -> GridMap:
     return small.inflated(margin + side * math.sqrt(0.5))
 
 
-def _grown(obstacle: Obstacle, margin: float) -> Obstacle:
-    if isinstance(obstacle, Circle):
-        return Circle(obstacle.x, obstacle.y, obstacle.radius + margin)
-    from scipy.spatial import ConvexHull
+def _all_grown(obstacles: Sequence[Obstacle], margin: float) -> tuple[Obstacle, ...]:
+    """Return obstacles grown by a margin; a circle around corners that several polygons share is there once."""
+    return tuple(dict.fromkeys(chain.from_iterable(_grown(obstacle, margin) for obstacle in obstacles)))
 
-    angles = np.arange(CORNERS) * math.tau / CORNERS
-    around = margin / cos(math.pi / CORNERS) * np.stack([cos(angles), sin(angles)], axis=-1)
-    points = (np.array(obstacle.vertices)[:, None] + around).reshape(-1, 2)
-    return Polygon(tuple(map(tuple, points[ConvexHull(points).vertices].tolist())))
+
+def _grown(obstacle: Obstacle, margin: float) -> list[Obstacle]:
+    """Return obstacles whose union is an obstacle grown by a margin.
+
+    A grown polygon is the hull of its edges, moved outwards by the margin, and a circle around each corner.
+    """
+    if isinstance(obstacle, Circle):
+        return [Circle(obstacle.x, obstacle.y, obstacle.radius + margin)]
+    corners: list[Point] = []
+    for (x0, y0), (x1, y1) in obstacle.edges():
+        length = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+        out_x, out_y = margin * (y1 - y0) / length, margin * (x0 - x1) / length
+        corners += [(x0 + out_x, y0 + out_y), (x1 + out_x, y1 + out_y)]
+    outline = Polygon(_strictly_convex(corners))
+    return [outline, *(Circle(x, y, margin) for x, y in obstacle.vertices)]
+
+
+def _strictly_convex(corners: list[Point]) -> tuple[Point, ...]:
+    """Return corners of a convex outline without those where it hardly turns.
+
+    Where two edges are nearly parallel, their moved ends are so close that rounding decides how the outline
+    turns. Each corner that is left out lies within `STRAIGHT` times an edge from the outline of the others.
+    """
+    kept = list(dict.fromkeys(corners))
+    k, looked_at = 0, 0
+    while looked_at < len(kept) and len(kept) > 3:
+        before, here, after = kept[k - 1], kept[k], kept[(k + 1) % len(kept)]
+        in_x, in_y, out_x, out_y = here[0] - before[0], here[1] - before[1], after[0] - here[0], after[1] - here[1]
+        product = math.sqrt((in_x**2 + in_y**2) * (out_x**2 + out_y**2))
+        if in_x * out_y - in_y * out_x <= STRAIGHT * product:
+            del kept[k]
+            k, looked_at = k - 1, -1  # its neighbours turn otherwise now
+        k, looked_at = (k + 1) % len(kept), looked_at + 1
+    return tuple(kept)
