@@ -1,4 +1,4 @@
-"""Where a shortest path can bend: corners and discs, and their arcs that lie in no other obstacle.
+"""Sites at which a shortest path can bend: corners and discs, and their arcs that no other obstacle covers.
 
 A corner of a polygon is a circle of radius zero here. Its arc goes from the outward normal of the one edge to
 that of the other: a line through the corner that does not enter the polygon has its normal there.
@@ -23,7 +23,7 @@ from swarm_gym.reference.solids import (
     is_new,
 )
 
-ANGULAR_SLACK = 1e-9  # by which a normal may miss a single arc, for rounding; segments are tested besides
+ANGULAR_SLACK = 1e-9  # by which a normal may miss an arc, for rounding; segments are tested besides
 USELESS, SINGLE, WIDE, MANY = range(4)  # kinds of sites, by their arcs
 
 
@@ -84,28 +84,34 @@ def make_sites(solids: Solids, cells: Cells, places: Places) -> Sites:
 
 
 @kernel
-def is_in_hull(sites: Sites, s: int, x: float, y: float) -> bool:
-    """Return whether a direction can lie on a free arc of a site."""
+def is_in_hull(sites: Sites, s: int, x: float, y: float, slack: float) -> bool:
+    """Return whether a direction can lie on a free arc of a site, or misses it by no more than an angle."""
     kind, hulls = sites.kinds[s], sites.hulls
     if kind == MANY:
         return True
-    behind_begin = hulls[s, 0] * y - hulls[s, 1] * x >= -ANGULAR_SLACK
-    before_end = x * hulls[s, 3] - y * hulls[s, 2] >= -ANGULAR_SLACK
+    behind_begin = hulls[s, 0] * y - hulls[s, 1] * x >= -slack
+    before_end = x * hulls[s, 3] - y * hulls[s, 2] >= -slack
     if kind == SINGLE:
         return behind_begin and before_end
     return kind == WIDE and (behind_begin or before_end)
 
 
 @kernel
-def slack_of(sites: Sites, s: int) -> float:
-    """Return the angle by which a path may go back on a site, for rounding; on a disc it is no way."""
-    return min(ANGULAR_SLACK, 1e-13 / max(sites.circles[s, 2], 1e-9))
+def slack_of(sites: Sites, s: int, tolerance: float, length: float) -> float:
+    """Return the angle by which a tangent of some length may miss an arc of a site, for rounding.
+
+    At a corner that costs no way, and the direction of a short tangent is little known. On a disc a path may
+    go back by as much.
+    """
+    radius = sites.circles[s, 2]
+    if radius > 0.0:
+        return 1e-13 / max(radius, 1e-9)
+    return ANGULAR_SLACK + tolerance / max(length, tolerance)
 
 
 @kernel
-def ahead(sites: Sites, s: int, sign: int, angle: float) -> float:
-    """Return the angle that is free from a place of a site on, in a direction; negative at a blocked place."""
-    slack = slack_of(sites, s)
+def ahead(sites: Sites, s: int, sign: int, angle: float, slack: float) -> float:
+    """Return the free angle ahead of a place on a site, in a direction; negative if the place is blocked."""
     for k in range(sites.first[s], sites.first[s + 1]):
         length = sites.arcs[k, 1] - sites.arcs[k, 0]
         if length >= math.tau:
@@ -198,7 +204,7 @@ def _blocked_arcs(
 
     Args:
         solids: the obstacles.
-        cells: their cells.
+        cells: the obstacles by cells.
         places: all places.
         s: number of the disc among the places.
         blocked: array that the arcs are written to; a longer one is returned if it is too short.

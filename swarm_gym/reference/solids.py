@@ -4,7 +4,7 @@ An obstacle blocks a segment that comes deeper into it than a tolerance.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_CELLS_PER_SIDE = 64
-NONE = np.int64(0)  # counts begin with it: Numba would compile what takes a literal 0 twice
+NONE = cast(int, np.int64(0))  # counts begin with it: Numba would compile what takes a literal 0 twice
 SLACK = 1e-6  # by which obstacles reach beyond their outline when cells are filled, in cells
 
 
@@ -155,8 +155,8 @@ def _reaches(solids: Solids, o: int, x: float, y: float, half: float) -> bool:
 @kernel
 def cell_at(cells: Cells, x: float, y: float) -> tuple[int, int]:
     """Return the column and the row of the cell at a point, or nearest to it."""
-    column = int(math.floor((x - cells.x) / cells.side))
-    row = int(math.floor((y - cells.y) / cells.side))
+    column = math.floor((x - cells.x) / cells.side)
+    row = math.floor((y - cells.y) / cells.side)
     return min(max(column, 0), cells.columns - 1), min(max(row, 0), cells.rows - 1)
 
 

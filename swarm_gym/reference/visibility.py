@@ -62,7 +62,7 @@ def find_path(solids: Solids, places: Places, box: Floats) -> tuple[float, Float
 
     Args:
         solids: the obstacles.
-        places: where a path begins, ends, and can bend.
+        places: ends of the path, and places where it can bend.
         box: left, lower, right and upper end of the scene, (4,).
     """
     cells = make_cells(solids, box[0], box[1], box[2], box[3])

@@ -13,7 +13,7 @@ from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.scenario import Circle, Obstacle, Point, Polygon
 
-STRAIGHT = 1e-14  # sine of the angle up to which an outline counts as straight at a corner
+STRAIGHT = 1e-14  # how far a corner may lie from the line between its neighbours, in edges, to be left out
 FINE = 4.0  # cells of a grown grid map are as small as the margin over this, if the map is not too large then
 MOST_CELLS = 2**22
 
@@ -21,10 +21,10 @@ MOST_CELLS = 2**22
 def grown(scenario: MapScenario, margin: float) -> MapScenario:
     """Return the scenario with obstacles that have grown by a margin, in map units.
 
-    Circles and polygons grow exactly. A grown polygon has round corners: it becomes a polygon with the edges
-    moved outwards, and a circle around each corner of the given one. So there are more obstacles afterwards. A grid map is cut into smaller cells, and a cell is blocked if a point of it
-    is closer to a blocked cell than the margin; passages that are wider than twice the margin by less than
-    1.5 small cells are closed.
+    Circles and polygons grow exactly. The corners of a grown polygon are round, so it becomes a polygon with
+    edges that are moved outwards, and a circle around each corner of the given one. A grid map is cut into
+    smaller cells, and a cell is blocked if a point of it is closer to a blocked cell than the margin;
+    passages that are wider than twice the margin by less than 1.5 small cells are closed.
 
     Raises:
         ScenarioError: if an end is inside a grown obstacle.
@@ -53,7 +53,7 @@ def _grown_grid(grid: GridMap, margin: float) -> GridMap:
 
 
 def _all_grown(obstacles: Sequence[Obstacle], margin: float) -> tuple[Obstacle, ...]:
-    """Return obstacles grown by a margin; a circle around corners that several polygons share is there once."""
+    """Return obstacles grown by a margin. Polygons that share a corner share the circle around it."""
     return tuple(dict.fromkeys(chain.from_iterable(_grown(obstacle, margin) for obstacle in obstacles)))
 
 
@@ -77,15 +77,16 @@ def _strictly_convex(corners: list[Point]) -> tuple[Point, ...]:
     """Return corners of a convex outline without those where it hardly turns.
 
     Where two edges are nearly parallel, their moved ends are so close that rounding decides how the outline
-    turns. Each corner that is left out lies within `STRAIGHT` times an edge from the outline of the others.
+    turns. The line between the neighbours of a corner that is left out passes it within `STRAIGHT` edges.
     """
     kept = list(dict.fromkeys(corners))
     k, looked_at = 0, 0
     while looked_at < len(kept) and len(kept) > 3:
         before, here, after = kept[k - 1], kept[k], kept[(k + 1) % len(kept)]
-        in_x, in_y, out_x, out_y = here[0] - before[0], here[1] - before[1], after[0] - here[0], after[1] - here[1]
-        product = math.sqrt((in_x**2 + in_y**2) * (out_x**2 + out_y**2))
-        if in_x * out_y - in_y * out_x <= STRAIGHT * product:
+        x, y = here[0] - before[0], here[1] - before[1]
+        over_x, over_y = after[0] - before[0], after[1] - before[1]
+        product = math.sqrt((x * x + y * y) * (over_x * over_x + over_y * over_y))
+        if x * over_y - y * over_x <= STRAIGHT * product:
             del kept[k]
             k, looked_at = k - 1, -1  # its neighbours turn otherwise now
         k, looked_at = (k + 1) % len(kept), looked_at + 1

@@ -238,4 +238,9 @@ def _cross(a: Point, b: Point, c: Point) -> float:
 
 
 def _signed_area(vertices: tuple[Point, ...]) -> float:
-    return math.fsum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*vertices, vertices[0]))) / 2
+    """Return the area of an outline, negative if it is clockwise.
+
+    Products are those of differences: far from the origin, the coordinates' own would be too large.
+    """
+    origin = vertices[0]
+    return math.fsum(_cross(origin, a, b) for a, b in pairwise(vertices)) / 2

@@ -1,9 +1,7 @@
-"""The exact shortest path among the obstacles of a scenario, by a tangent visibility graph.
+"""The exact shortest path among the obstacles of a scenario, by the whole tangent visibility graph.
 
-Source: T. Lozano-Perez, M. A. Wesley, "An algorithm for planning collision-free paths among
-polyhedral obstacles", Commun. ACM 22 (1979). Circles are treated alike: a shortest path consists of
-arcs of circles and of segments, each tangent to an obstacle at both ends unless it ends at start or
-target.
+All tangents are tested against all obstacles, and Dijkstra searches the graph. Coordinates are taken as they
+are, so that it is exact only near the origin.
 
 A point is a circle of radius zero here, so that every segment is a common tangent of two circles.
 Points and directions of the plane are complex numbers.
