@@ -32,8 +32,13 @@ KERNEL_SOURCES = (
     "optimizers",
     "reference/a_star.py",
     "reference/any_angle.py",
+    "reference/free_arcs.py",
     "reference/grid_sight.py",
     "reference/priority_queue.py",
+    "reference/solids.py",
+    "reference/tangents.py",
+    "reference/taut_polyline.py",
+    "reference/visibility.py",
     "reference/waypoint_optimum.py",
 )
 COMPILE_TIMEOUT = 600.0  # seconds that a process waits for the kernel that another one compiles

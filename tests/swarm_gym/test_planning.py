@@ -11,14 +11,13 @@ import shapely
 
 import swarm_gym
 from helpers.plans import assert_free, obstacles_of
-from helpers.shapes import shape
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError, ScenarioError, SettingError
 from swarm_gym.plan import main
 from swarm_gym.planning import plan, search, tasks
 from swarm_gym.planning.drawing import GOAL, OBSTACLE, PAPER, PATH, START
 from swarm_gym.reference import shortest_path
-from swarm_gym.scenarios import Circle, Polygon, Scenario, grown, make_scenario
+from swarm_gym.scenarios import Circle, Polygon, Scenario
 
 L_SHAPE = [[2, 1], [8, 1], [8, 3], [4, 3], [4, 9], [2, 9], [2, 1]]
 FIELD = {
@@ -38,9 +37,7 @@ FIELD = {
     ("name", "radius"),
     [
         *((name, 0.0) for name in ("case2", "case3", "random-fields:test:5")),
-        ("random-fields:test:5", 12.0),
-        # Ten seconds and a minute: hundreds of corners see each other.
-        *(pytest.param(name, 12.0, marks=pytest.mark.slow) for name in ("case3", "case2")),
+        *((name, 12.0) for name in ("case2", "case3", "random-fields:test:5")),
     ],
 )
 def test_paths_among_obstacles_are_free_and_short(name, radius):
@@ -125,16 +122,6 @@ def test_ctrl_c_gives_the_best_path_so_far(monkeypatch):
     found = plan("case3", planner="swarm")
     assert found.stopped
     assert_free(found)
-
-
-def test_polygons_of_a_file_grow_around_discs():
-    scenario = make_scenario("case1")
-    larger = grown(scenario, 7.0)
-    for before, after in zip(scenario.obstacles, larger.obstacles, strict=True):
-        expected = shape(before, 512).buffer(7.0, quad_segs=512)
-        area = shape(after, 512)
-        assert expected.difference(area).area < 1e-3 * expected.area
-        assert area.difference(expected.buffer(0.04)).is_empty
 
 
 def test_polygons_of_geojson_are_obstacles_convex_or_not(tmp_path):
