@@ -17,13 +17,13 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import NoPathError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.planning.exact import certified, exact_path, shorter_exact_path, stand_in
 from swarm_gym.planning.guide import guided_population
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.scaling import scaled_to_cases
 from swarm_gym.planning.tasks import Task, read_task
 from swarm_gym.problem import GridProblem, MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point
 from swarm_gym.ways import other_way, shortest_way
 
@@ -35,7 +35,6 @@ ON_GRIDS = ("multivariate", "fixed:65")
 ITERATIONS = {"firefly": 100}  # of an episode; the controllers were tuned or trained for these
 FEW_ITERATIONS = 40  # of the other optimizers
 EPISODES = 5  # without a budget
-LARGEST_EXACT = 2**21  # cells of a grid map up to which the exact shortest path is computed
 
 
 @dataclass(frozen=True)
@@ -65,10 +64,11 @@ class Plan:
         evaluations: evaluations of the optimizer, and those of final repairs.
         seconds: time that planning took, without that of `gap`.
         gap: length above the exact shortest path with the same distance from obstacles, as a share of that;
-            None where it is unknown.
+            None where it is unknown. On grid maps that is the robot's path on the map as given, with arcs.
         found_by: "swarm"; "guide" if nothing was shorter than the path of A*, pulled tight, around which a
             swarm begins on a grid map; "previous path" if nothing was shorter than that path after its
-            repair; each with " and planner" if pieces of the path were planned anew; or "exact planner".
+            repair; each with " and planner" if pieces of the path were planned anew; or "exact planner", also
+            where its path of a robot on a grid map is shorter than the swarm's.
         stopped: whether Ctrl-C ended planning.
         improvements: the paths that were the shortest one in turn, the last of which is `path`; not
             that of the exact planner.
@@ -156,15 +156,17 @@ def plan(
         stopped = True
         search.keep_best()
     improvements = tuple(search.improvements)
-    if improvements:
-        found, found_by = improvements[-1].path, improvements[-1].found_by
-    else:
-        if not fallback:
-            raise NoPathError(
-                f"no free path found on {task.given.name!r} with {search.evaluations:,} evaluations in "
-                f"{time.monotonic() - began:.2f} seconds; a larger budget or `fallback` may help"
-            )
-        found, found_by = shortest_path(task.grown)[1], "exact planner"
+    found, found_by = search.best, improvements[-1].found_by if improvements else ""
+    exact = shorter_exact_path(task, found)
+    if exact is None and found is None and fallback:
+        exact = stand_in(task)
+    if exact is not None:
+        found, found_by = exact, "exact planner"
+    if found is None:
+        raise NoPathError(
+            f"no free path found on {task.given.name!r} with {search.evaluations:,} evaluations in "
+            f"{time.monotonic() - began:.2f} seconds; a larger budget or `fallback` may help"
+        )
     seconds = time.monotonic() - began
     length = length_of(found)
     gap = _gap(task, length)
@@ -175,9 +177,8 @@ def plan(
 
 
 def _gap(task: Task, length: float) -> float | None:
-    if isinstance(task.grown, GridScenario) and task.grown.map.blocked.size > LARGEST_EXACT:
-        return None
-    return length / shortest_path(task.grown)[0] - 1.0
+    exact = exact_path(task)
+    return None if exact is None else length / exact[0] - 1.0
 
 
 class _Search:
@@ -250,9 +251,10 @@ class _Search:
         self.evaluations += found.evaluations
         mapped = found.path / self._factor
         mapped[0], mapped[-1] = self._task.grown.start, self._task.grown.target
-        if self.best is None or length_of(mapped) < length_of(self.best):
+        kept = certified(self._task, mapped)
+        if kept is not None and (self.best is None or length_of(kept) < length_of(self.best)):
             found_by = f"{found_by} and planner" if found.planned else found_by
-            self.improvements.append(Improvement(time.monotonic() - self._began, mapped, found_by))
+            self.improvements.append(Improvement(time.monotonic() - self._began, kept, found_by))
 
     def _next_guide(self) -> Floats | None:
         """Return the way that the next episode begins around, on grid maps.

@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.geojson import read_geojson
+from swarm_gym.reference import known_robot_path
 from swarm_gym.scenarios import (
     AnyScenario,
     GridScenario,
@@ -28,7 +29,8 @@ class Task:
 
     Attributes:
         given: the map as it is, with start and goal.
-        grown: map with obstacles that have grown by the margin: a point on it is the whole robot.
+        grown: map with obstacles that have grown by the margin: a point on it is the whole robot. On grid
+            maps, cells at the ends, or along an exact path, may be open though parts of them are too close.
         margin: distance in map units that the path keeps from obstacles: radius of the robot and clearance.
     """
 
@@ -52,10 +54,34 @@ def read_task(
     Raises:
         ScenarioError: for a file that is missing or malformed, or an end that is outside the map, inside an
             obstacle, or closer to one than the margin.
-        NoPathError: if obstacles separate start and goal, also after they have grown.
+        NoPathError: if obstacles separate start and goal, also after they have grown; on grid maps, if the
+            robot does not fit through by exact geometry.
     """
     given = _given(where, start, goal)
-    return Task(given, given if margin == 0.0 else grown(given, margin), margin)
+    if margin == 0.0:
+        return Task(given, given, margin)
+    try:
+        return Task(given, grown(given, margin), margin)
+    except NoPathError as error:
+        if not isinstance(given, GridScenario):
+            raise
+        return Task(given, _grown_along_exact_path(given, margin, error), margin)
+
+
+def _grown_along_exact_path(given: GridScenario, margin: float, error: NoPathError) -> MapScenario:
+    """Return a grown map that is open along the exact path, where rounding to cells has separated the ends.
+
+    Raises:
+        NoPathError: if there is no exact path, or it is unknown: then the error that is given, and a hint.
+    """
+    exact = known_robot_path(given, margin)
+    if exact is None:
+        raise NoPathError(
+            f"{error}; rounding to small cells closes passages that are hardly wider than the robot, whose "
+            f"diameter is {2.0 * margin:g} with the clearance: try a map of finer cells than "
+            f"{given.map.resolution:g}, or only the part around start and goal"
+        ) from error
+    return grown(given, margin, exact[1])
 
 
 def _given(where: str | Path | AnyScenario, start: Point | None, goal: Point | None) -> MapScenario:

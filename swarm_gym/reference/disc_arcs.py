@@ -137,6 +137,8 @@ def _closed_parts(
                         scratch = np.concatenate((scratch, np.zeros((count, 2))))
                     scratch[count, 0], scratch[count, 1] = low, high
                     count += 1
+                    if low == 0.0 and high == QUARTER:
+                        return scratch, count
             column = behind
     return scratch, count
 

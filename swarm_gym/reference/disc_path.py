@@ -1,10 +1,11 @@
-"""The path of a disc's centre, which consists of segments and arcs, as a polyline that is as far from everything.
+"""The path of a disc's centre, of segments and arcs, as a polyline that is as far from everything.
 
 A polyline inside an arc would cut the corner. So points lie outside of the arc: the polyline touches the arc
 in the middle of its edges, and it is longer than the arc.
 """
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,9 @@ from swarm_gym.reference.disc_arcs import SLACK, disc_is_free
 from swarm_gym.reference.disc_tangents import strip_is_free
 from swarm_gym.reference.grid_sight import SightGrid
 
-LONGER = 2.5e-7  # how much longer than the path the polyline is at most, as a share, unless a passage needs more
+LONGER = (
+    2.5e-7  # how much longer than the path the polyline is at most, as a share, unless a passage needs more
+)
 MOST_HALVINGS = 30  # of an arc that has obstacles on its other side
 
 
@@ -56,7 +59,7 @@ def as_polyline(
     for arc in arcs:
         pieces = max(math.ceil(abs(arc.end - arc.begin) / widest), 1)
         angles = np.linspace(arc.begin, arc.end, pieces + 1).tolist()
-        for begin, end in zip(angles[:-1], angles[1:], strict=True):
+        for begin, end in pairwise(angles):
             points += _outside(grid, radius, Arc(arc.corner, begin, end), MOST_HALVINGS)
     return np.array([*points, goal])
 
@@ -69,7 +72,7 @@ def place(grid: SightGrid, corner: int, angle: float, distance: float) -> tuple[
 
 
 def _outside(grid: SightGrid, radius: float, arc: Arc, halvings: int) -> list[tuple[float, float]]:
-    """Return points outside an arc: one where its tangents meet, if that is free; else those of its halves."""
+    """Return points outside an arc: one where its tangents meet if that is free, else those of its halves."""
     middle, half = 0.5 * (arc.begin + arc.end), 0.5 * (arc.end - arc.begin)
     point = place(grid, arc.corner, middle, radius / math.cos(half))
     if halvings == 0 or half == 0.0 or _is_free(grid, radius, arc, point):
@@ -81,7 +84,7 @@ def _outside(grid: SightGrid, radius: float, arc: Arc, halvings: int) -> list[tu
 
 
 def _is_free(grid: SightGrid, radius: float, arc: Arc, point: tuple[float, float]) -> bool:
-    """Return whether the way of the disc from one end of an arc to a point outside, and to the other, is free."""
+    """Return whether the disc is free on its way from one end of an arc to a point, and to the other end."""
     least = radius - 1.5 * SLACK
     first, last = (place(grid, arc.corner, angle, radius) for angle in (arc.begin, arc.end))
     return (

@@ -1,8 +1,8 @@
 """The exact shortest path of a disc on an occupancy grid.
 
-The centre moves along segments and along arcs around corners of blocked cells, whose radius is that of the disc
-(T. Lozano-Perez, M. A. Wesley, Commun. ACM 22, 1979): A* over the common tangents of the circles around corners.
-A corner looks for its tangents when a path first reaches it.
+The centre moves along segments, and along arcs around corners of blocked cells, which have the disc's radius
+(T. Lozano-Perez, M. A. Wesley, Commun. ACM 22, 1979): A* over the common tangents of the circles around
+corners. A corner looks for its tangents when a path first reaches it.
 """
 
 import heapq
@@ -25,8 +25,15 @@ from swarm_gym.reference.grid_sight import SHIFT, make_sight, make_sight_grid
 
 Point = tuple[float, float]
 
+# Work is counted in rows of the grid that are compared with a tangent. Other steps count as so many rows: a
+# row near a corner when its arcs are found, a corner that the search reaches, a tangent that it follows.
+PER_ROW, PER_CORNER, PER_STEP = 10, 10_000, 200
 BACK = 1e-9  # angle by which a tangent may leave a circle before another one reaches it: rounding errors
 GOAL = -1  # in place of a lane
+
+
+class TooMuchWorkError(Exception):
+    """The search for a path was given up, since it takes more work than was allowed."""
 
 
 @dataclass
@@ -37,6 +44,13 @@ class _Lane:
     to_lanes: list[int] = field(default_factory=list)
     to_angles: list[float] = field(default_factory=list)
     lengths: list[float] = field(default_factory=list)
+
+    def add(self, key: float, to_lane: int, to_angle: float, length: float) -> None:
+        """Add a tangent that leaves the lane behind all others."""
+        self.keys.append(key)
+        self.to_lanes.append(to_lane)
+        self.to_angles.append(to_angle)
+        self.lengths.append(length)
 
 
 @dataclass(frozen=True)
@@ -56,24 +70,29 @@ class DiscPlanner:
     A passage as wide as the disc is open.
     """
 
-    def __init__(self, blocked: NDArray[np.bool_], radius: float):
-        """Take a grid, (height, width), row 0 on top, and the radius of the disc in cells.
+    def __init__(self, blocked: NDArray[np.bool_], radius: float, most_work: float = math.inf):
+        """Find the free arcs around all corners of a grid.
+
+        Args:
+            blocked: (height, width) the grid, row 0 on top; it is copied.
+            radius: radius of the disc in cells.
+            most_work: work that finding the arcs, and then each search, may take, in rows of the grid.
 
         Raises:
             ScenarioError: if the grid is no array of booleans with two axes, or the radius is not positive.
+            TooMuchWorkError: if finding the arcs takes more work than is allowed.
         """
         if not 0.0 < radius < math.inf:
             raise ScenarioError(f"radius is {radius!r}; expected a positive number of cells")
         self._blocked = as_grid(blocked)
         self._radius = float(radius)
         self._grid = make_sight_grid(self._blocked)
+        self._most_work = most_work
+        if PER_ROW * len(self._grid.corner_rows) * (4.0 * radius + 2.0) > most_work:
+            raise TooMuchWorkError
         self._arcs = find_free_arcs(self._grid, self._radius)
         self._lanes: dict[int, _Lane] = {}
-
-    @property
-    def num_arcs(self) -> int:
-        """Number of free arcs around corners, which the time of a search depends on."""
-        return len(self._arcs.low)
+        self._work_at: dict[int, int] = {}  # by corner
 
     def shortest_path(
         self, start: Sequence[float], goal: Sequence[float]
@@ -87,6 +106,8 @@ class DiscPlanner:
         Raises:
             ScenarioError: if the disc does not fit at an end.
             NoPathError: if the disc does not fit through between the ends.
+            TooMuchWorkError: if the search takes more work than is allowed. What earlier searches found counts
+                again, so that this does not depend on the order of calls.
         """
         ends = [self._free_point(start, "start"), self._free_point(goal, "goal")]
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]
@@ -140,22 +161,29 @@ class DiscPlanner:
         ):
             enter(length, lane, angle, None, 0.0)
         shortest: dict[int, list[float]] = {}  # lengths of paths to where tangents leave a lane
+        reached_corners: set[int] = set()
+        work = first.work + last.work
         while queue:
+            if work + PER_STEP * next(numbers) > self._most_work:
+                raise TooMuchWorkError
             _, _, length, arrival = heapq.heappop(queue)
             if arrival.lane == GOAL:
                 return length, self._arcs_of(arrival)
             sign = 1.0 if arrival.lane % 2 else -1.0
             key = sign * arrival.angle
             lane = self._lane(arrival.lane)
+            corner = int(self._arcs.corners[arrival.lane // 2])
+            if corner not in reached_corners:
+                reached_corners.add(corner)
+                work += self._work_at[corner]
             lengths = shortest.setdefault(arrival.lane, [math.inf] * len(lane.keys))
             for k in range(bisect_left(lane.keys, key - BACK), len(lane.keys)):
                 reached = length + self._radius * max(lane.keys[k] - key, 0.0)
                 if lengths[k] <= reached:
                     break  # another path comes here as soon, and so to all that follows on this lane
                 lengths[k] = reached
-                enter(
-                    reached + lane.lengths[k], lane.to_lanes[k], lane.to_angles[k], arrival, sign * lane.keys[k]
-                )
+                reached += lane.lengths[k]
+                enter(reached, lane.to_lanes[k], lane.to_angles[k], arrival, sign * lane.keys[k])
             for angle, rest in to_goal.get(arrival.lane, ()):
                 if sign * angle >= key - BACK:
                     reached = length + self._radius * max(sign * angle - key, 0.0)
@@ -170,20 +198,19 @@ class DiscPlanner:
                 self._lanes[2 * arc], self._lanes[2 * arc + 1] = _Lane(), _Lane()
             sight = make_sight(self._grid)
             found = tangents_from_corner(self._grid, self._arcs, corner, self._radius, sight)
+            self._work_at[corner] = PER_CORNER + found.work
             keys = np.where(found.from_lanes % 2 == 1, found.from_angles, -found.from_angles)
             order = np.argsort(keys, kind="stable")
             columns = (found.from_lanes, keys, found.to_lanes, found.to_angles, found.lengths)
             for one, *values in zip(*(column[order].tolist() for column in columns), strict=True):
-                known = self._lanes[one]
-                for kept, value in zip(
-                    (known.keys, known.to_lanes, known.to_angles, known.lengths), values, strict=True
-                ):
-                    kept.append(value)
+                self._lanes[one].add(*values)
         return self._lanes[lane]
 
     def _arcs_of(self, arrival: _Arrival) -> list[Arc]:
-        arcs, here, left_at = [], arrival.before, arrival.left_at
-        while here is not None:
-            arcs.append(Arc(int(self._arcs.corners[here.lane // 2]), here.angle, left_at))
-            here, left_at = here.before, here.left_at
+        """Return the arcs of a path that ends with an arrival at the goal."""
+        arcs = []
+        while arrival.before is not None:
+            before = arrival.before
+            arcs.append(Arc(int(self._arcs.corners[before.lane // 2]), before.angle, arrival.left_at))
+            arrival = before
         return arcs[::-1]

@@ -1,4 +1,4 @@
-"""Common tangents of the circles around corners of blocked cells, along which a disc of their radius can move.
+"""Common tangents of the circles around corners of blocked cells: a disc of their radius moves along them.
 
 Two corners whose circles have a free common tangent see each other. The disc that moves along the tangent
 covers the triangles, or the rectangle, between the tangent and the line of sight: all points of these but the
@@ -33,6 +33,8 @@ class Tangents(NamedTuple):
     "Angle at which it enters that lane, (k,)."
     lengths: NDArray[np.float64]
     "Length in cells, (k,)."
+    work: int
+    "Rows of the grid that were compared with candidates, and ten for each corner in sight."
 
 
 class Touch(NamedTuple):
@@ -60,7 +62,7 @@ def tangents_from_corner(
     x, y = float(grid.corner_columns[corner]), float(grid.corner_rows[corner])
     seen = see_every_corner(grid, x, y, sight)
     found = _make_tangents(4 * seen)
-    size = 0
+    size, work = 0, 10 * seen
     for k in range(seen):
         other = sight.corners[k]
         if arcs.first[other] == arcs.first[other + 1]:
@@ -86,6 +88,7 @@ def tangents_from_corner(
                 end = _touch(grid, arcs, other, radius, side * normal_x, side * normal_y, side * turn)
                 if end.lane < 0:
                     continue
+                work += int(abs(to_y - y) + 2.0 * radius)
                 if not strip_is_free(
                     grid,
                     x + radius * normal_x,
@@ -99,7 +102,7 @@ def tangents_from_corner(
                 found.to_lanes[size], found.to_angles[size] = end.lane, end.angle
                 found.lengths[size] = length
                 size += 1
-    return _cut(found, size)
+    return _cut(found, size, work)
 
 
 @entry
@@ -118,7 +121,7 @@ def tangents_from_point(
     """
     seen = see_every_corner(grid, x, y, sight)
     found = _make_tangents(2 * seen)
-    size = 0
+    size, work = 0, 10 * seen
     for k in range(seen):
         other = sight.corners[k]
         to_x, to_y = float(grid.corner_columns[other]), float(grid.corner_rows[other])
@@ -135,12 +138,13 @@ def tangents_from_point(
             if end.lane < 0:
                 continue
             end_x, end_y = to_x + radius * normal_x, to_y + radius * normal_y
+            work += int(abs(to_y - y) + 2.0 * radius)
             if not strip_is_free(grid, x, y, end_x, end_y, radius - SLACK):
                 continue
             found.to_lanes[size], found.to_angles[size] = end.lane, end.angle
             found.lengths[size] = length
             size += 1
-    return _cut(found, size)
+    return _cut(found, size, work)
 
 
 @entry
@@ -161,7 +165,7 @@ def strip_is_free(grid: SightGrid, x0: float, y0: float, x1: float, y1: float, r
     across_x, across_y = reach * (y0 - y1) / length, reach * (x1 - x0) / length
     xs = (x0 - across_x, x0 + across_x, x1 + across_x, x1 - across_x)
     ys = (y0 - across_y, y0 + across_y, y1 + across_y, y1 - across_y)
-    top, bottom = min(min(ys[0], ys[1]), min(ys[2], ys[3])), max(max(ys[0], ys[1]), max(ys[2], ys[3]))
+    top, bottom = min(ys[0], ys[1], ys[2], ys[3]), max(ys[0], ys[1], ys[2], ys[3])
     begin = int(max(math.floor(top), 1.0))
     end = int(min(math.ceil(bottom), grid.blocked.shape[0] - 1.0))
     for row in range(begin, end):
@@ -213,16 +217,17 @@ def _touch(
 @kernel
 def _make_tangents(most: int) -> Tangents:
     return Tangents(
-        np.zeros(most, np.int64), np.zeros(most), np.zeros(most, np.int64), np.zeros(most), np.zeros(most)
+        np.zeros(most, np.int64), np.zeros(most), np.zeros(most, np.int64), np.zeros(most), np.zeros(most), 0
     )
 
 
 @kernel
-def _cut(found: Tangents, size: int) -> Tangents:
+def _cut(found: Tangents, size: int, work: int) -> Tangents:
     return Tangents(
         found.from_lanes[:size].copy(),
         found.from_angles[:size].copy(),
         found.to_lanes[:size].copy(),
         found.to_angles[:size].copy(),
         found.lengths[:size].copy(),
+        work,
     )

@@ -204,9 +204,7 @@ def _see_rows(
                         sight.intervals[1 - now, passed, 0] = least
                         sight.intervals[1 - now, passed, 1] = greatest
                         passed += 1
-                        found = _add_corners(
-                            grid, line, x, step, far, least, greatest, every, sight, found
-                        )
+                        found = _add_corners(grid, line, x, step, far, least, greatest, every, sight, found)
                 column = end
         number, now = passed, 1 - now
     return found
@@ -251,7 +249,7 @@ def _add_corners(
 
 @kernel
 def _see_along_line(grid: SightGrid, x: float, y: float, every: bool, sight: Sight, found: int) -> int:
-    """Add the first corner to the left and to the right of a point on a horizontal grid line, or every one."""
+    """Add the first corner, or every one, on both sides of a point on a horizontal grid line."""
     line = int(y)
     for step in (-1, 1):
         column = math.floor(x) if step > 0 else math.ceil(x) - 1

@@ -1,0 +1,114 @@
+"""Exact planners' paths of tasks, where computing them is quick enough, and paths checked on the given map."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.errors import ScenarioError
+from swarm_gym.planning.tasks import Task
+from swarm_gym.problem.geometry.clearance import keeps_distance
+from swarm_gym.problem.geometry.polylines import length_of
+from swarm_gym.reference import known_robot_path, shortest_path, shortest_robot_path
+from swarm_gym.scenarios import GridScenario
+
+Floats = NDArray[np.float64]
+
+LARGEST_EXACT = 2**21  # cells of a grid map up to which the exact shortest path is computed
+TOUCHING = 1e-9  # how much closer than the margin a path may come, in cells
+# Parts of a path from its end, in small cells, one of which is planned anew if it is too close to blocked cells.
+ANEW = (2, 4, 8, 16, 32, 64)
+
+
+def exact_path(task: Task) -> tuple[float, Floats] | None:
+    """Return the exact shortest path, (k, 2), and its length before it, in map units; None if it is unknown.
+
+    On a grid map it is the path of the robot on the map as given, which no rounding to cells has changed. It
+    is unknown on maps of more than `LARGEST_EXACT` cells, and where the search takes too much work.
+
+    Raises:
+        NoPathError: if there is none.
+    """
+    if not isinstance(task.given, GridScenario):
+        return shortest_path(task.grown)
+    if task.given.map.blocked.size > LARGEST_EXACT:
+        return None
+    return known_robot_path(task.given, task.margin)
+
+
+def stand_in(task: Task) -> Floats | None:
+    """Return the path of an exact planner, (k, 2), where the swarm has found none; None if there is none.
+
+    Where the exact path is unknown, it is the exact path on the grown map.
+    """
+    exact = exact_path(task)
+    return certified(task, shortest_path(task.grown)[1]) if exact is None else exact[1]
+
+
+def shorter_exact_path(task: Task, path: Floats | None) -> Floats | None:
+    """Return the exact path of a robot on a grid map, (k, 2), if it is shorter than a path, or there is none.
+
+    It is None on other maps, and where the exact path is unknown.
+    """
+    if task.margin == 0.0 or not isinstance(task.given, GridScenario):
+        return None
+    exact = exact_path(task)
+    if exact is None or (path is not None and length_of(path) <= length_of(exact[1])):
+        return None
+    return exact[1]
+
+
+def certified(task: Task, path: Floats) -> Floats | None:
+    """Return a path on the grown map, (k, 2), that keeps the margin on the map as given, or None.
+
+    On grid maps, small cells that were opened at the ends may let a path come too close there. Then its end
+    is planned anew by the exact planner, on a part of the map.
+    """
+    if task.margin == 0.0 or not isinstance(task.given, GridScenario) or _keeps_margin(task, path):
+        return path
+    mended = _begun_anew(task, path)
+    if not _keeps_margin(task, mended):
+        mended = _begun_anew(task, mended[::-1])[::-1]
+    return mended if _keeps_margin(task, mended) else None
+
+
+def _keeps_margin(task: Task, path: Floats) -> bool:
+    assert isinstance(task.given, GridScenario)
+    grid = task.given.map
+    return keeps_distance(grid.blocked, grid.to_cells(path), task.margin / grid.resolution - TOUCHING)
+
+
+def _begun_anew(task: Task, path: Floats) -> Floats:
+    """Return a path, (k, 2), with its beginning planned anew, or as it is if that was no use."""
+    assert isinstance(task.grown, GridScenario)
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
+    for cells in ANEW:
+        reached = cells * task.grown.map.resolution
+        if reached >= along[-1]:
+            break
+        behind = np.searchsorted(along, reached, side="right")
+        point = np.array([np.interp(reached, along, path[:, k]) for k in range(2)])
+        rest = np.vstack([point, path[behind:]])
+        before = np.vstack([path[:behind], point])
+        if _keeps_margin(task, before):
+            break  # it is the other end that is too close
+        way = _on_part(task, before)
+        if way is not None and _keeps_margin(task, way):
+            return np.vstack([way, rest[1:]])
+    return path
+
+
+def _on_part(task: Task, path: Floats) -> Floats | None:
+    """Return the exact path between the ends of a path, (k, 2), on the part of the map around it, or None."""
+    assert isinstance(task.given, GridScenario)
+    grid = task.given.map
+    cells, reach = (
+        grid.to_cells(path),
+        2.0 * task.margin / grid.resolution + length_of(path) / grid.resolution,
+    )
+    low = np.maximum(np.floor(cells.min(axis=0) - reach), 0.0).astype(np.int64)
+    high = np.ceil(cells.max(axis=0) + reach + 1.0).astype(np.int64)
+    part = grid.cut(slice(low[1], high[1]), slice(low[0], high[0]))
+    try:
+        between = GridScenario(task.given.name, part, tuple(path[0].tolist()), tuple(path[-1].tolist()))
+        return shortest_robot_path(between, task.margin)[1]
+    except ScenarioError:
+        return None
