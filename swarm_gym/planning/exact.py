@@ -1,4 +1,4 @@
-"""Exact planners' paths of tasks, where computing them is quick enough, and paths checked on the given map."""
+"""Exact planners' paths of tasks, where computing them is quick, and paths checked on the given map."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 LARGEST_EXACT = 2**21  # cells of a grid map up to which the exact shortest path is computed
 TOUCHING = 1e-9  # how much closer than the margin a path may come, in cells
-# Parts of a path from its end, in small cells, one of which is planned anew if it is too close to blocked cells.
+# Lengths of beginnings of a path, in small cells, of which one is planned anew if it is too close to blocks.
 ANEW = (2, 4, 8, 16, 32, 64)
 
 

@@ -106,8 +106,8 @@ class DiscPlanner:
         Raises:
             ScenarioError: if the disc does not fit at an end.
             NoPathError: if the disc does not fit through between the ends.
-            TooMuchWorkError: if the search takes more work than is allowed. What earlier searches found counts
-                again, so that this does not depend on the order of calls.
+            TooMuchWorkError: if the search takes more work than is allowed. What earlier searches found
+                counts again, so that this does not depend on the order of calls.
         """
         ends = [self._free_point(start, "start"), self._free_point(goal, "goal")]
         shifted = [(x + SHIFT, y + SHIFT) for x, y in ends]

@@ -62,7 +62,7 @@ def shortest_robot_path(
 
     Returns:
         The length in map units, arcs included. A polyline in map coordinates, (k, 2), that keeps the margin
-        too, up to 1e-9 cells: its points lie outside of the arcs, and it is longer by a share of 2.5e-7 at most.
+        too, up to 1e-9 cells: its points lie outside of the arcs. It is longer by a share of 2.5e-7 at most.
 
     Raises:
         ScenarioError: if an end is closer to a blocked cell than the margin.
@@ -78,8 +78,8 @@ def shortest_robot_path(
     except NoPathError as error:
         raise NoPathError(
             f"scenario {shown(scenario.name)} on map {grid.name!r}: no path leads from start "
-            f"{scenario.start} to target {scenario.target} for a disc of diameter {2.0 * margin:g}, twice the "
-            "robot's radius and the clearance: blocked cells leave no passage that wide"
+            f"{scenario.start} to target {scenario.target} for a disc of diameter {2.0 * margin:g}, twice "
+            "the robot's radius and the clearance: blocked cells leave no passage that wide"
         ) from error
     path = grid.to_map(points)
     path[0], path[-1] = scenario.start, scenario.target

@@ -55,8 +55,8 @@ def grown_on_cells(scenario: GridScenario, margin: float, way: Floats | None = N
         if distance < margin - ROUNDING * grid.resolution:
             raise ScenarioError(
                 f"scenario {shown(scenario.name)} on map {grid.name!r}: {role} {end} is {distance:.6g} from "
-                f"the nearest blocked cell, expected at least {margin:g}; choose another {role}, or a smaller "
-                "radius or clearance"
+                f"the nearest blocked cell, expected at least {margin:g}; choose another {role}, or a "
+                "smaller radius or clearance"
             )
     if not grid.blocked.any():
         return scenario
