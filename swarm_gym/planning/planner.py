@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import NoPathError, SettingError
+from swarm_gym.planning.certificate import certified
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.search import EPISODES, Search, improvement_of
 from swarm_gym.planning.tasks import read_task
+from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import AnyScenario, Point
 
 PLANNERS = ("auto", "swarm")
@@ -84,10 +86,10 @@ def plan(
     began = time.monotonic()
     task = read_task(where, start, goal, robot_radius + clearance, workspace, coordinates)
     before = None if previous is None else require_previous(previous, task)
-    exact_first = planner == "auto" and task.is_quick
-    improvements = [improvement_of(task, task.shortest[1], "exact planner", began)] if exact_first else []
+    exact = task.shortest if planner == "auto" else None
+    improvements = [] if exact is None else [improvement_of(task, exact[1], "exact planner", began)]
     evaluations, stopped = 0, False
-    if not exact_first or optimizer is not None or controller is not None:
+    if exact is None or optimizer is not None or controller is not None:
         search = Search(task, optimizer, controller, seed, began, improvements)
         if before is not None:
             search.begin_with(task.frame.to_frame(before))
@@ -97,19 +99,19 @@ def plan(
             math.inf if max_evaluations or max_seconds else EPISODES,
         )
         evaluations = search.evaluations
+    if not improvements and planner == "auto":
+        stand_in = certified(task, shortest_path(task.grown)[1])
+        if stand_in is not None:
+            improvements.append(improvement_of(task, stand_in, "exact planner", began))
     if not improvements:
-        # Where there is no path at all, `shortest` says so.
-        exact = task.shortest[1] if task.is_quick or planner == "auto" else None
-        if planner == "swarm":
-            raise NoPathError(
-                f"no free path found on {task.given.name!r} with {evaluations:,} evaluations in "
-                f"{time.monotonic() - began:.2f} seconds; a larger budget, or `planner='auto'`, may help"
-            )
-        assert exact is not None
-        improvements.append(improvement_of(task, exact, "exact planner", began))
+        task.require_path()
+        raise NoPathError(
+            f"no free path found on {task.given.name!r} with {evaluations:,} evaluations in "
+            f"{time.monotonic() - began:.2f} seconds; a larger budget, or `planner='auto'`, may help"
+        )
     seconds = time.monotonic() - began
     best = improvements[-1]
-    gap = best.length / (task.shortest[0] / task.frame.factor) - 1.0 if task.is_quick else None
+    gap = None if task.shortest is None else task.frame.factor * best.length / task.shortest[0] - 1.0
     least = clearance_of(task.bare, task.frame.to_frame(best.path)) / task.frame.factor
     return Plan(
         task.given,

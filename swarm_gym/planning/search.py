@@ -11,6 +11,7 @@ from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.planning.certificate import certified
 from swarm_gym.planning.guide import guided_population
 from swarm_gym.planning.result import Improvement
 from swarm_gym.planning.tasks import Task
@@ -138,10 +139,11 @@ class Search:
         if found is None:
             return
         self.evaluations += found.evaluations
-        if self._best is None or length_of(found.path) < length_of(self._best):
-            self._best = found.path
+        kept = certified(self._task, found.path)
+        if kept is not None and (self._best is None or length_of(kept) < length_of(self._best)):
+            self._best = kept
             by = f"{found_by} and planner" if found.planned else found_by
-            self.improvements.append(improvement_of(self._task, found.path, by, self._began))
+            self.improvements.append(improvement_of(self._task, kept, by, self._began))
 
     def _next_guide(self) -> Floats | None:
         """Return the way that the next episode begins around, on grid maps.

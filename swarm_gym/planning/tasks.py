@@ -8,27 +8,26 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.clearance import clearance_of
-from swarm_gym.errors import ScenarioError, shown
+from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.frame import Frame
 from swarm_gym.planning.geographic import Projection, require_coordinates
 from swarm_gym.planning.maps import read_any_map
 from swarm_gym.planning.workspace import read_workspace
-from swarm_gym.reference import shortest_path
+from swarm_gym.reference import known_robot_path, shortest_path
 from swarm_gym.scenarios import (
     AnyScenario,
-    Circle,
     GridScenario,
     MapScenario,
-    Obstacle,
     Point,
     Scenario,
     grown,
 )
+from swarm_gym.scenarios.growing_grids import require_room
 
 Floats = NDArray[np.float64]
 
-# What the exact planner takes a second for, at most: cells of a grid map, corners and circles of others.
-MOST_CELLS, MOST_CORNERS = 2**21, 2000
+# What the exact planner takes a second for, at most: cells of a grid map, and obstacles of others.
+MOST_CELLS, MOST_OBSTACLES = 2**21, 1000
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,6 @@ class Task:
         margin: distance in map units that the path keeps from obstacles: radius of the robot and clearance.
         frame: the coordinates that the planner works in.
         bare: the map as it is, in the frame.
-        grown: map with obstacles that have grown by the margin, in the frame: a point on it is the whole
-            robot.
         start: start in the user's coordinates.
         goal: goal in the user's coordinates.
         projection: projection from the user's longitudes and latitudes to map units, which are metres then;
@@ -52,26 +49,56 @@ class Task:
     margin: float
     frame: Frame
     bare: MapScenario
-    grown: MapScenario
     start: Point
     goal: Point
     projection: Projection | None
 
-    @property
-    def is_quick(self) -> bool:
-        """Whether the exact shortest path is quickly computed, by the size of the map alone."""
-        if isinstance(self.grown, GridScenario):
-            return self.grown.map.blocked.size <= MOST_CELLS
-        return sum(map(_corners, self.grown.solids)) <= MOST_CORNERS
+    @cached_property
+    def grown(self) -> MapScenario:
+        """The map with obstacles that have grown by the margin, in the frame: a point is the whole robot.
+
+        On grid maps, cells at the ends, or along an exact path, may be open though parts of them are too
+        close.
+
+        Raises:
+            NoPathError: if grown obstacles separate the ends.
+        """
+        if self.margin == 0.0:
+            return self.bare
+        try:
+            return grown(self.bare, self.frame.factor * self.margin)
+        except NoPathError as error:
+            if self.shortest is None:
+                raise NoPathError(
+                    f"{error}; rounding to small cells closes passages that are hardly wider than the robot, "
+                    f"whose diameter is {2.0 * self.margin:g} with the clearance: try a map of finer cells, "
+                    "or only the part around start and goal"
+                ) from error
+        return grown(self.bare, self.margin, self.shortest[1])
 
     @cached_property
-    def shortest(self) -> tuple[float, Floats]:
+    def shortest(self) -> tuple[float, Floats] | None:
         """Length and points, (k, 2), of the exact shortest path of the robot, in the frame.
+
+        On a grid map it is the path of the robot on the map as given, which no rounding to cells has changed.
+        None where it is not quickly known, by the size of the map and the work that it takes.
 
         Raises:
             NoPathError: if there is none.
         """
-        return shortest_path(self.grown)
+        if isinstance(self.given, GridScenario):
+            too_large = self.given.map.blocked.size > MOST_CELLS
+            return None if too_large else known_robot_path(self.given, self.margin)
+        assert isinstance(self.grown, Scenario)
+        return None if len(self.grown.solids) > MOST_OBSTACLES else shortest_path(self.grown)
+
+    def require_path(self) -> None:
+        """Raise an error if it is quickly known that there is no path.
+
+        Raises:
+            NoPathError: if there is none.
+        """
+        assert self.shortest is None or self.shortest[0] > 0.0
 
     def for_user(self, path: Floats) -> Floats:
         """Return a path from start to goal, (k, 2) in map units, in the user's coordinates."""
@@ -120,15 +147,15 @@ def read_task(
         assert goal is not None
         ends = start, goal
     if isinstance(given, GridScenario):
-        larger = given if margin == 0.0 else grown(given, margin)
-        return Task(given, margin, Frame(), given, larger, *ends, projection)
+        require_room(given, margin)
+        return Task(given, margin, Frame(), given, *ends, projection)
     frame = Frame.of(given)
     try:
-        bare = frame.moved(given)
-        larger = bare if margin == 0.0 else grown(bare, frame.factor * margin)
+        task = Task(given, margin, frame, frame.moved(given), *ends, projection)
+        assert task.grown  # making it checks the ends
     except ScenarioError as error:
         raise ScenarioError(_refusal(given, margin) or str(error)) from error
-    return Task(given, margin, frame, bare, larger, *ends, projection)
+    return task
 
 
 def _refusal(given: Scenario, margin: float) -> str | None:
@@ -144,7 +171,3 @@ def _refusal(given: Scenario, margin: float) -> str | None:
                 "for the robot's radius and the clearance"
             )
     return None
-
-
-def _corners(obstacle: Obstacle) -> int:
-    return 1 if isinstance(obstacle, Circle) else len(obstacle.vertices)

@@ -115,10 +115,27 @@ def see_from_point(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
         x = float(round(x))
     if abs(y - round(y)) <= TOLERANCE:
         y = float(round(y))
-    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, sight, 0)
-    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, sight, found)
+    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, False, sight, 0)
+    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, False, sight, found)
     if y == round(y):
-        found = _see_along_line(grid, x, y, sight, found)
+        found = _see_along_line(grid, x, y, False, sight, found)
+    return found
+
+
+@kernel
+def see_every_corner(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
+    """Find all corners that a point sees, also those where a path could not turn.
+
+    The point is a corner or touches a free cell; arguments and result are those of `see_from_point`.
+    """
+    if abs(x - round(x)) <= TOLERANCE:
+        x = float(round(x))
+    if abs(y - round(y)) <= TOLERANCE:
+        y = float(round(y))
+    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, True, sight, 0)
+    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, True, sight, found)
+    if y == round(y):
+        found = _see_along_line(grid, x, y, True, sight, found)
     return found
 
 
@@ -132,16 +149,27 @@ def see_from_corner(grid: SightGrid, corner: int, sight: Sight) -> int:
     x, y = float(grid.corner_columns[corner]), float(grid.corner_rows[corner])
     side, step = grid.blocked_columns[corner], grid.blocked_rows[corner]
     low, high = (-math.inf, 0.0) if side < 0 else (0.0, math.inf)
-    found = _see_rows(grid, x, y, -step, low, high, sight, 0)
-    found = _see_rows(grid, x, y, step, -math.inf, math.inf, sight, found)
-    return _see_along_line(grid, x, y, sight, found)
+    found = _see_rows(grid, x, y, -step, low, high, False, sight, 0)
+    found = _see_rows(grid, x, y, step, -math.inf, math.inf, False, sight, found)
+    return _see_along_line(grid, x, y, False, sight, found)
 
 
 @kernel
 def _see_rows(
-    grid: SightGrid, x: float, y: float, step: int, low: float, high: float, sight: Sight, found: int
+    grid: SightGrid,
+    x: float,
+    y: float,
+    step: int,
+    low: float,
+    high: float,
+    every: bool,
+    sight: Sight,
+    found: int,
 ) -> int:
-    """Add the corners above (step -1) or below (1) a point on rays of the slopes `low` to `high`."""
+    """Add the corners above (step -1) or below (1) a point on rays of the slopes `low` to `high`.
+
+    Unless `every` is set, corners into whose blocked cell the ray would run are left out.
+    """
     row = math.floor(y) if step > 0 else math.ceil(y) - 1
     line = row + 1 if step > 0 else row
     run = _free_run(grid, row, x)
@@ -153,7 +181,7 @@ def _see_rows(
     if not low < high:
         return found
     sight.intervals[0, 0, 0], sight.intervals[0, 0, 1] = low, high
-    found = _add_corners(grid, line, x, step, far, low, high, sight, found)
+    found = _add_corners(grid, line, x, step, far, low, high, every, sight, found)
     number, now = 1, 0
     while number > 0:
         near = far
@@ -176,7 +204,7 @@ def _see_rows(
                         sight.intervals[1 - now, passed, 0] = least
                         sight.intervals[1 - now, passed, 1] = greatest
                         passed += 1
-                        found = _add_corners(grid, line, x, step, far, least, greatest, sight, found)
+                        found = _add_corners(grid, line, x, step, far, least, greatest, every, sight, found)
                 column = end
         number, now = passed, 1 - now
     return found
@@ -202,6 +230,7 @@ def _add_corners(
     distance: float,
     low: float,
     high: float,
+    every: bool,
     sight: Sight,
     found: int,
 ) -> int:
@@ -212,15 +241,15 @@ def _add_corners(
     for corner in range(grid.corners_before[line, begin], grid.corners_before[line, end + 1]):
         across = grid.corner_columns[corner] - x
         ends_here = grid.blocked_rows[corner] == step and grid.blocked_columns[corner] * across > 0.0
-        if low <= across / distance <= high and not ends_here:
+        if low <= across / distance <= high and (every or not ends_here):
             sight.corners[found] = corner
             found += 1
     return found
 
 
 @kernel
-def _see_along_line(grid: SightGrid, x: float, y: float, sight: Sight, found: int) -> int:
-    """Add the first corner to the left and to the right of a point on a horizontal grid line."""
+def _see_along_line(grid: SightGrid, x: float, y: float, every: bool, sight: Sight, found: int) -> int:
+    """Add the first corner, or every one, on both sides of a point on a horizontal grid line."""
     line = int(y)
     for step in (-1, 1):
         column = math.floor(x) if step > 0 else math.ceil(x) - 1
@@ -230,7 +259,8 @@ def _see_along_line(grid: SightGrid, x: float, y: float, sight: Sight, found: in
             if grid.corners_before[line, crossing + 1] > before:
                 sight.corners[found] = before
                 found += 1
-                break
+                if not every:
+                    break
             if is_gap(grid.blocked, crossing, line):
                 break
             column += step

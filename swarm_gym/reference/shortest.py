@@ -1,17 +1,30 @@
 """The exact shortest path on any scenario, whatever its map."""
 
+import math
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.errors import ScenarioError
+from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.reference import visibility
 from swarm_gym.reference.any_angle import AnyAnglePlanner
-from swarm_gym.scenarios import AnyScenario, DynamicScenario, FunctionScenario, GridMap, Scenario
+from swarm_gym.reference.disc_planner import DiscPlanner, TooMuchWorkError
+from swarm_gym.scenarios import (
+    AnyScenario,
+    DynamicScenario,
+    FunctionScenario,
+    GridMap,
+    GridScenario,
+    Scenario,
+)
+
+Floats = NDArray[np.float64]
+
+MOST_WORK = 3e8  # of a known path of a robot, see `disc_planner`: about five seconds
 
 
-def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
+def shortest_path(scenario: AnyScenario) -> tuple[float, Floats]:
     """Return the shortest path from start to target that does not enter an obstacle or a blocked cell.
 
     It may touch them. On maps of circles and polygons it may leave the workspace, on grid maps not.
@@ -32,6 +45,58 @@ def shortest_path(scenario: AnyScenario) -> tuple[float, NDArray[np.float64]]:
     start, target = grid.to_cells([scenario.start, scenario.target]).tolist()
     length, points = _planner(grid).shortest_path(start, target)
     return length * grid.resolution, grid.to_map(points)
+
+
+def shortest_robot_path(
+    scenario: GridScenario, margin: float, most_work: float = math.inf
+) -> tuple[float, Floats]:
+    """Return the shortest path from start to target that keeps a margin from all blocked cells of a grid map.
+
+    It is the path of the centre of a disc on the map as it is. The disc may touch blocked cells, so that it
+    passes gaps that are as wide as itself. It may leave the map, but its centre does not.
+
+    Args:
+        scenario: the map, with start and target.
+        margin: radius of the disc in map units; 0 is `shortest_path`.
+        most_work: work after which the search is given up, in rows of the grid, see `disc_planner`.
+
+    Returns:
+        The length in map units, arcs included. A polyline in map coordinates, (k, 2), that keeps the margin
+        too, up to 1e-9 cells: its points lie outside of the arcs. It is longer by a share of 2.5e-7 at most.
+
+    Raises:
+        ScenarioError: if an end is closer to a blocked cell than the margin.
+        NoPathError: if the disc does not fit through between the ends.
+        TooMuchWorkError: if the search takes more work than is allowed.
+    """
+    if margin == 0.0:
+        return shortest_path(scenario)
+    grid = scenario.map
+    planner = _disc_planner(grid, margin / grid.resolution, most_work)
+    try:
+        length, points = planner.shortest_path(*grid.to_cells([scenario.start, scenario.target]).tolist())
+    except NoPathError as error:
+        raise NoPathError(
+            f"scenario {shown(scenario.name)} on map {grid.name!r}: no path leads from start "
+            f"{scenario.start} to target {scenario.target} for a disc of diameter {2.0 * margin:g}, twice "
+            "the robot's radius and the clearance: blocked cells leave no passage that wide"
+        ) from error
+    path = grid.to_map(points)
+    path[0], path[-1] = scenario.start, scenario.target
+    return length * grid.resolution, path
+
+
+def known_robot_path(scenario: GridScenario, margin: float) -> tuple[float, Floats] | None:
+    """Return what `shortest_robot_path` returns; None if that takes more work than `MOST_WORK`."""
+    try:
+        return shortest_robot_path(scenario, margin, MOST_WORK)
+    except TooMuchWorkError:
+        return None
+
+
+@lru_cache(maxsize=4)
+def _disc_planner(grid: GridMap, radius: float, most_work: float) -> DiscPlanner:
+    return DiscPlanner(grid.blocked, radius, most_work)
 
 
 @lru_cache(maxsize=8)

@@ -6,50 +6,44 @@ from dataclasses import replace
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.scenarios.dynamic.scenario import MapScenario
-from swarm_gym.scenarios.grid_map import MAX_SIDE, GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
+from swarm_gym.scenarios.growing_grids import grown_on_cells
 from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon
 
 STRAIGHT = 1e-14  # how far a corner may lie from the line between its neighbours, in edges, to be left out
-FINE = 4.0  # cells of a grown grid map are as small as the margin over this, if the map is not too large then
-MOST_CELLS = 2**22
 
 
-def grown(scenario: MapScenario, margin: float) -> MapScenario:
+def grown(scenario: MapScenario, margin: float, way: NDArray[np.float64] | None = None) -> MapScenario:
     """Return the scenario with obstacles that have grown by a margin, in map units.
 
     Circles and polygons grow exactly. The corners of a grown polygon are round, so it becomes a polygon with
     edges that are moved outwards, and a circle around each corner of the given one. A grid map is cut into
-    smaller cells, and a cell is blocked if a point of it is closer to a blocked cell than the margin;
-    passages that are wider than twice the margin by less than 1.5 small cells are closed.
+    smaller cells, and a small cell is blocked exactly if a point of it is closer to a blocked cell than the
+    margin. `grown_on_cells` says which passages stay open.
+
+    Args:
+        scenario: the map, with start and target.
+        margin: distance by which obstacles grow, in map units.
+        way: (k, 2) points of a path that is known to keep the margin; on a grid map, small cells along it are
+            open.
 
     Raises:
-        ScenarioError: if an end is inside a grown obstacle.
+        ScenarioError: if an end is inside a grown obstacle, or closer to a blocked cell than the margin.
         NoPathError: if grown obstacles separate the ends.
     """
     try:
         if isinstance(scenario, GridScenario):
-            return replace(scenario, map=_grown_grid(scenario.map, margin))
+            return grown_on_cells(scenario, margin, way)
         return replace(scenario, obstacles=_all_grown(scenario.obstacles, margin))
     except ScenarioError as error:
         kind = NoPathError if isinstance(error, NoPathError) else ScenarioError
         raise kind(
             f"{error}; obstacles have grown by {margin:g}, for the robot's radius and the clearance"
         ) from error
-
-
-def _grown_grid(grid: GridMap, margin: float) -> GridMap:
-    most = min(MAX_SIDE // max(grid.width, grid.height), math.isqrt(MOST_CELLS // grid.blocked.size))
-    parts = max(1, min(math.ceil(FINE * grid.resolution / margin), most))
-    side = grid.resolution / parts
-    first = 0.5 / parts - 0.5
-    x, y = grid.to_map((first, first)).tolist()
-    blocked = np.repeat(np.repeat(grid.blocked, parts, axis=0), parts, axis=1)
-    small = GridMap(grid.name, blocked, side, (x, y), grid.y_up)
-    return small.inflated(margin + side * math.sqrt(0.5))
 
 
 def _all_grown(obstacles: Sequence[Obstacle], margin: float) -> tuple[Obstacle, ...]:
