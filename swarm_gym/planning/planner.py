@@ -103,15 +103,15 @@ def plan(
         stand_in = certified(task, shortest_path(task.grown)[1])
         if stand_in is not None:
             improvements.append(improvement_of(task, stand_in, "exact planner", began))
-    if not improvements:
-        task.require_path()
-        raise NoPathError(
-            f"no free path found on {task.given.name!r} with {evaluations:,} evaluations in "
-            f"{time.monotonic() - began:.2f} seconds; a larger budget, or `planner='auto'`, may help"
-        )
     seconds = time.monotonic() - began
+    known = task.shortest  # says so where there is no path at all
+    if not improvements:
+        raise NoPathError(
+            f"no free path found on {task.given.name!r} with {evaluations:,} evaluations in {seconds:.2f} "
+            "seconds; a larger budget, or `planner='auto'`, may help"
+        )
     best = improvements[-1]
-    gap = None if task.shortest is None else task.frame.factor * best.length / task.shortest[0] - 1.0
+    gap = None if known is None else task.frame.factor * best.length / known[0] - 1.0
     least = clearance_of(task.bare, task.frame.to_frame(best.path)) / task.frame.factor
     return Plan(
         task.given,

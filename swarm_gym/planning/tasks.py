@@ -92,14 +92,6 @@ class Task:
         assert isinstance(self.grown, Scenario)
         return None if len(self.grown.solids) > MOST_OBSTACLES else shortest_path(self.grown)
 
-    def require_path(self) -> None:
-        """Raise an error if it is quickly known that there is no path.
-
-        Raises:
-            NoPathError: if there is none.
-        """
-        assert self.shortest is None or self.shortest[0] > 0.0
-
     def for_user(self, path: Floats) -> Floats:
         """Return a path from start to goal, (k, 2) in map units, in the user's coordinates."""
         if self.projection is None:
