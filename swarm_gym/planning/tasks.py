@@ -27,7 +27,7 @@ from swarm_gym.scenarios.growing_grids import require_room
 Floats = NDArray[np.float64]
 
 # What the exact planner takes a second for, at most: cells of a grid map, and obstacles of others.
-MOST_CELLS, MOST_OBSTACLES = 2**21, 1000
+MOST_CELLS, MOST_OBSTACLES = 2**21, 4000
 
 
 @dataclass(frozen=True)

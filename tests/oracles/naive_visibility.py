@@ -41,8 +41,8 @@ def shortest_path(scenario: Scenario) -> tuple[float, NDArray[np.float64]]:
     Raises:
         ScenarioError: if the obstacles separate start and target.
     """
-    circles = [o for o in scenario.obstacles if isinstance(o, Circle)]
-    polygons = [o for o in scenario.obstacles if isinstance(o, Polygon)]
+    circles = [o for o in scenario.solids if isinstance(o, Circle)]
+    polygons = [o for o in scenario.solids if isinstance(o, Polygon)]
     discs = [_Disc(complex(circle.x, circle.y), circle.radius) for circle in circles]
     obstacles: list[_Disc | _HalfPlanes] = [*discs, *map(_HalfPlanes.of, polygons)]
     corners = [vertex for polygon in polygons for vertex in polygon.vertices]

@@ -195,7 +195,7 @@ def test_walls_leave_no_path(tmp_path, capsys):
     narrow.write_text("type octile\nheight 3\nwidth 5\nmap\n..@..\n.....\n..@..\n")
     assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1"]) == 0
     assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1", "--robot-radius", "0.8"]) == 3
-    assert "obstacles have grown by 0.8" in capsys.readouterr().err
+    assert "for a disc of diameter 1.6, twice the robot's radius" in capsys.readouterr().err
 
 
 RING = tuple(
@@ -213,7 +213,7 @@ def test_the_exact_planner_stands_in_where_the_swarm_finds_nothing(monkeypatch):
     monkeypatch.setattr(search, "final_repair", lambda *_: None)
     with pytest.raises(NoPathError, match="no free path found on 'open'"):
         plan(OPEN, planner="swarm")
-    monkeypatch.setattr(tasks, "MOST_CORNERS", 0)
+    monkeypatch.setattr(tasks, "MOST_OBSTACLES", 0)
     found = plan(OPEN)
     assert found.found_by == "exact planner"
     assert found.evaluations > 0
