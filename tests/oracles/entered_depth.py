@@ -56,7 +56,7 @@ class Blocked:
     @cached_property
     def extent(self):
         """The larger side of the box around everything, without the growth."""
-        (x0, y0), (x1, y1) = self._around
+        (x0, y0), (x1, y1) = self.around
         return float(max(x1 - x0, y1 - y0))
 
     @property
@@ -112,7 +112,8 @@ class Blocked:
         return owners, first, last
 
     @cached_property
-    def _around(self):
+    def around(self):
+        """Least and largest x and y of everything, without the growth."""
         points = [shapely.get_coordinates(self.area)]
         points += [self.discs[:, :2] + sign * self.discs[:, 2:] for sign in (-1.0, 1.0)]
         every = np.concatenate(points)
