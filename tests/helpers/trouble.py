@@ -1,7 +1,7 @@
-"""Hold the package against the oracle on random trouble: `python -m tests.helpers.trouble --first 0 --number 100`.
+"""Hold the package against the oracle on random trouble: `python -m tests.helpers.trouble --number 100`.
 
-It prints what is wrong, scene by scene, and a summary. A run goes on from any seed, so thousands of scenes can be
-held in parts. Plans and swarms take most of the time, so only every few scenes have them.
+The command prints what is wrong, scene by scene, and a summary. A run goes on from any seed, so thousands of
+scenes can be held in parts. Plans and swarms take most of the time, so only every few scenes have them.
 """
 
 import argparse
@@ -36,8 +36,12 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="first seed (default: 0)")
     parser.add_argument("--number", type=int, default=100, help="number of seeds (default: 100)")
-    parser.add_argument("--processes", type=int, default=1, help="processes that share the seeds (default: 1)")
-    parser.add_argument("--what", nargs="+", choices=WORDS, default=WORDS, help="kinds of trouble (default: all)")
+    parser.add_argument(
+        "--processes", type=int, default=1, help="processes that share the seeds (default: 1)"
+    )
+    parser.add_argument(
+        "--what", nargs="+", choices=WORDS, default=WORDS, help="kinds of trouble (default: all)"
+    )
     parser.add_argument("--quiet", action="store_true", help="print the summary alone")
     options = parser.parse_args(arguments)
     return max([_run(what, options) for what in options.what])

@@ -152,4 +152,6 @@ def _pinches(cells):
 
 
 def _distance(cells, points):
-    return float(shapely.distance(shapely.union_all(_squares(cells)), shapely.points(points)).min(initial=math.inf))
+    return float(
+        shapely.distance(shapely.union_all(_squares(cells)), shapely.points(points)).min(initial=math.inf)
+    )

@@ -106,7 +106,7 @@ def hold_slope(seed):
 
 
 def hold_optimised_paths(seed):
-    """Compare members of a swarm on the scene of a seed, the same after repair, and the best feasible path."""
+    """Compare members of a swarm on the scene of a seed, the same after repair, and the best path."""
     scene = map_scene(seed)
     env = SwarmEnv("firefly", scenario=scene.scenario, iterations=ITERATIONS)
     env.reset(seed=seed)
@@ -123,16 +123,14 @@ def hold_optimised_paths(seed):
 
 
 def lines_along_edges(scene, rng):
-    """Return polylines, (k, 2) in map units, that run exactly along edges: shared ones, and those of the union."""
+    """Return polylines, (k, 2) in map units, that run exactly along edges that are shared or of the union."""
     edges = shared_edges(scene)
     rng.shuffle(edges)
     outer = [(a, b) for a, b in zip(*scene.lattice.edges, strict=True)]
     rng.shuffle(outer)
     lines = []
     for a, b in [*edges[:8], *outer[:6]]:
-        if abs(b - scene.start) < abs(a - scene.start):
-            a, b = b, a
-        lines.append([scene.start, a, b, scene.goal])
+        lines.append([scene.start, *sorted((a, b), key=lambda z: abs(z - scene.start)), scene.goal])
     length, route = shortest_route(scene.lattice, *((z.real, z.imag) for z in (scene.start, scene.goal)))
     found = [scene.place(np.array([(z.real, z.imag) for z in map(complex, line)])) for line in lines]
     return [*found, scene.place(route)] if np.isfinite(length) else found

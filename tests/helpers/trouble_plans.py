@@ -34,7 +34,7 @@ class Outcome:
         depth: deepest entry of a path, as a share of the extent.
         gap: gap of the plan; NaN without a plan.
         unfound: whether the planner found no path though there is one.
-        refused: what the package raised instead of an answer.
+        refused: the error that the package raised instead of an answer.
     """
 
     seed: int
@@ -90,14 +90,15 @@ def summarise(outcomes: Iterable[Outcome]):
     """Return a summary of outcomes as text."""
     outcomes = list(outcomes)
     wrong = [one for one in outcomes if one.faults]
-    errors = np.array([one.error for one in outcomes])
-    gaps = np.array([one.gap for one in outcomes])
+    errors = [one.error for one in outcomes if not math.isnan(one.error)]
+    gaps = [one.gap for one in outcomes if not math.isnan(one.gap)]
+    closed = sum(math.isinf(one.length) for one in outcomes)
     lines = [
-        f"scenes                 {len(outcomes)}, {sum(math.isinf(one.length) for one in outcomes)} without a path",
-        f"deepest entry          {max(one.depth for one in outcomes):.3g} of the extent",
-        f"largest error          {np.nanmax(errors, initial=0.0):.3g} of the exact length",
-        f"plans                  {np.isfinite(gaps).sum()}, {sum(one.unfound for one in outcomes)} not found",
-        f"least gap              {np.nanmin(gaps, initial=math.inf):.3g}",
+        f"scenes                 {len(outcomes)}, {closed} without a path",
+        f"deepest entry          {max([one.depth for one in outcomes], default=0.0):.3g} of the extent",
+        f"largest error          {max(errors, default=0.0):.3g} of the exact length",
+        f"plans                  {len(gaps)}, {sum(one.unfound for one in outcomes)} not found",
+        f"least gap              {min(gaps, default=math.inf):.3g}",
         f"wrong                  {len(wrong)}, {sum(bool(one.refused) for one in wrong)} of them refused",
     ]
     kinds = sorted({one.what.split(",")[0] for one in wrong})

@@ -1,7 +1,8 @@
 """Random tasks of planning from seeds: the same obstacles for planners, as GeoJSON, and for an oracle.
 
-A scene is drawn on a lattice of whole numbers, where the oracle works without rounding. It is then turned, scaled
-and moved. If it is turned by a Gaussian integer and scaled by a power of two, planners get the scene exactly.
+A scene is drawn on a lattice of whole numbers, where the oracle works without rounding. It is then turned,
+scaled and moved. If it is turned by a Gaussian integer and scaled by a power of two, planners get the scene
+exactly.
 """
 
 import json
@@ -23,7 +24,9 @@ TURNS = (1 + 0j, 1 + 0j, 1j, -1 + 0j)
 PYTHAGOREAN = (3 + 4j, -4 + 3j, 5 - 12j, 8 + 15j)  # of whole length, so that turned discs are exact
 GROWTH = 1.0 / math.cos(math.pi / 32)  # planners may grow corners by polygons around discs, at most so large
 ROOM = 1.02  # distance of ends from obstacles, over the robot's radius
-MOST_CORNERS = 12  # of a scene whose robot has a radius, since exact planners take seconds for many grown corners
+MOST_CORNERS = (
+    12  # of a scene whose robot has a radius, since exact planners take seconds for many grown corners
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,20 +70,22 @@ class Scene:
     @cached_property
     def ends(self):
         """Start and goal, (x, y) in map units."""
-        return tuple(tuple(self.place(np.array([[z.real, z.imag]]))[0].tolist()) for z in (self.start, self.goal))
+        return tuple(
+            tuple(self.place(np.array([[z.real, z.imag]]))[0].tolist()) for z in (self.start, self.goal)
+        )
 
     @cached_property
     def lattice(self):
-        """What is blocked on the lattice, without growth."""
+        """The obstacles on the lattice, without growth."""
         return Blocked(shapely.union_all(self.polygons), self.discs)
 
     def grown_lattice(self, factor=1.0):
-        """Return what is blocked on the lattice for a robot, with its radius times a factor."""
+        """Return the obstacles on the lattice for a robot, with its radius times a factor."""
         return Blocked(self.lattice.area, self.discs, factor * self.lattice_radius)
 
     @cached_property
     def blocked(self):
-        """What is blocked for the robot, with the very coordinates that planners get, moved by the offset."""
+        """The grown obstacles, with the very coordinates that planners get, moved by the offset."""
         placed = [shapely.transform(one, lambda p: self.local(self.place(p))) for one in self.polygons]
         discs = self.discs * self.scale
         if len(discs):
@@ -119,7 +124,9 @@ class Scene:
     def scenario(self):
         """The scenario of all obstacles, or None if a polygon is not convex."""
         try:
-            obstacles = [Polygon(tuple(map(tuple, self.place(_corners(one)).tolist()))) for one in self.polygons]
+            obstacles = [
+                Polygon(tuple(map(tuple, self.place(_corners(one)).tolist()))) for one in self.polygons
+            ]
         except ScenarioError:
             return None
         if any(len(one.interiors) for one in self.polygons):
@@ -173,7 +180,7 @@ def make_scene(seed, *, convex=False, radius=True, placed=True):
 
 
 def shared_edges(scene):
-    """Return edges, (k, 2) complex on the lattice, along which two polygons touch and a path would be inside."""
+    """Return edges, pairs of complex points of the lattice, that two polygons share inside the union."""
     found = []
     for k, one in enumerate(scene.polygons):
         for other in scene.polygons[:k]:
@@ -216,7 +223,10 @@ def _placement(rng, rounded, has_discs, placed):
     if rounded:
         turn = np.exp(1j * rng.uniform(0.0, math.tau)) * extent / (2 * SIZE)
     else:
-        turns = [*TURNS, *(PYTHAGOREAN if has_discs else [complex(*rng.integers(1, 10, 2)) for _ in range(4)])]
+        turns = [
+            *TURNS,
+            *(PYTHAGOREAN if has_discs else [complex(*rng.integers(1, 10, 2)) for _ in range(4)]),
+        ]
         turn = turns[rng.integers(len(turns))]
         turn *= 2.0 ** round(math.log2(extent / (2 * SIZE * abs(turn))))
     if not placed:

@@ -1,9 +1,10 @@
-"""Random obstacles that trouble planners, on a lattice of whole numbers, so that what touches touches exactly.
+"""Random obstacles that trouble planners, with whole coordinates, so that they touch exactly.
 
 Each function draws polygons of shapely with whole coordinates in [0, SIZE], or near it.
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -80,8 +81,8 @@ def terrace(rng):
     y = int(rng.integers(0, SIZE // 2))
     low, high = y, y + rng.integers(3, SIZE // 2)
     if rng.random() < 0.5:
-        return [shapely.box(a, low, b, high) for a, b in zip(ends[:-1], ends[1:], strict=True)]
-    return [shapely.box(low, a, high, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        return [shapely.box(a, low, b, high) for a, b in pairwise(ends)]
+    return [shapely.box(low, a, high, b) for a, b in pairwise(ends)]
 
 
 def staggered(rng):
@@ -183,7 +184,11 @@ def walls(rng):
     for _ in range(rng.integers(3, 10)):
         x, y = 6 * rng.integers(0, SIZE // 6, 2)
         length = 6 * rng.integers(1, 6) + 1
-        shapes.append(shapely.box(x, y, x + length, y + 1) if rng.random() < 0.5 else shapely.box(x, y, x + 1, y + length))
+        shapes.append(
+            shapely.box(x, y, x + length, y + 1)
+            if rng.random() < 0.5
+            else shapely.box(x, y, x + 1, y + length)
+        )
     return shapes
 
 

@@ -1,7 +1,7 @@
-"""How deep a polyline enters a union of polygons and discs, by shapely and NumPy alone.
+"""The depth to which a polyline enters a union of polygons and discs, by shapely and NumPy alone.
 
-Points are complex numbers. A segment is cut where it meets an edge of the union, so that each piece lies inside
-or outside as a whole. The depth of a point inside is its distance from the edges.
+Points are complex numbers. A segment is cut where it meets an edge of the union, so that each piece lies
+inside or outside as a whole. The depth of a point inside is its distance from the edges.
 """
 
 from dataclasses import dataclass, field
@@ -25,8 +25,8 @@ class Blocked:
         discs: (k, 3) centres and radii of discs, whose interior is blocked.
         radius: radius of the robot, by which area and discs grow.
         box: (x_min, y_min, x_max, y_max) that the centre of the robot must not leave, or None.
-        pinches: (k, 4) corners x, y where two parts of the area touch, and the signs of the directions x and y
-            of a free quarter there. No path passes from a quarter to another one. Other corners that
+        pinches: (k, 4) corners x, y where two parts of the area touch, and the signs of the directions x and
+            y of a free quarter there. No path passes from a quarter to another one. Other corners that
             touch are open.
     """
 
@@ -82,12 +82,16 @@ class Blocked:
             inside |= np.abs(points - centre) < radius - tolerance
         if self.box is not None:
             x0, y0, x1, y1 = self.box
-            inside |= (x < x0 - tolerance) | (x > x1 + tolerance) | (y < y0 - tolerance) | (y > y1 + tolerance)
+            inside |= (
+                (x < x0 - tolerance) | (x > x1 + tolerance) | (y < y0 - tolerance) | (y > y1 + tolerance)
+            )
         return inside
 
     def segments_inside(self, begins, ends):
         """Return which segments enter the grown union deeper than the tolerance, or leave the box."""
-        inside = self.points_inside(begins) | self.points_inside(ends) | self.points_inside((begins + ends) / 2)
+        inside = (
+            self.points_inside(begins) | self.points_inside(ends) | self.points_inside((begins + ends) / 2)
+        )
         for centre, radius in zip(*self.grown_discs, strict=True):
             inside |= _distances(np.array([centre]), begins, ends)[0] < radius - self.tolerance
         left = np.flatnonzero(~inside)
@@ -102,7 +106,7 @@ class Blocked:
         return inside
 
     def pieces(self, begins, ends):
-        """Return segments cut at the edges of the area: number of the segment, begin and end of each piece."""
+        """Return pieces of segments between edges of the area: the segment of each, its begin and its end."""
         if not len(begins):
             return np.empty(0, dtype=int), begins, ends
         steps = ends - begins
@@ -140,7 +144,9 @@ def entered_depth(blocked, path):
         depth = _deepest(first[inside], last[inside], *blocked.edges, PRECISION * blocked.extent)
         deepest = max(deepest, blocked.radius + depth)
     if blocked.radius > 0.0:
-        gap = shapely.distance(blocked.area, shapely.LineString(np.stack([corners.real, corners.imag], axis=-1)))
+        gap = shapely.distance(
+            blocked.area, shapely.LineString(np.stack([corners.real, corners.imag], axis=-1))
+        )
         deepest = max(deepest, blocked.radius - gap)
     return float(deepest)
 
@@ -198,4 +204,6 @@ def _complex(points):
 
 
 def _lines(begins, ends):
-    return shapely.linestrings(np.stack([begins.real, begins.imag, ends.real, ends.imag], axis=-1).reshape(-1, 2, 2))
+    return shapely.linestrings(
+        np.stack([begins.real, begins.imag, ends.real, ends.imag], axis=-1).reshape(-1, 2, 2)
+    )

@@ -1,7 +1,7 @@
 """Exact shortest paths around a union of polygons and discs, by shapely, NumPy and a heap alone.
 
-A path may touch the boundary of the union. It never runs along an edge inside it, because only the union counts.
-Where obstacles touch in a single point, a point robot passes through.
+A path may touch the boundary of the union. It never runs along an edge inside it, because only the union
+counts. Where obstacles touch in a single point, a point robot passes through.
 
 The graph is that of common tangents. Its sites are circles: the convex corners of the union with the robot's
 radius, the grown discs, and both ends. A corner for a point robot is a circle of radius 0. Each circle is cut
@@ -25,7 +25,7 @@ def shortest_length(blocked: Blocked, start, goal):
 
 
 def shortest_route(blocked: Blocked, start, goal):
-    """Return the length of the shortest path, and its points (k, 2); between two points on a circle is an arc.
+    """Return the length of the shortest path, and its points (k, 2); arcs join points on a circle.
 
     Raises:
         ValueError: if an end lies inside the grown union.
@@ -106,7 +106,7 @@ class _Graph:
         return free
 
     def _add_arcs(self, site):
-        """Join neighbouring nodes on a circle, and the points where something else begins or ends, by arcs."""
+        """Join neighbouring nodes on a circle by arcs; where something crosses the circle is a node, too."""
         centre, radius = self.centres[site], self.radii[site]
         for angle in _crossings(self.blocked, self.centres, self.radii, centre, radius):
             self._node(site, centre + radius * np.exp(1j * angle))
