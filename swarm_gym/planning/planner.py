@@ -107,7 +107,8 @@ def plan(
     path of each is made free, see `swarm_gym.final_repair`, and the shortest is kept. On grid maps, swarms
     begin around a path of A*: the first around the shortest one, the others around paths that a block
     somewhere on the best path so far leaves. With a previous path, planning goes on from it: its repair is
-    the first path, and on grid maps the first swarm begins around that.
+    the first path, and on grid maps the first swarm begins around that. On a grid map, the exact planner's
+    path of a robot with a radius is returned where it is known, and the swarm's is longer.
 
     Args:
         where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON with polygons), a scenario,

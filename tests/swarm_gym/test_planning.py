@@ -173,7 +173,7 @@ def test_walls_leave_no_path(tmp_path, capsys):
     narrow.write_text("type octile\nheight 3\nwidth 5\nmap\n..@..\n.....\n..@..\n")
     assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1"]) == 0
     assert main(["--map", str(narrow), "--start", "0,1", "--goal", "4,1", "--robot-radius", "0.8"]) == 3
-    assert "obstacles have grown by 0.8" in capsys.readouterr().err
+    assert "for a disc of diameter 1.6" in capsys.readouterr().err
 
 
 RING = tuple(
