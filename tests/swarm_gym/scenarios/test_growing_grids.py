@@ -48,7 +48,7 @@ def test_a_small_cell_is_blocked_exactly_if_a_point_of_it_is_too_close(seed):
 
 
 def is_open(cells, margin):
-    """Whether a door of so many cells of 0.05 m is open on the grown map."""
+    """Return whether a door of so many cells of 0.05 m is open on the grown map."""
     try:
         grown(GridScenario("door", door_map(cells), (-1.5, 0.2), (1.5, 0.2)), margin)
     except NoPathError:
