@@ -66,9 +66,8 @@ def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point |
     scenario = make_scenario(str(where) if isinstance(where, Path) else where)
     if not isinstance(scenario, Scenario | GridScenario):
         raise ScenarioError(f"scenario {shown(scenario.name)}: planning needs a map that stays as it is")
-    if start is not None:
-        scenario = replace(scenario, start=start)
-    return scenario if goal is None else replace(scenario, target=goal)
+    ends = (scenario.start if start is None else start), (scenario.target if goal is None else goal)
+    return replace(scenario, start=ends[0], target=ends[1])
 
 
 def _within(scenario: MapScenario, workspace: Workspace | None, margin: float) -> MapScenario:

@@ -153,8 +153,8 @@ def _closed_part(left: float, right: float, near: float, radius: float) -> tuple
 
     Args:
         left: least coordinate of the rectangle along the columns, away from the corner's blocked cell.
-        right: its greatest coordinate in that direction.
-        near: its least coordinate along the rows, away from the corner's blocked cell.
+        right: greatest coordinate of the rectangle in that direction.
+        near: least coordinate of the rectangle along the rows, away from the blocked cell.
         radius: radius of the disc.
 
     Returns:

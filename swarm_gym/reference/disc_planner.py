@@ -27,7 +27,7 @@ Point = tuple[float, float]
 
 # Work is counted in rows of the grid that are compared with a tangent. Other steps count as so many rows: a
 # row near a corner when its arcs are found, a corner that the search reaches, a tangent that it follows.
-PER_ROW, PER_CORNER, PER_STEP = 10, 10_000, 200
+PER_ROW, PER_CORNER, PER_STEP = 10, 5_000, 100
 BACK = 1e-9  # angle by which a tangent may leave a circle before another one reaches it: rounding errors
 GOAL = -1  # in place of a lane
 

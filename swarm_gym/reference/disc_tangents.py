@@ -34,7 +34,7 @@ class Tangents(NamedTuple):
     lengths: NDArray[np.float64]
     "Length in cells, (k,)."
     work: int
-    "Rows of the grid that were compared with candidates, and ten for each corner in sight."
+    "Rows of the grid that were compared with candidates, and fifty for each corner in sight."
 
 
 class Touch(NamedTuple):
@@ -62,7 +62,7 @@ def tangents_from_corner(
     x, y = float(grid.corner_columns[corner]), float(grid.corner_rows[corner])
     seen = see_every_corner(grid, x, y, sight)
     found = _make_tangents(4 * seen)
-    size, work = 0, 10 * seen
+    size, work = 0, 50 * seen
     for k in range(seen):
         other = sight.corners[k]
         if arcs.first[other] == arcs.first[other + 1]:
@@ -121,7 +121,7 @@ def tangents_from_point(
     """
     seen = see_every_corner(grid, x, y, sight)
     found = _make_tangents(2 * seen)
-    size, work = 0, 10 * seen
+    size, work = 0, 50 * seen
     for k in range(seen):
         other = sight.corners[k]
         to_x, to_y = float(grid.corner_columns[other]), float(grid.corner_rows[other])

@@ -21,7 +21,7 @@ from swarm_gym.scenarios import (
 
 Floats = NDArray[np.float64]
 
-MOST_WORK = 3e8  # of a known path of a robot, see `disc_planner`: about five seconds
+MOST_WORK = 5e7  # of a known path of a robot, see `disc_planner`: a few seconds
 
 
 def shortest_path(scenario: AnyScenario) -> tuple[float, Floats]:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helpers.grids import area_of, frozen, grids
-from swarm_gym.problem.geometry.clearance import clearance
+from swarm_gym.problem.geometry.clearance import clearance, keeps_distance
 
 HALVES = st.integers(-6, 20).map(lambda number: number / 2)
 COORDINATES = HALVES | st.floats(-3.0, 10.0)
@@ -27,6 +27,12 @@ def test_clearance_is_the_distance_of_the_path_from_the_squares(blocked, path):
     with np.errstate(invalid="ignore"):  # Shapely 2.0 says so of a line without length
         expected = line.distance(area_of(blocked))
     assert found == pytest.approx(expected, abs=1e-9)
+
+
+@settings(deadline=None, derandomize=True)
+@given(grids(most=8), PATHS, st.sampled_from([0.0, 0.5, 1.0, 1.5]) | st.floats(0.0, 5.0))
+def test_a_path_keeps_a_distance_exactly_if_its_clearance_is_not_less(blocked, path, distance):
+    assert keeps_distance(blocked, path, distance) == (clearance(blocked, path) >= distance)
 
 
 def test_a_long_path_is_measured_where_it_is_closest():
