@@ -1,6 +1,7 @@
 """The exact planner among circles and polygons, compared with the whole visibility graph in Python."""
 
 import math
+import os
 import time
 from itertools import pairwise
 
@@ -161,6 +162,15 @@ def test_among_coordinates_that_are_rounded_the_length_moves_as_little_as_they(s
     assert shortest_path(there)[0] == pytest.approx(lengths[0], rel=1e-9, abs=500.0 * rounding)
 
 
+def test_corners_that_rounding_puts_onto_each_other_count_once():
+    """Coordinates around the start hold fewer digits than those near the origin."""
+    tiny = 1e-20
+    box = Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-tiny, 1.0), (-tiny, tiny)))
+    dust = Polygon(((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
+    made = Scenario("tiny", (-3.0, 0.5), (4.0, 0.5), (box, dust), WIDE)
+    assert shortest_path(made)[0] == pytest.approx(2.0 * math.hypot(3.0, 0.5) + 1.0, rel=1e-12)
+
+
 UTM = [
     [(388102.5, 3948991.25), (388104.5, 3948991.25), (388104.5, 3948997.25), (388102.5, 3948997.25)],
     [(388107.5, 3948995.85), (388110.5, 3948994.25), (388111.5, 3949002.25), (388108.5, 3949003.25)],
@@ -224,6 +234,9 @@ def test_a_passage_of_no_width_is_open_and_one_that_overlaps_is_closed():
         assert shortest_path(moved(around(1e-9), factor=factor))[0] / factor > 60.0
 
 
+@pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
+)
 def test_five_hundred_grown_polygons_take_less_than_a_second():
     rng, obstacles, ends = np.random.default_rng(0), [], ((0.0, 0.0), (100.0, 100.0))
     while len(obstacles) < 500:
