@@ -11,8 +11,8 @@ from swarm_gym.reference.tangents import ARRIVAL, DEPARTURE, PARENT, SIGN, SITE,
 
 # Largest angle between two segments along an arc.
 SAMPLING_ANGLE = math.radians(0.5)
-# Parts that such an angle is cut into where a neighbouring obstacle leaves little room.
-MOST_PARTS = 64
+# Points by which an arc may have more, because neighbouring obstacles leave little room.
+MOST_MORE = 256
 
 
 @kernel
@@ -39,64 +39,66 @@ def write_polyline(solids: Solids, cells: Cells, sites: Sites, tangents: Tangent
             points[n, 0], points[n, 1] = tangents.lines[here, 2], tangents.lines[here, 3]
             n += 1
             continue
-        pieces = _pieces(tangents, here, nodes[k + 1])
-        most = MOST_PARTS * pieces
-        if n + most + count + 2 > points.shape[0]:
-            points = extended(points, 2 * (n + most + count + 2), 0.0)
-        while True:
-            _write_arc(sites, tangents, here, nodes[k + 1], pieces, points, n)
-            if 2 * pieces > most or _is_free(solids, cells, tangents, here, nodes[k + 1], points, n, pieces):
-                break
-            pieces *= 2
-        n += pieces
+        turn = tangents.marks[here, SIGN] * (
+            tangents.lines[nodes[k + 1], DEPARTURE] - tangents.lines[here, ARRIVAL]
+        )
+        turn %= math.tau
+        if turn > math.tau - 1e-3:  # no turn, rounded
+            turn = 0.0
+        most = math.ceil(turn / SAMPLING_ANGLE) + 2 * MOST_MORE
+        if n + most + count > points.shape[0]:
+            points = extended(points, 2 * (n + most + count), 0.0)
+        n += _write_arc(solids, cells, sites, tangents, here, turn, points, n)
     return points[:n].copy()
 
 
 @kernel
-def _turn(tangents: Tangents, before: int, after: int) -> float:
-    """Return the angle of the arc between two tangents, at least 0."""
-    turn = (
-        tangents.marks[before, SIGN]
-        * (tangents.lines[after, DEPARTURE] - tangents.lines[before, ARRIVAL])
-        % math.tau
-    )
-    return 0.0 if turn > math.tau - 1e-6 else turn
-
-
-@kernel
-def _pieces(tangents: Tangents, before: int, after: int) -> int:
-    return max(1, math.ceil(_turn(tangents, before, after) / SAMPLING_ANGLE))
-
-
-@kernel
 def _write_arc(
-    sites: Sites, tangents: Tangents, before: int, after: int, pieces: int, points: Floats, n: int
-) -> None:
-    """Write points around the arc between two tangents, from index `n` on."""
-    site = tangents.marks[before, SITE]
-    x, y, radius = sites.circles[site, 0], sites.circles[site, 1], sites.circles[site, 2]
-    turn = _turn(tangents, before, after)
-    outer = radius / math.cos(0.5 * turn / pieces)
-    for k in range(pieces):
-        angle = tangents.lines[before, ARRIVAL] + tangents.marks[before, SIGN] * turn * (k + 0.5) / pieces
-        points[n + k, 0], points[n + k, 1] = x + outer * math.cos(angle), y + outer * math.sin(angle)
-
-
-@kernel
-def _is_free(
     solids: Solids,
     cells: Cells,
+    sites: Sites,
     tangents: Tangents,
     before: int,
-    after: int,
+    turn: float,
     points: Floats,
     n: int,
-    pieces: int,
-) -> bool:
-    """Return whether the points from index `n` on enter no obstacle between two tangents."""
+) -> int:
+    """Write points around the arc after a tangent from index `n` on; return their number.
+
+    Between two places on the arc, the path goes along the tangents there; a point is where these meet.
+    """
+    site, sign, begin = (
+        tangents.marks[before, SITE],
+        tangents.marks[before, SIGN],
+        tangents.lines[before, ARRIVAL],
+    )
+    x, y, radius = sites.circles[site, 0], sites.circles[site, 1], sites.circles[site, 2]
+    usual = turn / max(1, math.ceil(turn / SAMPLING_ANGLE))
+    # Tangents over so small an angle are no further from the circle than the tolerance.
+    least = math.sqrt(solids.tolerance / radius)
+    done, part, more, count = 0.0, usual, NONE, NONE
     px, py = tangents.lines[before, 2], tangents.lines[before, 3]
-    for k in range(n, n + pieces):
-        if is_blocked(solids, cells, px, py, points[k, 0], points[k, 1]):
-            return False
-        px, py = points[k, 0], points[k, 1]
-    return not is_blocked(solids, cells, px, py, tangents.lines[after, 0], tangents.lines[after, 1])
+    while count == 0 or turn - done > 1e-3 * least:
+        if turn - done < 1.001 * part:
+            part = turn - done
+        outer, angle = radius / math.cos(0.5 * part), begin + sign * (done + 0.5 * part)
+        middle_x, middle_y = x + outer * math.cos(angle), y + outer * math.sin(angle)
+        angle += 0.5 * sign * part
+        qx, qy = x + radius * math.cos(angle), y + radius * math.sin(angle)
+        if (
+            part > least
+            and more < MOST_MORE
+            and (
+                is_blocked(solids, cells, px, py, middle_x, middle_y)
+                or is_blocked(solids, cells, middle_x, middle_y, qx, qy)
+            )
+        ):
+            part *= 0.5
+            more += 1
+            continue
+        points[n + count, 0], points[n + count, 1] = middle_x, middle_y
+        count += 1
+        done += part
+        part = min(2.0 * part, usual)
+        px, py = qx, qy
+    return count

@@ -24,6 +24,7 @@ from swarm_gym.reference.taut_polyline import write_polyline
 from swarm_gym.scenarios import Circle, Polygon, Scenario
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 # How deep a path may enter an obstacle, relative to the extent of the scenario: well above the
 # rounding errors of tangent points, well below anything that matters.
@@ -100,7 +101,7 @@ def _scene(scenario: Scenario) -> _Scene:
     corners /= extent
     ends /= extent
 
-    sizes = np.array([len(outline) for outline in outlines], dtype=np.int64)
+    corners, sizes = _without_repetitions(corners, np.array([len(outline) for outline in outlines], np.int64))
     circles, first, planes, before, after = _polygons(corners, sizes)
     num_polygons, num_discs = len(sizes), len(given_discs)
     solids = Solids(
@@ -124,18 +125,35 @@ def _scene(scenario: Scenario) -> _Scene:
     return _Scene(solids, places, box, extent)
 
 
-def _polygons(
-    corners: Floats, sizes: NDArray[np.int64]
-) -> tuple[Floats, NDArray[np.int64], Floats, NDArray[np.int64], NDArray[np.int64]]:
+def _neighbours(sizes: Integers) -> tuple[Integers, Integers, Integers]:
+    """Return the first corner of each polygon and their number, and the corners before and after each one."""
+    first = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    before, after = np.arange(-1, first[-1] - 1), np.arange(1, first[-1] + 1)
+    before[first[:-1]], after[first[1:] - 1] = first[1:] - 1, first[:-1]
+    return first, before, after
+
+
+def _without_repetitions(corners: Floats, sizes: Integers) -> tuple[Floats, Integers]:
+    """Return the corners of polygons without those that rounding put onto the next, and their new numbers.
+
+    A polygon with less than three corners is left out: it has no inside.
+    """
+    _, _, after = _neighbours(sizes)
+    owners = np.repeat(np.arange(len(sizes)), sizes)
+    kept = np.any(corners != corners[after], axis=1)
+    left = np.bincount(owners[kept], minlength=len(sizes))
+    kept &= left[owners] >= 3
+    return corners[kept], left[left >= 3]
+
+
+def _polygons(corners: Floats, sizes: Integers) -> tuple[Floats, Integers, Floats, Integers, Integers]:
     """Return circles around polygons, the first plane of each, all planes, and who is beside each corner.
 
     Args:
         corners: corners of all polygons, each counter-clockwise, (m, 2).
         sizes: numbers of corners.
     """
-    first = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
-    before, after = np.arange(-1, len(corners) - 1), np.arange(1, len(corners) + 1)
-    before[first[:-1]], after[first[1:] - 1] = first[1:] - 1, first[:-1]
+    first, before, after = _neighbours(sizes)
     edges = corners[after] - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / lengths[:, None]
