@@ -4,7 +4,7 @@ A scene is drawn on a lattice of whole numbers, where the oracle works without r
 scaled and moved. If it is turned by a Gaussian integer and scaled by a power of two, planners get the scene
 exactly.
 
-Other scenes have rounded coordinates: walls that obstacles share in part have gaps or overlaps of a last digit.
+Other scenes have rounded coordinates: walls that are shared in part have gaps of a last digit, or overlap.
 There the lattice says what is right, so that such a gap is closed.
 """
 
