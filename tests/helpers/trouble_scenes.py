@@ -3,6 +3,9 @@
 A scene is drawn on a lattice of whole numbers, where the oracle works without rounding. It is then turned,
 scaled and moved. If it is turned by a Gaussian integer and scaled by a power of two, planners get the scene
 exactly.
+
+Other scenes have rounded coordinates: walls that are shared in part have gaps of a last digit, or overlap.
+There the lattice says what is right, so that such a gap is closed.
 """
 
 import json
