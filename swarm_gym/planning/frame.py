@@ -5,6 +5,7 @@ paper's cases, for which optimizers are tuned. So neither the place of a map nor
 planner does, and roundings are relative to the size of the task.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon, Scenario
 Floats = NDArray[np.float64]
 
 DISTANCE = 960.0  # from start to target in the paper's cases, in map units
+MOST_MOVES = 8  # of an end that lies in several outlines
 
 
 @dataclass(frozen=True)
@@ -45,16 +47,18 @@ class Frame:
     def moved(self, scenario: Scenario) -> Scenario:
         """Return a scenario in the frame.
 
-        Raises:
-            ScenarioError: if an end is inside an obstacle by less than the roundings of its coordinates.
+        An end that is inside an obstacle by the tolerance of the scenario, at most, is moved to its outline.
+        So what touches on a map that is far from its origin touches in the frame, too.
         """
         (x_min, y_min), (x_max, y_max) = self.to_frame(np.reshape(scenario.workspace, (2, 2))).tolist()
         low_high = scenario.initial_range
+        obstacles = tuple(self._obstacle(obstacle) for obstacle in scenario.obstacles)
+        deepest = 2.0 * self.factor * scenario.tolerance
         return Scenario(
             scenario.name,
-            self._point(scenario.start),
-            self._point(scenario.target),
-            tuple(self._obstacle(obstacle) for obstacle in scenario.obstacles),
+            _outside(self._point(scenario.start), obstacles, deepest),
+            _outside(self._point(scenario.target), obstacles, deepest),
+            obstacles,
             (x_min, y_min, x_max, y_max),
             None if low_high is None else (self.factor * low_high[0], self.factor * low_high[1]),
         )
@@ -67,3 +71,28 @@ class Frame:
         if isinstance(obstacle, Circle):
             return Circle(*self._point((obstacle.x, obstacle.y)), self.factor * obstacle.radius)
         return Polygon(tuple(map(self._point, obstacle.vertices)))
+
+
+def _outside(point: Point, obstacles: tuple[Obstacle, ...], deepest: float) -> Point:
+    """Return the point, or one on the outline of obstacles in which it lies no deeper than a limit."""
+    for _ in range(MOST_MOVES):
+        inside = [obstacle for obstacle in obstacles if 0.0 < obstacle.depth(point) <= deepest]
+        if not inside:
+            break
+        point = _on_outline(point, inside[0])
+    return point
+
+
+def _on_outline(point: Point, obstacle: Obstacle) -> Point:
+    """Return the point of the outline that is nearest to a point just inside of it."""
+    x, y = point
+    if isinstance(obstacle, Circle):
+        longer = obstacle.radius / math.hypot(x - obstacle.x, y - obstacle.y)
+        return obstacle.x + longer * (x - obstacle.x), obstacle.y + longer * (y - obstacle.y)
+    depth = obstacle.depth(point)
+    for (x0, y0), (x1, y1) in obstacle.edges():
+        length = math.dist((x0, y0), (x1, y1))
+        out_x, out_y = (y1 - y0) / length, (x0 - x1) / length
+        if (x0 - x) * out_x + (y0 - y) * out_y <= depth:
+            return x + depth * out_x, y + depth * out_y
+    return point

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from helpers.trouble_scenes import GROWTH, make_scene
+from helpers.trouble_scenes import make_scene
 from oracles.entered_depth import entered_depth
 from oracles.shapely_paths import shortest_length
 from swarm_gym.errors import NoPathError, SwarmGymError
 from swarm_gym.planning import plan
+from swarm_gym.planning.planner import PLANNERS
 from swarm_gym.planning.tasks import read_task
-from swarm_gym.reference import shortest_path
 
 LARGEST_ERROR = 1e-6  # of an exact length, as a share
 DEEPEST = 1e-9  # of paths, as a share of the extent
@@ -65,13 +65,13 @@ class Outcome:
 def hold(scene, planned=False):
     """Return how the package fares on a scene: its exact length, and a plan of one episode if asked for."""
     outcome = Outcome(scene.seed, _description(scene))
-    least, most = _limits(scene)
-    outcome.length = least
+    ends = (scene.start.real, scene.start.imag), (scene.goal.real, scene.goal.imag)
+    least = outcome.length = shortest_length(scene.grown_lattice(), *ends) * scene.scale
     with tempfile.TemporaryDirectory() as folder:
         where = _where(scene, Path(folder))
         try:
             length, path = _exact(where, scene)
-            outcome.error = _error(length, least, most)
+            outcome.error = _error(length, least)
             if scene.radius == 0.0 and not len(scene.discs) and len(path):
                 outcome.depth = _depth(scene, path)
             if planned:
@@ -119,18 +119,6 @@ def _description(scene):
     return ", ".join([scene.kind, *(word for word, holds in more.items() if holds)])
 
 
-def _limits(scene):
-    """Return the least and the largest exact length that is right.
-
-    They differ only for a robot with a radius: a planner may take polygons for its round shape.
-    """
-    ends = (scene.start.real, scene.start.imag), (scene.goal.real, scene.goal.imag)
-    least = shortest_length(scene.grown_lattice(), *ends) * scene.scale
-    if scene.radius == 0.0 or math.isinf(least):
-        return least, least
-    return least, shortest_length(scene.grown_lattice(GROWTH), *ends) * scene.scale
-
-
 def _where(scene, folder):
     """Return what is given to planners: the scenario, or a file for half of the scenes that have both."""
     if scene.geojson is None or (scene.scenario is not None and scene.seed % 2):
@@ -143,16 +131,17 @@ def _where(scene, folder):
 def _exact(where, scene):
     """Return the package's exact length and path; infinite and empty if it says that there is none."""
     try:
-        task = read_task(where, *scene.ends, scene.radius)
-        return shortest_path(task.grown)
+        task = read_task(where, *scene.ends, scene.radius, coordinates="plane")
+        length, path = task.shortest
+        return length / task.frame.factor, task.frame.to_map(path)
     except NoPathError:
         return math.inf, np.empty((0, 2))
 
 
-def _error(length, least, most):
-    if math.isinf(length) or math.isinf(least):
-        return 0.0 if math.isinf(length) and math.isinf(most) else math.inf
-    return max(least / length - 1.0, 0.0 if math.isinf(most) else length / most - 1.0, 0.0)
+def _error(length, expected):
+    if math.isinf(length) or math.isinf(expected):
+        return 0.0 if length == expected else math.inf
+    return abs(length / expected - 1.0)
 
 
 def _depth(scene, path):
@@ -160,8 +149,16 @@ def _depth(scene, path):
 
 
 def _plan(outcome, where, scene, least):
+    options = {"planner": PLANNERS[scene.seed // 2 % len(PLANNERS)], "coordinates": "plane"}
     try:
-        found = plan(where, *scene.ends, robot_radius=scene.radius, max_evaluations=EPISODE, seed=scene.seed)
+        found = plan(
+            where,
+            *scene.ends,
+            robot_radius=scene.radius,
+            max_evaluations=EPISODE,
+            seed=scene.seed,
+            **options,
+        )
     except NoPathError:
         outcome.unfound = math.isfinite(least)
         return

@@ -25,11 +25,7 @@ OFFSETS = (0j, 0j, 400_000 + 5_000_000j, 1e7 + 1e7j, -72_123 + 33j)
 FARTHEST = 1e6  # offset over extent: rounded coordinates are a hundred times finer than 1e-9 of the extent
 TURNS = (1 + 0j, 1 + 0j, 1j, -1 + 0j)
 PYTHAGOREAN = (3 + 4j, -4 + 3j, 5 - 12j, 8 + 15j)  # of whole length, so that turned discs are exact
-GROWTH = 1.0 / math.cos(math.pi / 32)  # planners may grow corners by polygons around discs, at most so large
 ROOM = 1.02  # distance of ends from obstacles, over the robot's radius
-MOST_CORNERS = (
-    12  # of a scene whose robot has a radius, since exact planners take seconds for many grown corners
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +167,7 @@ def make_scene(seed, *, convex=False, radius=True, placed=True):
         discs = 2.0 * random_discs(rng) if rng.random() < 0.25 else NO_DISCS
         if len(discs) or convex:
             polygons = [part for one in polygons for part in _convex_parts(one)]
-        few = sum(len(_corners(one)) for one in polygons) <= MOST_CORNERS
-        chosen = float(rng.uniform(0.005, 0.04) * 2 * SIZE) if radius and few and rng.random() < 0.4 else 0.0
+        chosen = float(rng.uniform(0.005, 0.04) * 2 * SIZE) if radius and rng.random() < 0.4 else 0.0
         lattice = Blocked(shapely.union_all(polygons), discs)
         ends = _ends(rng, polygons, lattice, chosen)
         if ends is not None:
