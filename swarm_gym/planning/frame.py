@@ -89,10 +89,10 @@ def _on_outline(point: Point, obstacle: Obstacle) -> Point:
     if isinstance(obstacle, Circle):
         longer = obstacle.radius / math.hypot(x - obstacle.x, y - obstacle.y)
         return obstacle.x + longer * (x - obstacle.x), obstacle.y + longer * (y - obstacle.y)
-    depth = obstacle.depth(point)
-    for (x0, y0), (x1, y1) in obstacle.edges():
-        length = math.dist((x0, y0), (x1, y1))
-        out_x, out_y = (y1 - y0) / length, (x0 - x1) / length
-        if (x0 - x) * out_x + (y0 - y) * out_y <= depth:
-            return x + depth * out_x, y + depth * out_y
-    return point
+    nearest = min(
+        (((x0 - x) * (y1 - y0) + (y0 - y) * (x0 - x1)) / math.dist((x0, y0), (x1, y1)), (x0, y0), (x1, y1))
+        for (x0, y0), (x1, y1) in obstacle.edges()
+    )
+    depth, (x0, y0), (x1, y1) = nearest
+    share = depth / math.dist((x0, y0), (x1, y1))
+    return x + share * (y1 - y0), y + share * (x0 - x1)
