@@ -8,6 +8,7 @@ import shapely
 
 from helpers.grids import area_of
 from helpers.plans import assert_free, obstacles_of
+from helpers.public_maps import needed
 from helpers.robot_maps import door_map, office_map, write_ros_map
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import NoPathError, ScenarioError
@@ -17,6 +18,8 @@ from swarm_gym.planning import certificate, plan, search, tasks
 from swarm_gym.planning.tasks import read_task
 from swarm_gym.reference import shortest_robot_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
+from swarm_gym.scenarios.formats.moving_ai import read_map
+from swarm_gym.scenarios.formats.ros_map import read_ros_map
 
 DOOR = {"start": (-1.5, 0.2), "goal": (1.5, 0.2), "max_evaluations": 1}
 
@@ -156,3 +159,24 @@ def test_a_swarm_alone_keeps_its_path(monkeypatch):
     found = plan(scenario, robot_radius=0.4, max_evaluations=1, planner="swarm")
     assert found.found_by != "exact planner"
     np.testing.assert_array_equal(found.path, path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "radius"), [("ros/turtlebot3_world.yaml", 0.105), ("movingai/den400d.map", 1.0)]
+)
+def test_paths_of_robots_on_public_maps_are_the_shortest(name, radius):
+    file = needed(name)
+    made = read_map(file) if file.suffix == ".map" else read_ros_map(file)
+    rng, found = np.random.default_rng(0), 0
+    sizes = np.bincount(made.components.ravel())
+    sizes[0] = 0
+    cells = np.argwhere(made.components == sizes.argmax())[:, ::-1]
+    while found < 5:
+        start, goal = made.to_map(cells[rng.choice(len(cells), 2, replace=False)]).tolist()
+        try:
+            planned = plan(file, tuple(start), tuple(goal), robot_radius=radius, max_evaluations=1)
+        except ScenarioError:  # an end is too close to a wall, or the robot does not fit through
+            continue
+        assert_certified(planned, radius)
+        found += 1
