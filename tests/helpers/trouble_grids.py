@@ -23,8 +23,8 @@ GEOMETRIES = (
     {"resolution": 0.25, "origin": (4e5, 5e6), "y_up": True},
     {"resolution": 128.0, "origin": (-3.0, 0.0)},
 )
-# A planner may cut cells, and close gaps that a robot wider by this factor does not fit through.
-WIDER = 1.03
+# Roundings may close gaps that are exactly as wide as the robot.
+WIDER = 1.0 + 1e-9
 
 
 @dataclass(frozen=True, eq=False)
