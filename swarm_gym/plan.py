@@ -168,7 +168,7 @@ def _warnings_in_a_line() -> Iterator[None]:
 
 
 def _described(found: Plan) -> str:
-    gap = "unknown" if found.gap is None else f"{100.0 * found.gap:.2f} %"
+    gap = "unknown" if found.gap is None else f"{round(100.0 * found.gap, 2) + 0.0:.2f} %"  # no -0.00
     lines = [
         f"length       {found.length:.6g}",
         f"clearance    {found.clearance:.6g}",
