@@ -1,6 +1,7 @@
 """The suite of adapted algorithms: a fixed size beside the rules, on the three cases."""
 
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
 
 ALGORITHMS = (
     "swarm_gym.adapters.pymoo:Genetic",

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
 from experiments.studies.brand_yu.published import APPEARS, TABLE_1
 
 GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)

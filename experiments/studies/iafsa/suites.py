@@ -4,7 +4,8 @@ from functools import partial
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
 from experiments.studies.iafsa.functions import AFSA, IAFSA, published_mean
 from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS
 from experiments.studies.iafsa.routes import A_STAR, SMOOTHED, length_of_planner

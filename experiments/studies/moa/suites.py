@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
 from experiments.studies.moa.published import METHODS
 from swarm_gym.scenarios import expand_name
 

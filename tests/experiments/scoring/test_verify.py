@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiments import verify as command
-from experiments.runs.runner import run_one
+from experiments.runs.episode import Episode
 from experiments.scoring import cases
 from experiments.scoring.claims import ClaimError
 from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, write_scores
@@ -82,7 +82,7 @@ def test_seeds_side_by_side_have_the_bits_of_single_runs(rows):
     for name, found in ((f"{POLICY}@1", rows), ("random", score("random", "0" * 64, small("headline")))):
         for row in found:
             chosen = small("headline").sets[row.scenario_set]
-            runs = [run_one((name, *key), small("headline").suite, {}) for key in chosen.runs]
+            runs = [Episode((name, *key), small("headline").suite).run({}) for key in chosen.runs]
             assert row.fitness_of_runs == tuple(run.final_fitness for run in runs)
             assert row.evaluations_of_runs == tuple(run.evaluations for run in runs)
             assert row.feasible == np.mean([run.final_collision <= 1e-9 for run in runs])
