@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from experiments.scoring.score import Score
+from experiments.scoring.score import ScoreRow
 from experiments.scoring.suites import ScoredSet
 
 # The last bit of exp, tanh and the like differs between machines, and grows from iteration to iteration.
@@ -32,13 +32,13 @@ class Comparison:
         difference: first number that differs, in words; empty unless the verdict is `DIFFERS`.
     """
 
-    claimed: Score | None
-    found: Score
+    claimed: ScoreRow | None
+    found: ScoreRow
     verdict: Verdict | None
     difference: str = ""
 
 
-def compare(claimed: Score, found: Score, chosen: ScoredSet) -> Comparison:
+def compare(claimed: ScoreRow, found: ScoreRow, chosen: ScoredSet) -> Comparison:
     """Compare two scores of the same runs, run by run.
 
     Args:

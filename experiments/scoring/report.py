@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from experiments.scoring.cases import Case
+from experiments.scoring.cases import SubmittedCase
 from experiments.scoring.claims import DIGITS
 from experiments.scoring.comparison import Comparison, overall
 
@@ -13,7 +13,7 @@ HEADS = (
 NOTHING = "-"  # where nothing is claimed
 
 
-def report(case: Case, comparisons: Sequence[Comparison]) -> str:
+def report(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
     """Return a table of what is claimed and what was found, and the verdict."""
     rows = [HEADS, *map(_cells, comparisons)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -26,7 +26,7 @@ def report(case: Case, comparisons: Sequence[Comparison]) -> str:
     )
 
 
-def conclusion(case: Case, comparisons: Sequence[Comparison]) -> str:
+def conclusion(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
     """Return the verdict on a case in a line, with the first number that differs if there is one."""
     verdict = overall(comparisons)
     said = "measured only, nothing is claimed" if verdict is None else verdict.value
