@@ -15,13 +15,13 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
-from experiments.documents.blocks import fill
+from experiments.documents.marked_blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
 from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
 from experiments.scoring.suites import SCORED
+from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
-from experiments.speed.page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import select
 from swarm_gym.checks import look_up

@@ -17,7 +17,7 @@ from agents.backends import Backend, BackendError, BackendOptions
 from experiments.runs.configuration import configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.runner import missing_runs, run_missing
-from experiments.scoring.claims import ClaimError, check_claim
+from experiments.scoring.claimed_rows import ClaimError, check_claim
 from experiments.scoring.files import SCORES, read_scores, scores_file, write_scores
 from experiments.scoring.score import ScoreRow, export
 from experiments.scoring.submission import Submission, digest_of
@@ -45,7 +45,7 @@ def compute(scored: ScoredSuite, path: Path, database: Path, backend: Backend) -
 
     Args:
         scored: the suite.
-        path: its file of scores.
+        path: file of scores of the suite.
         database: results database that keeps the runs; it is opened only if rows are missing.
         backend: backend that carries out the runs.
 

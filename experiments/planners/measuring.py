@@ -7,18 +7,19 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from experiments.planners.found import Valid, validate
-from experiments.planners.rivals import (
+from experiments.planners.all_planners import (
     OMPL,
+    SWARMS,
     Planner,
     exact,
     exact_prepared,
     of_ompl,
+    of_swarm,
     repaired_previous,
     smoothed_a_star,
     tightened_a_star,
 )
-from experiments.planners.swarms import SWARMS, of_swarm
+from experiments.planners.found import Valid, validate
 from experiments.planners.tasks import Task
 
 SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from experiments.documents.page import command_of, describe_provenance, make_tables
-from experiments.playground.page import playground_for
+from experiments.documents.suite_page import command_of, describe_provenance, make_tables
+from experiments.playground.playground_page import playground_for
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
 from experiments.report.drawn import Drawn, draw_all

@@ -11,7 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import swarm_gym
-from experiments.playground.page import Playground
+from experiments.playground.playground_page import Playground
 from experiments.report.drawn import Drawn
 from experiments.tables.cell import Cell, Entry
 from experiments.tables.table import Table, text_columns

@@ -16,7 +16,7 @@ from agents.backends import BackendError
 from experiments.catalogue import get_suite
 from experiments.runs.episode import Episode
 from experiments.scaling import overheads
-from experiments.scaling.page import Findings, write_page
+from experiments.scaling.findings_page import Findings, write_page
 from experiments.scaling.study import EVALUATED, TIMED_PRESETS, time_runs, time_training
 from experiments.speed.measurement import machine
 from swarm_gym.command import command

@@ -8,12 +8,12 @@ from typing import Any
 
 from experiments.runs.configuration import configuration
 from experiments.runs.database import Results
-from experiments.scoring.claims import check_claim, rows_of
-from experiments.scoring.comparison import Comparison, compare
+from experiments.scoring.claimed_rows import check_claim, rows_of
 from experiments.scoring.files import read_scores, scores_file
 from experiments.scoring.score import ScoreRow, export, measure
 from experiments.scoring.submission import Submission, digest_of_policy, read_submission
 from experiments.scoring.suites import LEARNED, SCORED, ScoredSuite, get_scored
+from experiments.scoring.verdicts import Comparison, compare
 
 DATABASE = ".sqlite"  # suffix of results databases
 

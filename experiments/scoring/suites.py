@@ -49,7 +49,7 @@ class ScoredSuite:
     """A suite whose runs give scores.
 
     Attributes:
-        experiment: what is run, a part of a suite of a study; its controllers are those of the suite.
+        experiment: part of a suite of a study that is run, with all of its controllers.
         recipes: patterns of the recipes of packaged policies that it scores, such as `three-cases-*`.
     """
 

@@ -49,8 +49,8 @@ PHASES = {
     "optuna.Study.tell": "telling the study",
     "experiments.runs.episode.Episode.run": "run",
     "experiments.runs.database.Results.add": "storing runs",
-    "experiments.documents.page.make_tables": "tables",
-    "experiments.documents.page.write_page": "tables",
+    "experiments.documents.suite_page.make_tables": "tables",
+    "experiments.documents.suite_page.write_page": "tables",
 }
 
 

@@ -11,10 +11,9 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, trajectory_of, turning_of
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.studies.brand_yu.published import TABLE_1
-from experiments.studies.brand_yu.suites import ANTS
+from experiments.studies.brand_yu.suites import ANTS, TABLE_1
 from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, percent, share
-from experiments.tables.claims import Claim, claims_table
+from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ControllerName

@@ -18,7 +18,7 @@ from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.labels import label
 from experiments.runs.run import Floats, Run
-from experiments.studies.iafsa.functions import Function
+from experiments.studies.iafsa.published import Function
 from experiments.studies.iafsa.routes import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import ControllerFamily, Suite
-from experiments.studies.optimizers.objectives import PRICE, mean_objective, minus
 from experiments.studies.optimizers.suites import RULES, SIZES, base
 from experiments.studies.optimizers.transfer_tables import one_for_all_tables, transfer_tables
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, percent
+from experiments.tables.differences import PRICE, mean_objective, minus
 from experiments.tables.document import document_of_suite
 from experiments.tables.front import family_hypervolume
 from experiments.tables.table import Table

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from experiments.documents.blocks import replace_block
+from experiments.benchmark import GROUPS
+from experiments.documents.marked_blocks import replace_block
 from experiments.publish import DOCUMENTS, SHOWN, STRONGEST, main, publish
-from experiments.speed.groups import GROUPS
+from experiments.speed.benchmark_page import OF_PEERS, write_page
 from experiments.speed.measurement import Measurement, write_measurements
-from experiments.speed.page import OF_PEERS, write_page
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from experiments.catalogue import SUITES
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
 from experiments.report.map_picture import describe_map, extent_of

@@ -11,8 +11,8 @@ import pytest
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
 from experiments.catalogue import COLLECTIONS, SUITES
-from experiments.documents.blocks import fill
-from experiments.documents.page import make_tables
+from experiments.documents.marked_blocks import fill
+from experiments.documents.suite_page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs import episode
 from experiments.runs.configuration import configuration

@@ -10,9 +10,9 @@ from experiments.catalogue import get_suite
 from experiments.runs.episode import Episode
 from experiments.runs.runner import make_units
 from experiments.scaling import overheads
+from experiments.scaling.findings_page import Findings, write_page
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
-from experiments.scaling.page import Findings, write_page
 from experiments.scaling.study import EVALUATED, evaluations, time_runs
 from experiments.speed.measurement import machine
 

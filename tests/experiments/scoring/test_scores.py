@@ -7,17 +7,17 @@ import pytest
 
 from agents.backends.local import LocalBackend
 from experiments.catalogue import SUITES
-from experiments.documents.blocks import fill
+from experiments.documents.marked_blocks import fill
 from experiments.publish import DOCUMENTS
 from experiments.runs.episode import Episode
 from experiments.scores import compute
 from experiments.scoring.cases import StoredScores, make_case, packaged_cases
-from experiments.scoring.comparison import Verdict, overall
 from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, scores_file
 from experiments.scoring.ranking import ranking, ranking_block
 from experiments.scoring.score import ScoreRow
 from experiments.scoring.submission import digest_of
 from experiments.scoring.suites import SCORED
+from experiments.scoring.verdicts import Verdict, overall
 from helpers.stored_runs import cells_of, make_database
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 

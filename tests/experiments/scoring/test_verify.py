@@ -13,7 +13,7 @@ from experiments.catalogue import SUITES
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.episode import Episode, controller_of
 from experiments.scoring import cases
-from experiments.scoring.claims import ClaimError
+from experiments.scoring.claimed_rows import ClaimError
 from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, write_scores
 from experiments.scoring.score import digest_of_runs, measure
 from experiments.scoring.submission import SubmissionError

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from experiments.documents.figures import plan, write_figures
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.plots.decisions import draw_decisions, load_courses
 from experiments.plots.gaps import draw_front, draw_profiles, logarithmic_ticks
 from experiments.plots.style import styles

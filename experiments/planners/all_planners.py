@@ -1,4 +1,4 @@
-"""Planners that people use: those of OMPL, smoothed A*, and the exact planner at any angle.
+"""Planners that are measured: those of OMPL, smoothed A*, the exact planner at any angle, and our swarms.
 
 OMPL's planners are compiled; they ask Python whether a motion is free, and Python asks the compiled traversal
 of this project. Of an anytime planner the path is shortened at each checkpoint, which counts as its time.
@@ -7,14 +7,15 @@ of this project. Of an anytime planner the path is shortened at each checkpoint,
 import time
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from experiments.planners.found import Found
 from experiments.planners.tasks import Task
-from swarm_gym.errors import MissingExtraError
+from swarm_gym.errors import MissingExtraError, NoPathError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.planning import plan
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference import shortest_path
@@ -139,3 +140,49 @@ def _motion_validator(base: Any, information: Any, blocked: np.ndarray) -> Any:
             return self.is_free(state, other)
 
     return Motions(information)
+
+
+class Swarm(NamedTuple):
+    """A way to plan with a swarm.
+
+    Attributes:
+        optimizer: name of the optimizer.
+        controller: name of the controller.
+        goes_on: whether it begins around the previous path of a task of replanning, not around that of A*.
+    """
+
+    optimizer: str
+    controller: str
+    goes_on: bool = False
+
+
+# By the name in the tables.
+SWARMS = {
+    "swarm, fixed size": Swarm("multivariate", "fixed:65"),
+    "swarm, SPSFA-TIP's rules": Swarm("firefly", "spsfa-tip"),
+    "swarm, learned": Swarm("firefly", "learned:three-cases/0"),
+    "swarm, fixed size, from the previous path": Swarm("multivariate", "fixed:65", goes_on=True),
+}
+
+
+def of_swarm(name: str) -> Planner:
+    """Return our planner with the optimizer and the controller of a name in `SWARMS`."""
+    swarm = SWARMS[name]
+
+    def run(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:
+        try:
+            found = plan(
+                task.scenario,
+                optimizer=swarm.optimizer,
+                controller=swarm.controller,
+                max_seconds=checkpoints[-1],
+                seed=seed,
+                previous=task.previous if swarm.goes_on else None,
+            )
+        except NoPathError:
+            return []
+        return [
+            Found(step.seconds, step.path, step.found_by.startswith("swarm")) for step in found.improvements
+        ]
+
+    return run
