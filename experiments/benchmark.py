@@ -20,7 +20,7 @@ from swarm_gym.warm_up import warm_up
 
 
 @dataclass(frozen=True)
-class Group:
+class BenchmarkGroup:
     """A group of the benchmark.
 
     Attributes:
@@ -32,14 +32,14 @@ class Group:
     summary: Callable[[list[Measurement]], list[Measurement]] = lambda _: []
 
 
-GROUPS: dict[str, Group] = {
-    "moves": Group(moves.quantities, moves.summary),
-    "environments": Group(environments.quantities),
-    "threads": Group(threads.quantities),
-    "growth": Group(growth.quantities, growth.summary),
-    "start": Group(start.quantities),
-    "training": Group(training.quantities),
-    "rendering": Group(rendering.quantities),
+GROUPS: dict[str, BenchmarkGroup] = {
+    "moves": BenchmarkGroup(moves.quantities, moves.summary),
+    "environments": BenchmarkGroup(environments.quantities),
+    "threads": BenchmarkGroup(threads.quantities),
+    "growth": BenchmarkGroup(growth.quantities, growth.summary),
+    "start": BenchmarkGroup(start.quantities),
+    "training": BenchmarkGroup(training.quantities),
+    "rendering": BenchmarkGroup(rendering.quantities),
 }
 
 

@@ -21,7 +21,7 @@ from experiments.scoring.cases import StoredScores, SubmittedCase, packaged_case
 from experiments.scoring.claimed_rows import DIGITS
 from experiments.scoring.files import SCORES, write_scores
 from experiments.scoring.suites import SCORED, get_scored
-from experiments.scoring.verdicts import Comparison, Verdict, overall
+from experiments.scoring.verdicts import ScoreComparison, Verdict, overall
 from swarm_gym.command import command
 
 HEADS = (
@@ -31,7 +31,7 @@ HEADS = (
 NOTHING = "-"  # where nothing is claimed
 
 
-def report(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
+def report(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
     """Return a table of what is claimed and what was found, and the verdict."""
     rows = [HEADS, *map(_cells, comparisons)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -44,7 +44,7 @@ def report(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
     )
 
 
-def conclusion(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
+def conclusion(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
     """Return the verdict on a case in a line, with the first number that differs if there is one."""
     verdict = overall(comparisons)
     said = "measured only, nothing is claimed" if verdict is None else verdict.value
@@ -53,7 +53,7 @@ def conclusion(case: SubmittedCase, comparisons: Sequence[Comparison]) -> str:
     return f"{case.submission.name}: {said}, {case.num_runs} runs of {case.scored.name}{first}"
 
 
-def _cells(one: Comparison) -> tuple[str, ...]:
+def _cells(one: ScoreComparison) -> tuple[str, ...]:
     claimed, found = one.claimed, one.found
     return (
         found.environment,

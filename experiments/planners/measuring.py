@@ -20,7 +20,7 @@ from experiments.planners.all_planners import (
     tightened_a_star,
 )
 from experiments.planners.found import Valid, validate
-from experiments.planners.tasks import Task
+from experiments.planners.tasks import PlannerTask
 
 SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled
 
@@ -72,7 +72,7 @@ def planner_of(name: str) -> Planner:
 
 
 def measure(
-    tasks: Sequence[Task], num_seeds: int, checkpoints: Sequence[float], file: Path
+    tasks: Sequence[PlannerTask], num_seeds: int, checkpoints: Sequence[float], file: Path
 ) -> list[PlannerRun]:
     """Run every planner on every task, as far as runs are missing in the file, and return all runs.
 

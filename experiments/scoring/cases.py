@@ -13,7 +13,7 @@ from experiments.scoring.files import read_scores, scores_file
 from experiments.scoring.score import ScoreRow, export, measure
 from experiments.scoring.submission import Submission, digest_of_policy, read_submission
 from experiments.scoring.suites import LEARNED, SCORED, ScoredSuite, get_scored
-from experiments.scoring.verdicts import Comparison, compare
+from experiments.scoring.verdicts import ScoreComparison, compare
 
 DATABASE = ".sqlite"  # suffix of results databases
 
@@ -39,7 +39,7 @@ class SubmittedCase:
         """Number of runs that verify it."""
         return len(self.submission.entrants) * sum(len(chosen.runs) for chosen in self.scored.sets.values())
 
-    def verify(self, ran: Callable[[int], Any] = lambda _: None) -> list[Comparison]:
+    def verify(self, ran: Callable[[int], Any] = lambda _: None) -> list[ScoreComparison]:
         """Make the runs, and return a comparison for each environment and set of scenarios.
 
         Args:
@@ -47,7 +47,7 @@ class SubmittedCase:
         """
         found = measure(self.submission.digests, self.scored, ran)
         if not self.claimed:
-            return [Comparison(None, row, None) for row in found]
+            return [ScoreComparison(None, row, None) for row in found]
         return [
             compare(claimed, row, self.scored.sets[row.scenario_set])
             for claimed, row in zip(self.claimed, found, strict=True)

@@ -2,6 +2,7 @@
 
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
+from experiments.tables.document import document_of_suite
 
 ALGORITHMS = (
     "swarm_gym.adapters.pymoo:Genetic",
@@ -26,3 +27,6 @@ ADAPTERS = Suite(
 )
 
 SUITES = (ADAPTERS,)
+
+
+DOCUMENTS = {"adapters": document_of_suite("docs/adapters.md", "adapters")}

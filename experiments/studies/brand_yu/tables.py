@@ -27,7 +27,7 @@ OCTILE_SIDES = (50, 100, 200)
 
 
 @dataclass(frozen=True)
-class Walks:
+class RunsOnMap:
     """Runs of one optimizer and population size on one map.
 
     Attributes:
@@ -207,7 +207,7 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 def _grid_claims(
     suite: Suite,
-    walks: dict[tuple[str, int], Walks],
+    walks: dict[tuple[str, int], RunsOnMap],
     optima: dict[int, tuple[float, float]],
     sides: list[int],
 ) -> Table:
@@ -234,11 +234,11 @@ def _grid_claims(
     )
 
 
-def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> Walks:
+def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> RunsOnMap:
     runs = entrant(controller, suite.optimizer)
     changed, made = worlds_of(make_scenario(scenario))[-1]
     assert isinstance(made, GridScenario)
-    return Walks(
+    return RunsOnMap(
         OPTIMIZER_LABELS.get(runs.optimizer, runs.optimizer),
         int(ControllerName.parse(runs.controller).argument),
         made,
@@ -263,7 +263,7 @@ def _slope(sides: list[int], values: list[Floats]) -> tuple[Entry, Entry]:
     return number(fit.slope, ".2f"), ends
 
 
-def _excess(walk: Walks) -> float:
+def _excess(walk: RunsOnMap) -> float:
     """Return the mean length above the mean of the shortest possible lengths, relative to the latter."""
     return _mean_of(walk.lengths) / _mean_of(walk.least) - 1.0
 

@@ -20,7 +20,7 @@ from experiments.plots.courses import (
     CASE_DRAWINGS,
     COLLISION_CONTROLLERS,
     MOST_POINTS,
-    Case,
+    CaseRuns,
     columns,
     draw_collision,
     draw_optimum,
@@ -46,7 +46,7 @@ COURSES: dict[str, Callable[..., Floats]] = {
 LIGHTEST = 0.88
 
 
-def draw_courses(study: ParameterStudy, case: Case) -> Figure:
+def draw_courses(study: ParameterStudy, case: CaseRuns) -> Figure:
     """Draw best fitness (median), population size, phi and evaluations (means) by iteration, by value."""
     case, runs = _of_study(study, case)
     figure = new_figure(10.0, 7.0)
@@ -76,7 +76,7 @@ def draw_courses(study: ParameterStudy, case: Case) -> Figure:
     return figure
 
 
-def draw_outcomes(study: ParameterStudy, case: Case) -> Figure:
+def draw_outcomes(study: ParameterStudy, case: CaseRuns) -> Figure:
     """Draw final fitness of every run, and the cost of a run relative to the published setting, by value.
 
     The cost has three lines: our evaluations with the 95 % interval of the ratio, our processor time, and the
@@ -100,13 +100,13 @@ def draw_outcomes(study: ParameterStudy, case: Case) -> Figure:
     return figure
 
 
-PARAMETER_DRAWINGS: dict[str, Callable[[ParameterStudy, Case], Figure]] = {
+PARAMETER_DRAWINGS: dict[str, Callable[[ParameterStudy, CaseRuns], Figure]] = {
     "courses": draw_courses,
     "outcomes": draw_outcomes,
 }
 
 
-def _draw_quality(axes: Axes, runs: Runs, case: Case) -> None:
+def _draw_quality(axes: Axes, runs: Runs, case: CaseRuns) -> None:
     values = np.array(list(runs))
     samples = [_final_fitness(group) for group in runs.values()]
     spread = 0.15 * np.diff(values).min()
@@ -162,7 +162,7 @@ def _seconds(runs: list[Run]) -> Floats:
     return np.array([run.seconds for run in runs])
 
 
-def _of_study(study: ParameterStudy, case: Case) -> tuple[Case, Runs]:
+def _of_study(study: ParameterStudy, case: CaseRuns) -> tuple[CaseRuns, Runs]:
     """Return the case and the runs of a study only, coloured dark to light; the published one is black."""
     compared = study.compared(case.runs)
     shades = [to_hex(shade) for shade in colormaps["viridis"](np.linspace(0.0, LIGHTEST, len(compared)))]
