@@ -61,7 +61,7 @@ def _collect(module: str, registry: str) -> dict[str, Any]:
 SUITES: dict[str, Suite] = _collect("suites", "SUITES")
 COLLECTIONS: dict[str, tuple[str, ...]] = _collect("suites", "COLLECTIONS")
 TABLES: dict[str, TableMaker] = _collect("tables", "TABLES")
-DOCUMENTS: dict[str, Document] = _collect("tables", "DOCUMENTS") | _collect("suites", "DOCUMENTS")
+DOCUMENTS: dict[str, Document] = _collect("suites", "DOCUMENTS") | _collect("tables", "DOCUMENTS")
 
 
 @cache
