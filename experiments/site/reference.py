@@ -113,7 +113,8 @@ PAGES = {
         "Experiments",
         "Suites, their results, and the statistics and tables that are made of these.",
         (
-            "experiments.catalogue", "experiments.runs.suite", "experiments.runs.entrants",
+            "experiments.catalogue", "experiments.runs.experiment", "experiments.runs.suite",
+            "experiments.runs.entrants",
             "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),
