@@ -22,10 +22,9 @@ os.environ["SDL_VIDEODRIVER"] = "dummy"
 from sphinx.application import Sphinx  # noqa: E402
 
 import swarm_gym  # noqa: E402
-from experiments.playground.page import playground_page  # noqa: E402
-from experiments.site.accessibility import accessible  # noqa: E402
-from experiments.site.docstrings import to_restructured_text  # noqa: E402
+from experiments.playground.playground_page import playground_page  # noqa: E402
 from experiments.site.documents import on_site  # noqa: E402
+from experiments.site.markup import accessible, to_restructured_text  # noqa: E402
 from experiments.site.pages import write_pages  # noqa: E402
 from swarm_gym.files import write_atomically  # noqa: E402
 

@@ -14,7 +14,7 @@ import tyro
 
 from agents.runs.provenance import provenance
 from experiments.bbob_logs import coco, iohprofiler
-from experiments.bbob_logs.logged_run import Experiment, folder_name
+from experiments.bbob_logs.logged_run import LoggedExperiment, folder_name
 from experiments.runs.entrants import entrant
 from swarm_gym.command import command
 from swarm_gym.errors import SettingError, SwarmGymError, shown
@@ -88,9 +88,9 @@ def run(config: BbobConfig) -> Iterator[Path]:
                 yield write(folder, experiment.name, settings, groups)
 
 
-def _experiment(config: BbobConfig, controller: str) -> Experiment:
+def _experiment(config: BbobConfig, controller: str) -> LoggedExperiment:
     found = entrant(controller, config.optimizer)
-    return Experiment(
+    return LoggedExperiment(
         controller if controller != found.controller else f"{found.optimizer}+{controller}",
         found,
         _unique(config.functions),

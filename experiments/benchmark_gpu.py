@@ -11,8 +11,8 @@ import tyro
 from tqdm import tqdm
 
 from experiments.speed import gpu
+from experiments.speed.benchmark_page import describe, table
 from experiments.speed.measurement import measure, write_measurements
-from experiments.speed.page import describe, table
 from swarm_gym.command import command
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically

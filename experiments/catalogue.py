@@ -4,7 +4,7 @@ They are collected from the folders of `experiments.studies`, so that a study is
 modules state what it has, all of it optional:
 
 * `suites.py`: SUITES, a tuple of suites, and COLLECTIONS, tuples of names of suites by the name that stands
-  for all of them.
+  for all of them. DOCUMENTS that show suites whose tables all belong to other studies.
 * `tables.py`: TABLES, functions of a suite and its outcomes that make tables, and DOCUMENTS, which show them.
 * `figures.py`: FIGURES, functions of what is stored that tell what can be drawn. This module is imported only
   when a figure is drawn, since runs need no plotting library.
@@ -61,7 +61,7 @@ def _collect(module: str, registry: str) -> dict[str, Any]:
 SUITES: dict[str, Suite] = _collect("suites", "SUITES")
 COLLECTIONS: dict[str, tuple[str, ...]] = _collect("suites", "COLLECTIONS")
 TABLES: dict[str, TableMaker] = _collect("tables", "TABLES")
-DOCUMENTS: dict[str, Document] = _collect("tables", "DOCUMENTS")
+DOCUMENTS: dict[str, Document] = _collect("suites", "DOCUMENTS") | _collect("tables", "DOCUMENTS")
 
 
 @cache

@@ -112,7 +112,7 @@ def _carried(database: Path, found: CarriedOver) -> list[str]:
     return [f"{database}: the runs of {len(found.carried)} controllers go on", *left]
 
 
-def _line(entry: entries.Entry) -> str:
+def _line(entry: entries.StoredEntry) -> str:
     runs, scenarios = f"{entry.num_runs:,}", f"{entry.num_scenarios:,}"
     return ROW.format(entry.digest or "-", runs, scenarios, ", ".join(entry.commits), entry.name)
 

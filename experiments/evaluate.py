@@ -15,7 +15,7 @@ import tyro
 from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.choice import Choice
-from experiments.documents.page import make_tables, write_collection_page, write_page
+from experiments.documents.suite_page import make_tables, write_collection_page, write_page
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.entrants import entrant

@@ -15,24 +15,25 @@ import tyro
 
 from agents.backends import BackendError
 from experiments import catalogue
-from experiments.documents.blocks import fill
+from experiments.documents.marked_blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
+from experiments.runs.labels import label
 from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
 from experiments.scoring.suites import SCORED
+from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
-from experiments.speed.page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import select
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 
-# What README.md shows of the headline table.
+# What README.md shows of the headline table: rows by the keys of their groups, and columns.
 STRONGEST = (
-    "learned three-cases@1", "learned three-cases-linear@1", "learned three-cases-evolution@1",
-    "open loop three-cases-13-knots@1", "tuned schedule (three-cases)", "open loop three-cases-long@1",
-    "SPSFA-TIP", "FA-100",
+    "learned:three-cases/*@1", "learned:three-cases-linear/*@1", "learned:three-cases-evolution/*@1",
+    "open-loop:three-cases-13-knots/*@1", "tuned:three-cases", "open-loop:three-cases-long/*@1",
+    "spsfa-tip", "fixed:100",
 )  # fmt: skip
 SHOWN = ("controller", "seeds", "objective", "case1", "case2", "case3", "minus the best blind rival")
 CAPTION = (
@@ -78,10 +79,10 @@ def _headline(results: ResultsFolder) -> str:
     results.show(f"{BENCHMARK}/growth.svg")
     table = results.table(f"{STUDY}/headline")
     by_name = {str(row[0]): row for row in table.rows}
-    missing = [name for name in STRONGEST if name not in by_name]
+    missing = [key for key in STRONGEST if label(key) not in by_name]
     if missing:
         raise ValueError(f"{results.path / STUDY}/headline has no rows of {', '.join(missing)}")
-    chosen = replace(table, caption=CAPTION, rows=[by_name[name] for name in STRONGEST])
+    chosen = replace(table, caption=CAPTION, rows=[by_name[label(key)] for key in STRONGEST])
     return select(chosen, SHOWN).markdown()
 
 

@@ -1,12 +1,13 @@
 """Verify scores of policies: `python -m experiments.verify FILE.safetensors --suite headline`.
 
 Runs a policy again on the seeds that the suite states, and compares every run with what is claimed: with the
-rows of `--claim`, else with those that scores/ has for the digest of the file. Without a claim it measures
-only. `--output` writes the rows that were found, which are a claim that others can verify. The exit status is
-0 if all claims hold, and 1 if one does not, or if a submission or claim is refused.
+rows or stored runs of `--claim`, else with the rows that scores/ has for the digest of the file. Without a
+claim it measures only. `--output` writes the rows that were found, which are a claim that others can verify.
+The exit status is 0 if all claims hold, and 1 if one does not, or if a submission or claim is refused.
 """
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -14,14 +15,69 @@ from typing import Annotated
 import tyro
 from tqdm import tqdm
 
-from experiments.runs.entrants import entrant
-from experiments.runs.episode import warm_up
-from experiments.scoring.cases import Case, StoredScores, packaged_cases, submitted_cases
-from experiments.scoring.comparison import Verdict, overall
+from experiments.runs.database import ResultsError
+from experiments.runs.runner import warm_up_all
+from experiments.scoring.cases import StoredScores, SubmittedCase, packaged_cases, submitted_cases
+from experiments.scoring.claimed_rows import DIGITS
 from experiments.scoring.files import SCORES, write_scores
-from experiments.scoring.report import conclusion, report
 from experiments.scoring.suites import SCORED, get_scored
+from experiments.scoring.verdicts import ScoreComparison, Verdict, overall
 from swarm_gym.command import command
+
+HEADS = (
+    "environment", "scenarios", "claimed gap", "found gap", "claimed evaluations", "found evaluations",
+    "claimed feasible", "found feasible", "verdict",
+)  # fmt: skip
+NOTHING = "-"  # where nothing is claimed
+
+
+def report(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
+    """Return a table of what is claimed and what was found, and the verdict."""
+    rows = [HEADS, *map(_cells, comparisons)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)) for row in rows]
+    submission = case.submission
+    head = f"{submission.name}: digest {submission.digest[:DIGITS]}, suite {case.scored.name}"
+    source = f"claim of {case.source}" if case.source else "no claim"
+    return "\n".join(
+        [f"{head}, {source}", *(f"  {line.rstrip()}" for line in lines), conclusion(case, comparisons)]
+    )
+
+
+def conclusion(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
+    """Return the verdict on a case in a line, with the first number that differs if there is one."""
+    verdict = overall(comparisons)
+    said = "measured only, nothing is claimed" if verdict is None else verdict.value
+    differing = [one.difference for one in comparisons if one.difference]
+    first = f": {differing[0]}" if differing else ""
+    return f"{case.submission.name}: {said}, {case.num_runs} runs of {case.scored.name}{first}"
+
+
+def _cells(one: ScoreComparison) -> tuple[str, ...]:
+    claimed, found = one.claimed, one.found
+    return (
+        found.environment,
+        found.scenario_set,
+        NOTHING if claimed is None else _gap(claimed.gap),
+        _gap(found.gap),
+        NOTHING if claimed is None else _evaluations(claimed.evaluations),
+        _evaluations(found.evaluations),
+        NOTHING if claimed is None else _share(claimed.feasible),
+        _share(found.feasible),
+        NOTHING if one.verdict is None else one.verdict.value,
+    )
+
+
+def _gap(value: float) -> str:
+    return f"{100 * value:.6f} %"
+
+
+def _evaluations(value: float) -> str:
+    return f"{value:,.1f}"
+
+
+def _share(value: float) -> str:
+    return f"{100 * value:.1f} %"
 
 
 @dataclass(frozen=True)
@@ -34,18 +90,19 @@ class VerifyConfig:
     suite: str | None = None
     """Scored suite, e.g. headline. By default those whose scores have the digest of the file."""
     claim: Path | None = None
-    """CSV file with the claimed rows, e.g. row.csv. By default the rows in scores/ that have the digest."""
+    """CSV file with the claimed rows, e.g. row.csv, or a results database whose runs are the claim, e.g.
+    results/study/headline.sqlite. By default the rows in scores/ that have the digest."""
     output: Path | None = None
     """CSV file for the rows that were found, e.g. row.csv. By default none is written."""
     scores: Path = SCORES
     """Folder of the stored scores, by default scores."""
 
 
-def cases_of(config: VerifyConfig) -> list[Case]:
+def cases_of(config: VerifyConfig) -> list[SubmittedCase]:
     """Return the cases that a command line asks for; whatever is wrong with one is refused here.
 
     Raises:
-        ValueError: for a refused submission or claim; `submitted_cases` lists the reasons.
+        ValueError, ResultsError: for a refused submission or claim; `submitted_cases` lists the reasons.
     """
     stored = StoredScores(config.scores)
     if config.files:
@@ -61,12 +118,12 @@ def verify(config: VerifyConfig) -> bool:
 
     Raises:
         ValueError: for a refused submission or claim; nothing has run then.
+        ResultsError: for a results database that cannot be the claim; nothing has run then.
         OSError: if the rows cannot be written.
     """
     cases = cases_of(config)
     for case in cases:
-        for name in case.submission.entrants:
-            warm_up(entrant(name, case.scored.suite.optimizer).optimizer, case.scored.suite)
+        warm_up_all(case.scored.part(case.submission.entrants))
     say = report if config.files else conclusion
     found, verdicts = [], []
     with tqdm(total=sum(case.num_runs for case in cases), unit="run") as bar:
@@ -85,7 +142,7 @@ def verify(config: VerifyConfig) -> bool:
 def main() -> None:
     """Verify as the command line says."""
     config = tyro.cli(VerifyConfig, description=__doc__)
-    with command():
+    with command(ResultsError):
         holds = verify(config)
     sys.exit(not holds)
 

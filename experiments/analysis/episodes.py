@@ -10,7 +10,7 @@ from experiments.runs.database import ResultsError
 from experiments.runs.run import Floats
 
 
-class Outcome(NamedTuple):
+class EpisodeOutcome(NamedTuple):
     """Results of episodes, (scenarios, seeds) each.
 
     Attributes:
@@ -24,7 +24,7 @@ class Outcome(NamedTuple):
     returns: Floats
 
 
-def outcome(found: list[Watched]) -> Outcome:
+def outcome(found: list[Watched]) -> EpisodeOutcome:
     """Return the results of the episodes of every scenario.
 
     Raises:
@@ -36,7 +36,7 @@ def outcome(found: list[Watched]) -> Outcome:
             "gaps need the optima of all scenarios, and one is unknown; swarm_gym.reference.ensure_optima "
             "computes it"
         )
-    return Outcome(gap, np.array([w.evaluations for w in found]), np.array([w.returns for w in found]))
+    return EpisodeOutcome(gap, np.array([w.evaluations for w in found]), np.array([w.returns for w in found]))
 
 
 def analysis_seeds(number: int) -> range:

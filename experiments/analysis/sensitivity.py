@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from agents.evaluation.masking import Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import Watched, decision_names, watch
 from agents.training.config import TrainConfig
-from experiments.analysis.episodes import Outcome, outcome
+from experiments.analysis.episodes import EpisodeOutcome, outcome
 from experiments.runs.run import Floats
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import LINEAR
@@ -35,8 +35,8 @@ class Sensitivity:
     scenarios: tuple[str, ...]
     decisions: tuple[str, ...]
     changes: dict[str, Floats]
-    seeing: Outcome
-    masked: dict[str, Outcome]
+    seeing: EpisodeOutcome
+    masked: dict[str, EpisodeOutcome]
 
 
 def analyse(

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from experiments.analysis.episodes import Outcome
+from experiments.analysis.episodes import EpisodeOutcome
 from experiments.analysis.sensitivity import Sensitivity
 from experiments.plots.style import BLUE, ORANGE, new_figure, settings, write_figure
 from experiments.runs.labels import label
@@ -105,7 +105,7 @@ def write_report(found: Sensitivity, folder: Path) -> Path:
     return write_atomically(folder / "README.md", "\n".join(parts))
 
 
-def _relative_evaluations(seeing: Outcome, outcome: Outcome) -> Floats:
+def _relative_evaluations(seeing: EpisodeOutcome, outcome: EpisodeOutcome) -> Floats:
     """Return differences of the evaluations, relative to the mean on the scenario with all inputs."""
     scale = seeing.evaluations.mean(axis=1, keepdims=True)
     return (outcome.evaluations - seeing.evaluations) / scale
@@ -121,7 +121,7 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
     axes.set_xlabel(f"difference of\n{name}")
 
 
-def _evaluations(outcome: Outcome) -> Entry:
+def _evaluations(outcome: EpisodeOutcome) -> Entry:
     return number(outcome.evaluations.mean(), ",.0f")
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.bbob_logs.logged_run import Group, LoggedRun
+from experiments.bbob_logs.logged_run import LoggedGroup, LoggedRun
 from swarm_gym.files import write_atomically
 
 # Least precision that results are read for, as in COCO's own logs.
@@ -24,7 +24,7 @@ HEADER = (
 )
 
 
-def write_function(folder: Path, algorithm: str, settings: str, groups: Sequence[Group]) -> Path:
+def write_function(folder: Path, algorithm: str, settings: str, groups: Sequence[LoggedGroup]) -> Path:
     """Write the runs of one function in all dimensions; return the file that lists them.
 
     Args:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from experiments.bbob_logs.logged_run import Group, LoggedRun
+from experiments.bbob_logs.logged_run import LoggedGroup, LoggedRun
 from swarm_gym.files import write_atomically
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 
@@ -20,7 +20,7 @@ VERSION = "0.4.2"
 COLUMNS = ("evaluations", "raw_y")
 
 
-def write_function(folder: Path, algorithm: str, settings: str, groups: Sequence[Group]) -> Path:
+def write_function(folder: Path, algorithm: str, settings: str, groups: Sequence[LoggedGroup]) -> Path:
     """Write the runs of one function in all dimensions; return the file that lists them.
 
     Args:

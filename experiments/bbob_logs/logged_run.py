@@ -55,7 +55,7 @@ class LoggedRun:
 
 
 @dataclass(frozen=True)
-class Group:
+class LoggedGroup:
     """The runs of one entrant on one function in one dimension.
 
     Attributes:
@@ -70,7 +70,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Experiment:
+class LoggedExperiment:
     """One entrant with the functions, dimensions and instances that it runs on.
 
     Attributes:
@@ -95,7 +95,7 @@ class Experiment:
     seed: int = 0
     parameters: Mapping[str, float] = field(default_factory=dict)
 
-    def run(self) -> Iterator[list[Group]]:
+    def run(self) -> Iterator[list[LoggedGroup]]:
         """Yield, for each function, the groups of all dimensions, once they have run."""
         controller = make_controller(self.entrant.controller)
         for function in self.functions:
@@ -109,7 +109,7 @@ class Experiment:
             shown["iterations"] = self.iterations
         return ", ".join(f"{name} {value}" for name, value in shown.items())
 
-    def _group(self, controller: Controller, function: int, dimension: int) -> Group:
+    def _group(self, controller: Controller, function: int, dimension: int) -> LoggedGroup:
         names = [f"function:bbob-{function}-{dimension}-{instance}" for instance in self.instances]
         env = gymnasium.make(
             environment_id(self.entrant.optimizer), **self._options(controller, names, dimension)
@@ -120,7 +120,7 @@ class Experiment:
             first.reset(seed=self.seed + k, options={"scenario": name})
             run = _run(env, controller, name, self.seed + k)
             runs.append(_with_first_evaluation(run, first.unwrapped.simulation))  # type: ignore[attr-defined]
-        return Group(function, dimension, tuple(runs))
+        return LoggedGroup(function, dimension, tuple(runs))
 
     def _options(self, controller: Controller, names: Sequence[str], dimension: int) -> dict[str, Any]:
         options: dict[str, Any] = {"max_evaluations": self.budget * dimension, **controller.env_options()}

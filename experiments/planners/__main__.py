@@ -10,7 +10,7 @@ import tyro
 
 from experiments.planners.measuring import measure
 from experiments.planners.tables import replanning_tables, tables
-from experiments.planners.tasks import MAPS, Task, draw_tasks, planning_task, replanning_task
+from experiments.planners.tasks import MAPS, PlannerTask, draw_tasks, planning_task, replanning_task
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError, ScenarioError
@@ -49,7 +49,7 @@ def compare(config: PlannersConfig) -> list[Path]:
     if sorted(set(config.seconds)) != list(config.seconds) or not config.seconds or config.seconds[0] <= 0.0:
         raise ValueError(f"--seconds: expected growing numbers above 0, got {config.seconds}")
     make_task = replanning_task if config.replanning else planning_task
-    drawn: list[Task] = []
+    drawn: list[PlannerTask] = []
     for kind in config.maps:
         look_up("kind of map", kind, MAPS)
         try:

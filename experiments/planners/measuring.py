@@ -7,19 +7,20 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from experiments.planners.found import Valid, validate
-from experiments.planners.rivals import (
+from experiments.planners.all_planners import (
     OMPL,
+    SWARMS,
     Planner,
     exact,
     exact_prepared,
     of_ompl,
+    of_swarm,
     repaired_previous,
     smoothed_a_star,
     tightened_a_star,
 )
-from experiments.planners.swarms import SWARMS, of_swarm
-from experiments.planners.tasks import Task
+from experiments.planners.found import Valid, validate
+from experiments.planners.tasks import PlannerTask
 
 SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled
 
@@ -71,7 +72,7 @@ def planner_of(name: str) -> Planner:
 
 
 def measure(
-    tasks: Sequence[Task], num_seeds: int, checkpoints: Sequence[float], file: Path
+    tasks: Sequence[PlannerTask], num_seeds: int, checkpoints: Sequence[float], file: Path
 ) -> list[PlannerRun]:
     """Run every planner on every task, as far as runs are missing in the file, and return all runs.
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.planners.all_planners import SWARMS
 from experiments.planners.measuring import NAMES, PlannerRun
-from experiments.planners.swarms import SWARMS
 from experiments.statistics import mean_interval
 from experiments.tables import Table
 from experiments.tables.cell import MISSING, Cell, Entry, number, share

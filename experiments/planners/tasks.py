@@ -41,7 +41,7 @@ MOST_DISCS = 50  # drawn for two ends before others are drawn
 
 
 @dataclass(frozen=True)
-class Task:
+class PlannerTask:
     """A task, with the length of the exact shortest path at any angle.
 
     Attributes:
@@ -58,22 +58,22 @@ class Task:
 
 
 # A function of the kind of map, the scenario and a generator that makes a task of them; None if it cannot.
-MakeTask = Callable[[str, GridScenario, np.random.Generator], Task | None]
+MakeTask = Callable[[str, GridScenario, np.random.Generator], PlannerTask | None]
 
 
-def planning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> Task:  # noqa: ARG001
+def planning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> PlannerTask:  # noqa: ARG001
     """Return the task of a scenario as it is."""
-    return Task(kind, scenario, shortest_path(scenario)[0])
+    return PlannerTask(kind, scenario, shortest_path(scenario)[0])
 
 
-def replanning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> Task | None:
+def replanning_task(kind: str, scenario: GridScenario, rng: np.random.Generator) -> PlannerTask | None:
     """Return the task after an obstacle has appeared on the shortest path; None if it leaves no other."""
     _, path = shortest_path(scenario)
     blocked = _blocked(scenario, path, rng)
-    return None if blocked is None else Task(kind, blocked, shortest_path(blocked)[0], path)
+    return None if blocked is None else PlannerTask(kind, blocked, shortest_path(blocked)[0], path)
 
 
-def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_task) -> list[Task]:
+def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_task) -> list[PlannerTask]:
     """Return tasks on the map of a kind, between drawn cells that are connected and far apart.
 
     Args:
@@ -91,7 +91,7 @@ def draw_tasks(kind: str, count: int, seed: int, make_task: MakeTask = planning_
     part = grid.components == grid.components[tuple(reversed(grid.cell_of(first.start)))]
     cells = np.argwhere(part)[:, ::-1]
     least = LEAST_LENGTH * np.ptp(cells, axis=0).max()
-    tasks: list[Task] = []
+    tasks: list[PlannerTask] = []
     while len(tasks) < count:
         start, target = cells[rng.integers(len(cells), size=2)]
         if np.hypot(*(target - start)) < least:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from experiments.playground.page import CASES, playground_page
+from experiments.playground.playground_page import CASES, playground_page
 from swarm_gym.command import command
 from swarm_gym.files import write_atomically
 

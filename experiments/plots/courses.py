@@ -38,7 +38,7 @@ SNAPSHOT_COLUMNS = 3
 
 
 @dataclass(frozen=True)
-class Case:
+class CaseRuns:
     """A scenario with the runs on it.
 
     Attributes:
@@ -79,7 +79,7 @@ def draw_snapshots(snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
     return figure
 
 
-def draw_collision(cases: list[Case]) -> Figure:
+def draw_collision(cases: list[CaseRuns]) -> Figure:
     """Draw the mean population collision E(P) of the runs by iteration, and its first value."""
     figure = new_figure(3.4 * len(cases) + 0.4, 3.4)
     for axes, case in zip(figure.subplots(1, len(cases), squeeze=False)[0], cases, strict=True):
@@ -102,7 +102,7 @@ def draw_collision(cases: list[Case]) -> Figure:
     return figure
 
 
-def draw_convergence(case: Case) -> Figure:
+def draw_convergence(case: CaseRuns) -> Figure:
     """Draw the median best fitness of the runs, by iteration and by evaluations spent."""
     figure = new_figure(10.0, 4.4)
     by_iteration, by_evaluations = figure.subplots(1, 2, sharey=True)
@@ -124,7 +124,7 @@ def draw_convergence(case: Case) -> Figure:
     return figure
 
 
-def draw_population_size(case: Case) -> Figure:
+def draw_population_size(case: CaseRuns) -> Figure:
     """Draw the mean population size by iteration, and phi of the controllers that repair."""
     repair_degrees = {
         controller: degrees
@@ -148,7 +148,7 @@ def draw_population_size(case: Case) -> Figure:
     return figure
 
 
-def draw_best_paths(case: Case) -> Figure:
+def draw_best_paths(case: CaseRuns) -> Figure:
     """Draw the path of each controller's best run, and the shortest path."""
     height = 8.4 * map_plot.proportions(case.scenario)
     figure = new_figure(9.0, min(max(height, 3.0), 9.0) + 1.5)
@@ -169,7 +169,7 @@ def draw_best_paths(case: Case) -> Figure:
     return figure
 
 
-def draw_best_path_maps(cases: list[Case]) -> Figure:
+def draw_best_path_maps(cases: list[CaseRuns]) -> Figure:
     """Draw the best path of each controller and the shortest path, one panel per map."""
     columns_of_panels = min(len(cases), 3)
     rows = math.ceil(len(cases) / columns_of_panels)
@@ -190,7 +190,7 @@ def draw_best_path_maps(cases: list[Case]) -> Figure:
     return figure
 
 
-def draw_box_plots(case: Case) -> Figure:
+def draw_box_plots(case: CaseRuns) -> Figure:
     """Draw final fitness and evaluations of the runs, by controller."""
     figure = new_figure(10.0, 4.2)
     fitness, evaluations = figure.subplots(1, 2)
@@ -208,7 +208,7 @@ def draw_box_plots(case: Case) -> Figure:
     return figure
 
 
-CASE_DRAWINGS: dict[str, Callable[[Case], Figure]] = {
+CASE_DRAWINGS: dict[str, Callable[[CaseRuns], Figure]] = {
     "convergence": draw_convergence,
     "population-size": draw_population_size,
     "best-paths": draw_best_paths,
@@ -237,7 +237,7 @@ def best_by_evaluations(fitness: Floats, evaluations: Floats, grid: Floats) -> F
 
 
 def _draw_iterations(
-    axes: Axes, case: Case, controller: str, courses: Floats, centre: Callable[..., Floats]
+    axes: Axes, case: CaseRuns, controller: str, courses: Floats, centre: Callable[..., Floats]
 ) -> None:
     """Draw courses of a controller, (runs, iterations + 1), over all iterations."""
     iterations = np.arange(courses.shape[1])
@@ -248,7 +248,7 @@ def _draw_iterations(
 
 def _draw_course(
     axes: Axes,
-    case: Case,
+    case: CaseRuns,
     controller: str,
     x: NDArray,
     courses: Floats,
@@ -259,7 +259,7 @@ def _draw_course(
     draw_banded_line(axes, x, centre(courses, axis=0), (low, high), controller, case.styles)
 
 
-def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
+def _draw_boxes(axes: Axes, case: CaseRuns, samples: list[Floats]) -> None:
     """Draw a box for each controller: quartiles, whiskers within 1.5 times their range, and first values."""
     # `Axes.boxplot` reads all settings, also that of the backend, and would so import pyplot.
     boxes = zip(case.runs, samples, boxplot_stats(samples), strict=True)
@@ -278,14 +278,14 @@ def _draw_boxes(axes: Axes, case: Case, samples: list[Floats]) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def draw_optimum(axes: Axes, case: Case) -> None:
+def draw_optimum(axes: Axes, case: CaseRuns) -> None:
     """Draw the optimum across the axes if it is known; 0 is not drawn, since axes are logarithmic."""
     if case.optimum and not math.isnan(case.optimum):
         text = f"known optimum, {_number(case.optimum)}"
         axes.axhline(case.optimum, color=GREY, linestyle=(0, (8, 4)), linewidth=1.0, label=text)
 
 
-def scale_fitness(axes: Axes, case: Case, name: str) -> None:
+def scale_fitness(axes: Axes, case: CaseRuns, name: str) -> None:
     """Make the vertical axis logarithmic in the excess over a value a little below the least fitness.
 
     If the optimum is 0, the axis is logarithmic in the fitness itself. The data must have been drawn before.

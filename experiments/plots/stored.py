@@ -5,7 +5,7 @@ from functools import cached_property
 
 from matplotlib.figure import Figure
 
-from experiments.plots.courses import Case
+from experiments.plots.courses import CaseRuns
 from experiments.plots.style import styles
 from experiments.runs.database import Results
 from experiments.runs.outcomes import Outcomes
@@ -28,7 +28,7 @@ class Stored:
         self.results = results
 
     @cached_property
-    def cases(self) -> list[Case]:
+    def cases(self) -> list[CaseRuns]:
         """The scenarios with all that is stored of their runs."""
         return load_cases(self.suite, self.results)
 
@@ -49,7 +49,7 @@ Drawings = dict[str, Callable[[], Figure]]  # functions that draw, by name of th
 FigureMaker = Callable[[Stored], Drawings]
 
 
-def load_cases(suite: Suite, results: Results) -> list[Case]:
+def load_cases(suite: Suite, results: Results) -> list[CaseRuns]:
     """Return the scenarios of a suite that have runs, with these runs."""
     cases = []
     for name in suite.scenarios:
@@ -60,7 +60,7 @@ def load_cases(suite: Suite, results: Results) -> list[Case]:
         }
         if runs:
             problem = make_problem(name, **suite.options)
-            cases.append(Case(problem.scenario, known_optimum(problem), runs, styles(suite.controllers)))
+            cases.append(CaseRuns(problem.scenario, known_optimum(problem), runs, styles(suite.controllers)))
     return cases
 
 

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
-from experiments.documents.page import command_of, describe_provenance, make_tables
-from experiments.playground.page import playground_for
+from experiments.documents.suite_page import command_of, describe_provenance, make_tables
+from experiments.playground.playground_page import playground_for
 from experiments.report.completeness import complete_part
 from experiments.report.document import Report, Section
-from experiments.report.drawn import Drawn, draw_all
+from experiments.report.drawn import DrawnFigure, draw_all
 from experiments.report.map_picture import describe_map
 from experiments.report.recording import Recording, ReplayError, record
 from experiments.report.replay import pack
@@ -121,13 +121,13 @@ def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
     ), []
 
 
-def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[Drawn]) -> list[Section]:
+def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[DrawnFigure]) -> list[Section]:
     """Return sections: the first table, other tables and figures of all scenarios, then each scenario."""
 
     def tables_of(scenario: str | None) -> list[Table]:
         return [table for table in tables if table.scenario == scenario]
 
-    def figures_of(scenario: str | None) -> list[Drawn]:
+    def figures_of(scenario: str | None) -> list[DrawnFigure]:
         return [figure for figure in figures if _scenario_of(figure.name, part.scenarios) == scenario]
 
     general = tables_of(None)

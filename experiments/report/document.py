@@ -11,8 +11,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import swarm_gym
-from experiments.playground.page import Playground
-from experiments.report.drawn import Drawn
+from experiments.playground.playground_page import Playground
+from experiments.report.drawn import DrawnFigure
 from experiments.tables.cell import Cell, Entry
 from experiments.tables.table import Table, text_columns
 
@@ -37,7 +37,7 @@ class Section:
     identifier: str
     title: str
     tables: Sequence[Table] = ()
-    figures: Sequence[Drawn] = ()
+    figures: Sequence[DrawnFigure] = ()
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ NOT_SHOWN = ("snapshots",)  # replays show populations instead
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnFigure:
     """A figure of a report.
 
     Attributes:
@@ -35,7 +35,9 @@ class Drawn:
     svg: str
 
 
-def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tuple[list[Drawn], list[str]]:
+def draw_all(
+    suite: Suite, results: Results, further: Sequence[str] = ()
+) -> tuple[list[DrawnFigure], list[str]]:
     """Draw the figures of a suite of which no run is missing.
 
     Args:
@@ -54,14 +56,14 @@ def draw_all(suite: Suite, results: Results, further: Sequence[str] = ()) -> tup
     )
     everything = dataclasses.replace(suite, figures=(*own, *further))
     drawings = {**plan(first, results), **plan(everything, results)}
-    drawn: list[Drawn] = []
+    drawn: list[DrawnFigure] = []
     with settings(), matplotlib.style.context([SETTINGS]):
         for name, draw in tqdm(drawings.items(), desc="figures", unit="figure"):
             figure = draw()
             caption = plain_title(figure)
             number = f"Figure {FIGURE_NUMBERS[name]} of the SPSFA paper. " if name in FIGURE_NUMBERS else ""
             drawn.append(
-                Drawn(name, f"{number}{caption}", themed_svg(figure, f"figure-{len(drawn)}", caption))
+                DrawnFigure(name, f"{number}{caption}", themed_svg(figure, f"figure-{len(drawn)}", caption))
             )
     few = len(suite.scenarios) <= MOST_CASES
     left = f"Figures of single scenarios are drawn for the first {MOST_CASES} of {len(suite.scenarios)}."

@@ -17,7 +17,7 @@ A sentence may be about several subjects, each of which has a group of its own:
     group = "{about}+learned:optimizers-{about}/*@1"
     rival = "{about}+spsfa-tip"
 
-`experiments.tables.group_claims` checks them against stored runs.
+`experiments.tables.claim_tables` checks them against stored runs.
 """
 
 import dataclasses

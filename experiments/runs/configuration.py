@@ -1,4 +1,4 @@
-"""The configuration of a suite: everything that its runs depend on, which a results database compares."""
+"""Configurations of experiments: everything that runs depend on, which a results database compares."""
 
 import dataclasses
 from typing import Any
@@ -7,7 +7,7 @@ from agents import CONTROLLERS, Controller
 from experiments.runs.entrants import entrant
 from experiments.runs.entries import FROM_CONTENT, IDENTITIES
 from experiments.runs.episode import controller_of
-from experiments.runs.suite import Suite
+from experiments.runs.experiment import Experiment
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of
@@ -15,11 +15,11 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings, make_problem
 
 
-def configuration(suite: Suite) -> dict[str, Any]:
-    """Return the values that the runs of a suite depend on, by key; the database compares them."""
-    found = {**environment_configuration(suite), IDENTITIES: FROM_CONTENT}
-    for name in suite.controllers:
-        controller_name = entrant(name, suite.optimizer).controller
+def configuration(experiment: Experiment) -> dict[str, Any]:
+    """Return the values that the runs of an experiment depend on, by key; the database compares them."""
+    found = {**environment_configuration(experiment), IDENTITIES: FROM_CONTENT}
+    for name in experiment.controllers:
+        controller_name = entrant(name, experiment.optimizer).controller
         found[f"controller {name}"] = identity(controller_name, controller_of(controller_name))
     return found
 
@@ -31,14 +31,14 @@ def identity(name: str, controller: Controller) -> Any:
     return name, origin_of("controller", name), controller.identity()
 
 
-def environment_configuration(suite: Suite) -> dict[str, Any]:
+def environment_configuration(experiment: Experiment) -> dict[str, Any]:
     """Return the part of `configuration` without controllers, whose policies may be missing here."""
     settings = dataclasses.asdict(
         Settings.from_options(
-            get_optimizer(suite.optimizer), {"scenario": suite.scenarios[0], **suite.options}
+            get_optimizer(experiment.optimizer), {"scenario": experiment.scenarios[0], **experiment.options}
         )
     )
-    # These vary within a suite; they are part of the controllers and the runs.
+    # These vary within an experiment; they are part of the controllers and the runs.
     for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
         del settings[name]
     for name in ("final_repair", "made_for"):  # these change nothing that a run stores
@@ -46,10 +46,10 @@ def environment_configuration(suite: Suite) -> dict[str, Any]:
     # These are part of the problems of the scenarios.
     for name in ("encoding", "num_control_points", "penalty"):
         del settings[name]
-    found: dict[str, Any] = {"optimizer": suite.optimizer, "settings": settings}
-    if suite.optimizer not in OPTIMIZERS:
-        found["optimizer"] = f"{suite.optimizer}, {origin_of('optimizer', suite.optimizer)}"
-    for name in suite.scenarios:
-        problem = make_problem(name, **suite.options)
+    found: dict[str, Any] = {"optimizer": experiment.optimizer, "settings": settings}
+    if experiment.optimizer not in OPTIMIZERS:
+        found["optimizer"] = f"{experiment.optimizer}, {origin_of('optimizer', experiment.optimizer)}"
+    for name in experiment.scenarios:
+        problem = make_problem(name, **experiment.options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found

@@ -83,6 +83,11 @@ class Results:
             self._adopt(self._compare(configuration or {}))
 
     @classmethod
+    def in_memory(cls) -> "Results":
+        """Open an empty database that ends with this process."""
+        return cls(Path(":memory:"))
+
+    @classmethod
     def stored(cls, path: Path, configuration: Mapping[str, Any] | None = None) -> "Results":
         """Open an existing database for reading only.
 

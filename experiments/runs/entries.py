@@ -24,7 +24,7 @@ class EntryError(ValueError):
     """An entry that is not there, or is there already; the message names it."""
 
 
-class Entry(NamedTuple):
+class StoredEntry(NamedTuple):
     """An entry of a database.
 
     Attributes:
@@ -52,7 +52,7 @@ def digest_of(stored: str) -> str:
     return hashlib.sha256(stored.encode()).hexdigest()[:DIGITS]
 
 
-def entries_of(connection: sqlite3.Connection) -> list[Entry]:
+def entries_of(connection: sqlite3.Connection) -> list[StoredEntry]:
     """Return the entries of a database, sorted by name."""
     query = (
         "SELECT controller, COUNT(*), COUNT(DISTINCT scenario), json_group_array(DISTINCT provenance) "
@@ -60,7 +60,7 @@ def entries_of(connection: sqlite3.Connection) -> list[Entry]:
     )
     identities = _identities(connection)
     return [
-        Entry(
+        StoredEntry(
             name,
             digest_of(identities[name]) if name in identities else "",
             num_runs,

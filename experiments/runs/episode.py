@@ -1,6 +1,7 @@
 """Runs in a single environment, one iteration at a time."""
 
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -9,8 +10,8 @@ import gymnasium
 from agents import Controller, make_controller
 from experiments.runs.blinded import load_blinded
 from experiments.runs.entrants import entrant
-from experiments.runs.run import RunKey
-from experiments.runs.suite import Suite
+from experiments.runs.experiment import Experiment
+from experiments.runs.run import Run, RunKey, Snapshot
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.own_code import is_own, own
@@ -20,26 +21,29 @@ from swarm_gym.warm_up import warm_up_single
 
 
 class Episode:
-    """A run of a suite that has not begun. Its kernels are ready, so that its time excludes compilation.
+    """A run of an experiment that has not begun; its kernels are ready, and its time excludes compilation.
 
     Args:
         key: controller, scenario and seed of the run.
-        suite: suite that gives the optimizer and the options.
+        experiment: experiment that gives the optimizer, the options and the populations to keep.
 
     Attributes:
+        key: controller, scenario and seed of the run.
         simulation: simulation of the environment, a batch of one.
         info: last info of the environment; empty before the run.
     """
 
-    def __init__(self, key: RunKey, suite: Suite):
+    def __init__(self, key: RunKey, experiment: Experiment):
+        self.key = key
+        self._kept = experiment.kept_iterations(key)
         name, scenario, self._seed = key
-        runs = entrant(name, suite.optimizer)
-        warm_up(runs.optimizer, suite)
+        runs = entrant(name, experiment.optimizer)
+        warm_up(runs.optimizer, experiment)
         self._controller = controller_of(runs.controller)
         self._env = gymnasium.make(
             environment_id(runs.optimizer),
             scenario=scenario,
-            **{**suite.options, **runs.options, **self._controller.env_options()},
+            **{**experiment.options, **runs.options, **self._controller.env_options()},
         )
         self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
         self.info: dict[str, Any] = {}
@@ -49,6 +53,32 @@ class Episode:
         for info in iterate(self._env, self._controller, self._seed):
             self.info = info
             yield self.simulation
+
+    def run(self, made_with: Mapping[str, str]) -> Run:
+        """Carry out the run, measure its processor time, and return its record.
+
+        Args:
+            made_with: versions and commit that the run is made with.
+        """
+        begin = time.process_time()
+        snapshots = []
+        for simulation in self:
+            if simulation.iteration[0] in self._kept:
+                snapshots.append(_snapshot(simulation))
+        seconds = time.process_time() - begin
+        return Run(
+            *self.key,
+            float(self.info["best_fitness"]),
+            float(self.info["best_collision"]),
+            int(self.info["evaluations"]),
+            seconds,
+            self.info["best_path"],
+            self.simulation.history[0].copy(),
+            made_with,
+            tuple(snapshots),
+            self.simulation.columns,
+            self.simulation.trajectory(0),
+        )
 
 
 def iterate(
@@ -87,11 +117,20 @@ def _controller(name: str, code: object) -> Controller:  # noqa: ARG001 (another
     return load_blinded(parts.argument) if parts.family == BLINDED else make_controller(name)
 
 
-def warm_up(optimizer: str, suite: Suite) -> None:
-    """Compile or load the kernels that the runs of a suite need with an optimizer, once per process."""
-    _warm_up(optimizer, tuple({"scenario": suite.scenarios[0], **suite.options}.items()))
+def warm_up(optimizer: str, experiment: Experiment) -> None:
+    """Compile or load the kernels that the runs of an experiment need with an optimizer, once per process."""
+    _warm_up(optimizer, tuple({"scenario": experiment.scenarios[0], **experiment.options}.items()))
 
 
 @cache
 def _warm_up(optimizer: str, options: tuple[tuple[str, Any], ...]) -> None:
     warm_up_single(optimizer, **dict(options))
+
+
+def _snapshot(simulation: Simulation) -> Snapshot:
+    """Return a copy of the current population."""
+    return Snapshot(
+        int(simulation.iteration[0]),
+        simulation.problem_of(0).points(simulation.positions(0)),
+        simulation.swarms.collision[0, : simulation.swarms.size[0]].copy(),
+    )

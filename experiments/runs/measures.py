@@ -6,9 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.runs.convergence import STILL_TO_COME, convergence_iteration
 from experiments.runs.outcomes import Sample
-from experiments.runs.run import Floats, Run, arrives, trajectory_of, turning_of
+from experiments.runs.run import (
+    STILL_TO_COME,
+    Floats,
+    Run,
+    arrives,
+    convergence_iteration,
+    trajectory_of,
+    turning_of,
+)
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 

@@ -1,4 +1,4 @@
-"""Records of finished runs, and measures of the trajectories and paths in them."""
+"""Records of finished runs, and measures of their convergence, trajectories and paths."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -87,3 +87,15 @@ def turning_of(path: Floats) -> float:
     headings = np.arctan2(steps[:, 1], steps[:, 0])
     turns = (np.diff(headings) + np.pi) % (2.0 * np.pi) - np.pi
     return float(np.degrees(np.abs(turns).sum()))
+
+
+STILL_TO_COME = 1e-3
+
+
+def convergence_iteration(course: Floats) -> int:
+    """Return the first iteration t with best(t) - best(T) <= 1e-3 (best(0) - best(T)).
+
+    Args:
+        course: (T + 1,) best fitness so far.
+    """
+    return int(np.argmax(course - course[-1] <= STILL_TO_COME * (course[0] - course[-1])))

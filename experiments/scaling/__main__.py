@@ -14,9 +14,9 @@ from tqdm import tqdm
 
 from agents.backends import BackendError
 from experiments.catalogue import get_suite
-from experiments.runs.runner import all_runs, run_one
+from experiments.runs.episode import Episode
 from experiments.scaling import overheads
-from experiments.scaling.page import Findings, write_page
+from experiments.scaling.findings_page import Findings, write_page
 from experiments.scaling.study import EVALUATED, TIMED_PRESETS, time_runs, time_training
 from experiments.speed.measurement import machine
 from swarm_gym.command import command
@@ -55,7 +55,7 @@ def measure_all(config: ScalingConfig) -> Findings:
     warm_up_single("firefly")
     cores = cpu_count()
     config.output.mkdir(parents=True, exist_ok=True)
-    run = run_one(("spsfa-tip", "case1", 1), get_suite("paper"), {})
+    run = Episode(("spsfa-tip", "case1", 1), get_suite("paper")).run({})
     with (
         TemporaryDirectory(dir=config.output) as folder,
         tqdm(total=6 + len(config.nodes) + len(EVALUATED), unit="figure", desc="scaling") as bar,
@@ -89,7 +89,7 @@ def measure_all(config: ScalingConfig) -> Findings:
         for name in EVALUATED:
             say(f"runs of {name}")
             suite = get_suite(name)
-            runs[name] = time_runs(suite, all_runs(suite), config.sample)
+            runs[name] = time_runs(suite, suite.all_runs(), config.sample)
         say("training")
         steps = {kind: time_training(preset, config.training_steps) for kind, preset in TIMED_PRESETS.items()}
     return Findings(machine(), backends, nodes, start, empty, results, rows, runs, steps)

@@ -13,9 +13,10 @@ import numpy as np
 from agents.training.presets import load_preset, preset_names
 from agents.training.run import TrainingRun
 from experiments.catalogue import get_suite
+from experiments.runs.episode import Episode
+from experiments.runs.experiment import Experiment
 from experiments.runs.run import RunKey
-from experiments.runs.runner import all_runs, make_units, run_one
-from experiments.runs.suite import Suite
+from experiments.runs.runner import make_units
 from experiments.scaling.model import Work
 from experiments.speed.measurement import seconds_of
 
@@ -25,14 +26,14 @@ TRAINING_SEEDS = 10
 TIMED_PRESETS = {"evolution": "three-cases-linear", "ppo": "three-cases"}
 
 
-def time_runs(suite: Suite, keys: list[RunKey], sample: int) -> list[float]:
+def time_runs(experiment: Experiment, keys: list[RunKey], sample: int) -> list[float]:
     """Return the processor times, in seconds, of a random sample of runs with their overheads."""
     rng = np.random.default_rng(0)
     found = []
     for number in rng.choice(len(keys), min(sample, len(keys)), replace=False):
-        run_one(keys[number], suite, {})  # loads files and kernels
+        Episode(keys[number], experiment).run({})  # loads files and kernels
         begin = time.process_time()
-        run_one(keys[number], suite, {})
+        Episode(keys[number], experiment).run({})
         found.append(time.process_time() - begin)
     return found
 
@@ -55,7 +56,7 @@ def evaluations(seconds: Mapping[str, Sequence[float]], cores: int) -> Work:
     """
     total, units, rows, longest = 0.0, 0, 0, 0.0
     for name, sample in seconds.items():
-        runs = all_runs(get_suite(name))
+        runs = get_suite(name).all_runs()
         made = make_units(runs, cores)
         total += len(runs) * float(np.mean(sample))
         longest = max(longest, max(sample) * max(len(unit.seeds) for unit in made))

@@ -1,32 +1,37 @@
 """Cases to verify: submissions to suites with what is claimed about them, checked before anything runs."""
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiments.scoring.claims import check_claim, rows_of
-from experiments.scoring.comparison import Comparison, compare
+from experiments.runs.configuration import configuration
+from experiments.runs.database import Results
+from experiments.scoring.claimed_rows import check_claim, rows_of
 from experiments.scoring.files import read_scores, scores_file
-from experiments.scoring.score import Score, score
+from experiments.scoring.score import ScoreRow, export, measure
 from experiments.scoring.submission import Submission, digest_of_policy, read_submission
 from experiments.scoring.suites import LEARNED, SCORED, ScoredSuite, get_scored
+from experiments.scoring.verdicts import ScoreComparison, compare
+
+DATABASE = ".sqlite"  # suffix of results databases
 
 
 @dataclass(frozen=True)
-class Case:
+class SubmittedCase:
     """A submission to a suite, and what is claimed about it.
 
     Attributes:
         submission: the submission.
         scored: suite that scores it.
         claimed: rows that are claimed, in the order of the runs; empty without a claim.
-        source: file of the claim; None without one.
+        source: file or database of the claim; None without one.
     """
 
     submission: Submission
     scored: ScoredSuite
-    claimed: tuple[Score, ...]
+    claimed: tuple[ScoreRow, ...]
     source: Path | None
 
     @property
@@ -34,16 +39,15 @@ class Case:
         """Number of runs that verify it."""
         return len(self.submission.entrants) * sum(len(chosen.runs) for chosen in self.scored.sets.values())
 
-    def verify(self, ran: Callable[[int], Any] = lambda _: None) -> list[Comparison]:
+    def verify(self, ran: Callable[[int], Any] = lambda _: None) -> list[ScoreComparison]:
         """Make the runs, and return a comparison for each environment and set of scenarios.
 
         Args:
             ran: function that is called with the number of runs that have ended since the last call.
         """
-        names, digest = self.submission.entrants, self.submission.digest
-        found = [row for name in names for row in score(name, digest, self.scored, ran)]
+        found = measure(self.submission.digests, self.scored, ran)
         if not self.claimed:
-            return [Comparison(None, row, None) for row in found]
+            return [ScoreComparison(None, row, None) for row in found]
         return [
             compare(claimed, row, self.scored.sets[row.scenario_set])
             for claimed, row in zip(self.claimed, found, strict=True)
@@ -62,17 +66,17 @@ class StoredScores:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        self._rows: dict[Path, list[Score]] = {}
+        self._rows: dict[Path, list[ScoreRow]] = {}
 
     def path(self, scored: ScoredSuite) -> Path:
         """Return the file of a suite."""
         return scores_file(self.folder, scored.name)
 
-    def rows(self, scored: ScoredSuite) -> list[Score]:
+    def rows(self, scored: ScoredSuite) -> list[ScoreRow]:
         """Return the rows of a suite; none if it has no file."""
         return self.read(self.path(scored)) if self.path(scored).exists() else []
 
-    def read(self, path: Path) -> list[Score]:
+    def read(self, path: Path) -> list[ScoreRow]:
         """Return the rows of a file.
 
         Raises:
@@ -83,7 +87,7 @@ class StoredScores:
         return self._rows[path]
 
 
-def packaged_cases(suites: Sequence[ScoredSuite], stored: StoredScores) -> list[Case]:
+def packaged_cases(suites: Sequence[ScoredSuite], stored: StoredScores) -> list[SubmittedCase]:
     """Return the cases of all packaged policies of these suites, with their stored rows as claims.
 
     Raises:
@@ -98,17 +102,19 @@ def packaged_cases(suites: Sequence[ScoredSuite], stored: StoredScores) -> list[
 
 def submitted_cases(
     names: Sequence[str], suite: str | None, claim: Path | None, stored: StoredScores
-) -> list[Case]:
+) -> list[SubmittedCase]:
     """Return the cases of submissions.
 
     Args:
         names: policy files, names of packaged policies, or entrants of the suites that are no policies.
         suite: suite that scores them; None is every suite whose stored scores have the digest.
-        claim: file of the claims; None is the stored scores, where these have the digest.
+        claim: file of scores, or results database, with the claims; None is the stored scores, where these
+            have the digest.
         stored: the stored scores.
 
     Raises:
         PolicyFileError: if a file is no policy.
+        ResultsError: if the claim is a results database that lacks runs, or is of another configuration.
         SubmissionError: if a policy is not for the suite, or its manifest lies.
         ScoreFileError, ClaimError: if a claim cannot be used, or is about something else.
         UnknownNameError: if there is no such suite.
@@ -121,14 +127,23 @@ def submitted_cases(
     ]
 
 
-def make_case(name: str, scored: ScoredSuite, claim: Path | None, stored: StoredScores) -> Case:
+def make_case(name: str, scored: ScoredSuite, claim: Path | None, stored: StoredScores) -> SubmittedCase:
     """Return the case of a submission to a suite; `submitted_cases` describes the arguments and errors."""
     submission = read_submission(name, scored)
+    if claim is not None and claim.suffix == DATABASE:
+        return SubmittedCase(submission, scored, tuple(_stored_rows(claim, submission, scored)), claim)
     path = claim or stored.path(scored)
     rows = stored.read(path) if claim else stored.rows(scored)
     if claim or rows_of(submission, rows):
-        return Case(submission, scored, tuple(check_claim(path, rows, submission, scored)), path)
-    return Case(submission, scored, (), None)
+        return SubmittedCase(submission, scored, tuple(check_claim(path, rows, submission, scored)), path)
+    return SubmittedCase(submission, scored, (), None)
+
+
+def _stored_rows(database: Path, submission: Submission, scored: ScoredSuite) -> list[ScoreRow]:
+    """Return the rows of the runs that a results database has of a submission, in the order of its runs."""
+    needed = configuration(scored.part(submission.entrants))
+    with closing(Results.stored(database, needed)) as results:
+        return export(submission.digests, scored, results)
 
 
 def _suites_of(name: str, stored: StoredScores) -> list[ScoredSuite]:

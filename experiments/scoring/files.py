@@ -8,13 +8,13 @@ from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
 
-from experiments.scoring.score import Score, digest_of_runs
+from experiments.scoring.score import ScoreRow, digest_of_runs
 from swarm_gym.controllers.packaged import read_bytes
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 SCORES = Path("scores")  # folder of the stored scores, in a checkout
-COLUMNS = tuple(field.name for field in fields(Score))
+COLUMNS = tuple(field.name for field in fields(ScoreRow))
 MAX_FILE = 2**24  # bytes; the largest file of scores has less than 1 MB
 MAX_SEED = 10**9
 
@@ -28,7 +28,7 @@ def scores_file(folder: Path, suite: str) -> Path:
     return folder / f"{suite}.csv"
 
 
-def write_scores(path: Path, scores: Iterable[Score]) -> Path:
+def write_scores(path: Path, scores: Iterable[ScoreRow]) -> Path:
     """Write scores to a CSV file, atomically; numbers are written in full, so that no bit is lost."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -37,7 +37,7 @@ def write_scores(path: Path, scores: Iterable[Score]) -> Path:
     return write_atomically(path, text.getvalue())
 
 
-def read_scores(path: Path) -> list[Score]:
+def read_scores(path: Path) -> list[ScoreRow]:
     """Return the scores of a CSV file.
 
     Raises:
@@ -61,7 +61,7 @@ def read_scores(path: Path) -> list[Score]:
     return [_read_row(f"{path}, line {line}", head, row) for line, row in enumerate(rows[1:], 2)]
 
 
-def _read_row(where: str, head: list[str], row: list[str]) -> Score:
+def _read_row(where: str, head: list[str], row: list[str]) -> ScoreRow:
     if len(row) != len(head):
         raise ScoreFileError(f"{where}: expected {len(head)} values, got {len(row)}")
     texts = dict(zip(head, row, strict=True))
@@ -71,7 +71,7 @@ def _read_row(where: str, head: list[str], row: list[str]) -> Score:
             values[name] = read(texts[name])
         except ValueError:
             raise ScoreFileError(f"{where}: {name} must be {expected}, got {shown(texts[name])}") from None
-    score = Score(**values)
+    score = ScoreRow(**values)
     fitness, evaluations = score.fitness_of_runs, score.evaluations_of_runs
     if len(fitness) != len(evaluations):
         raise ScoreFileError(

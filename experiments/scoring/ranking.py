@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from experiments.runs.labels import label
 from experiments.scoring.files import SCORES, ScoreFileError, read_scores, scores_file
-from experiments.scoring.score import Score, mean
+from experiments.scoring.score import ScoreRow, mean
 from experiments.scoring.suites import PRICE, SCORED, get_scored
 from experiments.tables.cell import Entry, number, share
 from experiments.tables.document import ResultsFolder
@@ -14,14 +14,14 @@ DIGITS = 8  # of a digest
 SUITES_BLOCK = "suites"
 
 
-def ranking(suite: str, scores: Sequence[Score]) -> Table:
+def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
     """Return the table of a suite's controllers, the smallest objective first.
 
     Args:
         suite: name of a scored suite.
         scores: all of its rows.
     """
-    by_entrant: dict[str, list[Score]] = {}
+    by_entrant: dict[str, list[ScoreRow]] = {}
     for row in scores:
         by_entrant.setdefault(row.controller, []).append(row)
     ranked = sorted(by_entrant.items(), key=lambda item: (_objective(item[1]), item[0]))
@@ -53,17 +53,17 @@ def suites_table() -> Table:
     """Return the table of scored suites: environments, scenarios and seeds."""
     rows: list[tuple[Entry, ...]] = []
     for name, scored in SCORED.items():
-        suite, sets = scored.suite, scored.sets
+        experiment, sets = scored.experiment, scored.sets
         seeds = sorted({seed for chosen in sets.values() for _, seed in chosen.runs})
         rows.append(
             (
                 name,
                 ", ".join(scored.optimizers),
-                " ".join(f"{key}={value}" for key, value in sorted(suite.options.items())) or "none",
+                " ".join(f"{key}={value}" for key, value in sorted(experiment.options.items())) or "none",
                 ", ".join(sets),
-                number(len(suite.scenarios), "d"),
+                number(len(experiment.scenarios), "d"),
                 f"{seeds[0]:,}" if len(seeds) == 1 else f"{seeds[0]:,} to {seeds[-1]:,}",
-                number(suite.num_seeds, "d"),
+                number(experiment.num_seeds, "d"),
                 number(len(scored.policies), "d"),
                 number(len(scored.references), "d"),
             )
@@ -102,10 +102,10 @@ def suites_block(results: ResultsFolder) -> str:  # noqa: ARG001
     return suites_table().markdown()
 
 
-def _mean(rows: Sequence[Score], name: str) -> float:
+def _mean(rows: Sequence[ScoreRow], name: str) -> float:
     """Return the mean of a column over all runs."""
     return mean([getattr(row, name) for row in rows for _ in row.fitness_of_runs])
 
 
-def _objective(rows: Sequence[Score]) -> float:
+def _objective(rows: Sequence[ScoreRow]) -> float:
     return 100.0 * _mean(rows, "gap") + PRICE * _mean(rows, "evaluations") / 100_000.0

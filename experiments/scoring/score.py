@@ -1,26 +1,26 @@
-"""A row of scores: the result of one controller on one set of scenarios, and the runs that it comes from."""
+"""Rows of scores: the result of one controller on one set of scenarios, exported from a results database."""
 
 import hashlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from agents.evaluation.rollout import run_swarms, swarms_for
+from agents.backends.local import LocalBackend
+from experiments.runs.database import Results
 from experiments.runs.entrants import entrant
-from experiments.runs.episode import controller_of
-from experiments.runs.outcomes import optima_of, refuse_unknown_optima
+from experiments.runs.outcomes import Outcomes
+from experiments.runs.runner import store_missing
 from experiments.scoring.suites import ScoredSet, ScoredSuite
-from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum
 
 
 @dataclass(frozen=True)
-class Score:
+class ScoreRow:
     """The score of a controller on a set of scenarios; the fields are the columns of a file of scores.
 
     Attributes:
@@ -66,42 +66,64 @@ def digest_of_runs(fitness: Sequence[float], evaluations: Sequence[int]) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def score(
-    name: str, digest: str, scored: ScoredSuite, ran: Callable[[int], Any] = lambda _: None
-) -> list[Score]:
-    """Run an entrant on all sets of scenarios of a suite, in this process, and return its scores.
-
-    The seeds of a scenario run side by side, which gives the same bits as one after the other.
+def export(digests: Mapping[str, str], scored: ScoredSuite, results: Results) -> list[ScoreRow]:
+    """Return the rows of entrants from their stored runs, one for each set of scenarios.
 
     Args:
-        name: name of the entrant.
-        digest: digest of its controller.
+        digests: digests of the controllers by names of the entrants.
+        scored: the suite.
+        results: database that has the runs.
+
+    Raises:
+        ResultsError: if a run is missing.
+        ScenarioError: if the optimum of a scenario is unknown.
+    """
+    outcomes = results.outcomes(tuple(digests), scored.experiment.seeds)
+    return [
+        _row(name, digest, scored, chosen, outcomes)
+        for name, digest in digests.items()
+        for chosen in scored.sets.values()
+    ]
+
+
+def measure(
+    digests: Mapping[str, str], scored: ScoredSuite, ran: Callable[[int], Any] = lambda _: None
+) -> list[ScoreRow]:
+    """Run entrants in this process, keep their runs in memory alone, and return their rows.
+
+    Args:
+        digests: digests of the controllers by names of the entrants.
         scored: the suite.
         ran: function that is called with the number of runs that have ended since the last call.
 
     Raises:
         ScenarioError: if the optimum of a scenario is unknown.
     """
-    return [_score_on(name, digest, scored, chosen, ran) for chosen in scored.sets.values()]
+    with closing(Results.in_memory()) as results:
+        for count in store_missing(scored.part(tuple(digests)), results, LocalBackend(1)):
+            ran(count)
+        return export(digests, scored, results)
 
 
-def _score_on(
-    name: str, digest: str, scored: ScoredSuite, chosen: ScoredSet, ran: Callable[[int], Any]
-) -> Score:
+def mean(values: Sequence[float]) -> float:
+    """Return the mean of numbers; the sum is rounded once, so that no order of summation changes it."""
+    return math.fsum(values) / len(values)
+
+
+def _row(name: str, digest: str, scored: ScoredSuite, chosen: ScoredSet, outcomes: Outcomes) -> ScoreRow:
     fitness: list[float] = []
     evaluations: list[int] = []
     feasible: list[bool] = []
     gaps: list[float] = []
     for scenario in chosen.scenarios:
-        final = _run(name, scenario, scored)
-        fitness += final.best_fitness.tolist()
-        evaluations += final.evaluations.tolist()
-        feasible += (final.best_collision <= FEASIBILITY_TOLERANCE).tolist()
-        gaps += gap_to_optimum(final.best_fitness, _optimum(scenario, scored)).tolist()
-        ran(len(final.best_fitness))
-    return Score(
+        found = outcomes.of(name, scenario)
+        fitness += found.fitness.tolist()
+        evaluations += map(int, found.evaluations)
+        feasible += (found.collision <= FEASIBILITY_TOLERANCE).tolist()
+        gaps += gap_to_optimum(found.fitness, scored.optima[scenario]).tolist()
+    return ScoreRow(
         controller=name,
-        environment=scored.environment(entrant(name, scored.suite.optimizer).optimizer),
+        environment=scored.environment(entrant(name, scored.experiment.optimizer).optimizer),
         scenario_set=chosen.name,
         first_seed=chosen.first_seed,
         num_seeds=chosen.num_seeds,
@@ -113,29 +135,3 @@ def _score_on(
         fitness_of_runs=tuple(fitness),
         evaluations_of_runs=tuple(evaluations),
     )
-
-
-def _run(name: str, scenario: str, scored: ScoredSuite) -> Swarms:
-    """Return the swarms of an entrant at the end of its runs on a scenario, one for each seed."""
-    runs, seeds = entrant(name, scored.suite.optimizer), scored.suite.seeds[scenario]
-    controller = controller_of(runs.controller)
-    options = {**scored.suite.options, **runs.options, "num_threads": 1}
-    swarms = swarms_for(controller, len(seeds), runs.optimizer, scenario=scenario, **options)
-    run_swarms(controller, swarms, seeds)
-    return swarms.simulation.swarms
-
-
-def mean(values: Sequence[float]) -> float:
-    """Return the mean of numbers; the sum is rounded once, so that no order of summation changes it."""
-    return math.fsum(values) / len(values)
-
-
-def _optimum(scenario: str, scored: ScoredSuite) -> float:
-    return _optima(scored.suite.scenarios, tuple(sorted(scored.suite.options.items())))[scenario]
-
-
-@cache
-def _optima(scenarios: tuple[str, ...], options: tuple[tuple[str, Any], ...]) -> dict[str, float]:
-    found = optima_of(scenarios, dict(options))
-    refuse_unknown_optima(scenarios, found)
-    return dict(zip(scenarios, found.tolist(), strict=True))

@@ -53,6 +53,11 @@ class Submission:
     entrants: tuple[str, ...]
     is_policy: bool
 
+    @property
+    def digests(self) -> dict[str, str]:
+        """Digests by names of the entrants, all of which are the same controller."""
+        return dict.fromkeys(self.entrants, self.digest)
+
 
 def read_submission(name: str, scored: ScoredSuite) -> Submission:
     """Return the submission of a name, checked for a suite.
@@ -81,13 +86,13 @@ def read_submission(name: str, scored: ScoredSuite) -> Submission:
     entrants = scored.entrants_of(policy, manifest)
     _refuse_other_price(name, entrants)
     for one in entrants:
-        controller_of(entrant(one, scored.suite.optimizer).controller)  # or it raises PolicyFileError
+        controller_of(entrant(one, scored.experiment.optimizer).controller)  # or it raises PolicyFileError
     return Submission(name, hashlib.sha256(data).hexdigest(), tuple(entrants), is_policy=True)
 
 
 def digest_of(name: str, scored: ScoredSuite) -> str:
     """Return the digest of an entrant that ships: of its file if it is a policy, else of its data."""
-    parts = ControllerName.parse(entrant(name, scored.suite.optimizer).controller)
+    parts = ControllerName.parse(entrant(name, scored.experiment.optimizer).controller)
     if parts.family != LEARNED:
         return digest_of_data(name, scored)
     return digest_of_policy(str(parts))
@@ -104,7 +109,7 @@ def digest_of_policy(name: str) -> str:
 
 def digest_of_data(name: str, scored: ScoredSuite) -> str:
     """Return the SHA-256 of what a controller is, as JSON with sorted keys: its decisions, or its name."""
-    controller = entrant(name, scored.suite.optimizer).controller
+    controller = entrant(name, scored.experiment.optimizer).controller
     content = json.dumps(identity(controller, controller_of(controller)), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()
 

@@ -12,8 +12,9 @@ from typing import Any
 
 from experiments.catalogue import SUITES
 from experiments.runs.entrants import entrant
+from experiments.runs.experiment import Experiment
 from experiments.runs.groups import scenario_sets
-from experiments.runs.suite import Suite
+from experiments.runs.outcomes import optima_of, refuse_unknown_optima
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.learned.manifest import observes_price
 from swarm_gym.controllers.learned.policy_file import load_policy, packaged_policies, resolve
@@ -48,42 +49,58 @@ class ScoredSuite:
     """A suite whose runs give scores.
 
     Attributes:
-        suite: scenarios, seeds and options; its controllers are those of the study.
+        experiment: part of a suite of a study that is run, with all of its controllers.
         recipes: patterns of the recipes of packaged policies that it scores, such as `three-cases-*`.
     """
 
-    suite: Suite
+    experiment: Experiment
     recipes: tuple[str, ...]
 
     @property
     def name(self) -> str:
         """Name of the suite, and of its file of scores."""
-        return self.suite.name
+        return self.experiment.name
 
     @cached_property
     def optimizers(self) -> tuple[str, ...]:
         """Names of the optimizers that its controllers drive."""
-        found = (entrant(name, self.suite.optimizer).optimizer for name in self.suite.controllers)
+        found = (entrant(name, self.experiment.optimizer).optimizer for name in self.experiment.controllers)
         return tuple(dict.fromkeys(found))
 
     @cached_property
     def sets(self) -> dict[str, ScoredSet]:
         """Sets of scenarios by name."""
-        seeds = self.suite.seeds
+        seeds = self.experiment.seeds
         return {
             name: ScoredSet(
                 name,
                 scenarios,
                 tuple((scenario, seed) for scenario in scenarios for seed in seeds[scenario]),
                 seeds[scenarios[0]].start,
-                self.suite.num_seeds,
+                self.experiment.num_seeds,
             )
-            for name, scenarios in scenario_sets(self.suite.scenarios).items()
+            for name, scenarios in scenario_sets(self.experiment.scenarios).items()
         }
+
+    @cached_property
+    def optima(self) -> dict[str, float]:
+        """Fitness of the optimum of every scenario, by its name.
+
+        Raises:
+            ScenarioError: if one is unknown.
+        """
+        scenarios = self.experiment.scenarios
+        found = optima_of(scenarios, self.experiment.options)
+        refuse_unknown_optima(scenarios, found)
+        return dict(zip(scenarios, found.tolist(), strict=True))
+
+    def part(self, entrants: tuple[str, ...]) -> Experiment:
+        """Return the runs of some entrants on all scenarios and seeds."""
+        return replace(self.experiment, controllers=entrants)
 
     def environment(self, optimizer: str) -> str:
         """Return the environment's name and options as text, e.g. `swarm_gym/AntColony-v0 encoding=walk`."""
-        options = [f"{name}={value}" for name, value in sorted(self.suite.options.items())]
+        options = [f"{name}={value}" for name, value in sorted(self.experiment.options.items())]
         return " ".join([environment_id(optimizer), *options])
 
     def entrant(self, optimizer: str, controller: str) -> str:
@@ -124,7 +141,7 @@ class ScoredSuite:
             if manifest["base"] != "none"
             for optimizer in self.fitting(manifest)
         ]
-        return tuple(dict.fromkeys([*filter(_is_reference, self.suite.controllers), *bases]))
+        return tuple(dict.fromkeys([*filter(_is_reference, self.experiment.controllers), *bases]))
 
     @cached_property
     def entrants(self) -> tuple[str, ...]:
@@ -161,13 +178,15 @@ def _is_reference(name: str) -> bool:
 def _scored(name: str, *recipes: str, num_seeds: int = 5, num_scenarios: int | None = None) -> ScoredSuite:
     """Return the scored part of a study's suite: the first scenarios and the first seeds."""
     whole = SUITES[name]
-    part = replace(
-        whole,
-        scenarios=whole.scenarios[:num_scenarios],
-        num_seeds=num_seeds,
-        snapshots=(),
-        claims=(),
-        yardsticks={},
+    part = Experiment(
+        name,
+        whole.controllers,
+        whole.scenarios[:num_scenarios],
+        num_seeds,
+        optimizer=whole.optimizer,
+        options=whole.options,
+        first_seed=whole.first_seed,
+        seed_step=whole.seed_step,
     )
     return ScoredSuite(part, recipes)
 

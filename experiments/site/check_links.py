@@ -25,7 +25,7 @@ class BrokenLinksError(ValueError):
 
 
 @dataclass
-class Page:
+class LinkedPage:
     """The links of a page, and the anchors that others can lead to.
 
     Attributes:
@@ -40,7 +40,7 @@ class Page:
 class _Reader(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
-        self.page = Page()
+        self.page = LinkedPage()
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         given = {name: value or "" for name, value in attrs}
@@ -48,7 +48,7 @@ class _Reader(HTMLParser):
         self.page.anchors |= {given[name] for name in ("id", "name") if given.get(name)}
 
 
-def read_page(text: str) -> Page:
+def read_page(text: str) -> LinkedPage:
     """Return the links and anchors of an HTML page."""
     reader = _Reader()
     reader.feed(text)
@@ -88,7 +88,7 @@ def _is_internal(link: str) -> bool:
     return not parts.scheme and not parts.netloc
 
 
-def _faults(link: str, path: Path, pages: dict[Path, Page], site: Path) -> Iterator[str]:
+def _faults(link: str, path: Path, pages: dict[Path, LinkedPage], site: Path) -> Iterator[str]:
     """Yield what is wrong with a link of the page at a path."""
     parts = urlsplit(link)
     target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
@@ -102,7 +102,7 @@ def _faults(link: str, path: Path, pages: dict[Path, Page], site: Path) -> Itera
         yield f"{link} leads to no element of that page"
 
 
-def _has(page: Page, fragment: str) -> bool:
+def _has(page: LinkedPage, fragment: str) -> bool:
     return fragment in page.anchors or unquote(fragment) in page.anchors
 
 

@@ -1,6 +1,5 @@
 """Pages of environments: one for each registered id, made from its class and the registries."""
 
-import csv
 import inspect
 import sys
 from collections.abc import Iterator
@@ -8,8 +7,9 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
+from experiments.scoring.files import read_scores
+from experiments.scoring.score import ScoreRow
 from experiments.site.markdown import code, entries, first_sentence, linked, listed, prose, table, topic
-from experiments.site.versions import VERSIONS
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
@@ -22,6 +22,8 @@ from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS
 from swarm_gym.settings import Settings
 
+# By version, the release that brought it and what is new in it; docs/versions.md has the rule.
+VERSIONS = {"v0": ("0.1.0", "The first version.")}
 SCENARIO = "case1"
 # A budget of evaluations, which paced actions need.
 BUDGET = 100_000
@@ -30,10 +32,6 @@ NEEDS_OF_REWARDS = {
     **dict.fromkeys(NEED_AN_OPTIMUM, "a known optimum"),
     **dict.fromkeys(NEED_ROBOTS, "robots that drive"),
 }
-# Columns of a table of scores that its page shows.
-SCORE_COLUMNS = (
-    "controller", "scenario_set", "first_seed", "num_seeds", "gap", "evaluations", "feasible", "digest",
-)  # fmt: skip
 # Digits of a digest that tell one from the others.
 SHOWN_DIGITS = 12
 
@@ -190,21 +188,14 @@ its spaces, options, parameters and rewards.
 """
 
 
-def reference_scores(folder: Path, environment: str) -> Iterator[dict[str, str]]:
-    """Yield the rows of an environment in the tables of reference scores, each with its `suite`.
+def reference_scores(folder: Path, environment: str) -> Iterator[tuple[str, ScoreRow]]:
+    """Yield the suite and the row of each score of an environment, from a folder of files of scores.
 
     Raises:
-        ValueError: if a table lacks a column; the message names the file.
+        ScoreFileError: if a file cannot be read; the message names it.
     """
     for path in sorted(folder.glob("*.csv")):
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            needed = {"environment", *SCORE_COLUMNS}
-            if absent := sorted(needed - set(reader.fieldnames or ())):
-                raise ValueError(
-                    f"{path}: expected the columns {', '.join(sorted(needed))}; missing: {absent}"
-                )
-            yield from ({"suite": path.stem, **row} for row in reader if row["environment"] == environment)
+        yield from ((path.stem, row) for row in read_scores(path) if row.environment == environment)
 
 
 def _properties(cls: type[Optimizer]) -> str:
@@ -317,21 +308,21 @@ def _maps(cls: type[Optimizer]) -> str:
     return table(("kind of map", "encoding", "options of the map"), rows)
 
 
-def _scores(rows: list[dict[str, str]]) -> str:
+def _scores(rows: list[tuple[str, ScoreRow]]) -> str:
     if not rows:
         return ""
     shown = [
         (
-            row["suite"],
-            code(row["controller"]),
-            code(row["scenario_set"]),
-            f"{row['num_seeds']} from {row['first_seed']}",
-            f"{100.0 * float(row['gap']):.2f} %",
-            f"{float(row['evaluations']):,.0f}",
-            f"{float(row['feasible']):.0%}",
-            code(row["digest"][:SHOWN_DIGITS]),
+            suite,
+            code(row.controller),
+            code(row.scenario_set),
+            f"{row.num_seeds} from {row.first_seed}",
+            f"{100.0 * row.gap:.2f} %",
+            f"{row.evaluations:,.0f}",
+            f"{row.feasible:.0%}",
+            code(row.digest[:SHOWN_DIGITS]),
         )
-        for row in rows
+        for suite, row in rows
     ]
     header = ("suite", "controller", "scenarios", "seeds", "gap", "evaluations", "free", "digest")
     return SCORES.format(table=table(header, shown))
@@ -345,5 +336,5 @@ def _versions(name: str) -> str:
     """
     current = name.rpartition("-")[2]
     if current not in VERSIONS:
-        raise ValueError(f"{name}: its version is not in experiments/site/versions.py")
+        raise ValueError(f"{name}: its version is not in experiments/site/environments.py")
     return table(("version", "release", "change"), [(code(v), *rest) for v, rest in VERSIONS.items()])

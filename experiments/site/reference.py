@@ -14,7 +14,7 @@ LONGEST_VALUE = 90
 
 
 @dataclass(frozen=True)
-class Page:
+class ReferencePage:
     """A page of the reference.
 
     Attributes:
@@ -31,7 +31,7 @@ class Page:
 
 
 PAGES = {
-    "environments": Page(
+    "environments": ReferencePage(
         "Environments",
         "Environments of one swarm and of many, and their options.",
         (
@@ -40,7 +40,7 @@ PAGES = {
             "swarm_gym.rendering",
         ),
     ),
-    "layouts": Page(
+    "layouts": ReferencePage(
         "Actions, observations and rewards",
         "Numbers that a controller decides, sees and is paid.",
         (
@@ -48,7 +48,7 @@ PAGES = {
             "swarm_gym.sources",
         ),
     ),
-    "controllers": Page(
+    "controllers": ReferencePage(
         "Controllers",
         "Everything that decides on population size and repair degree.",
         (
@@ -59,12 +59,12 @@ PAGES = {
             "swarm_gym.controllers.distilled", "swarm_gym.controllers.learned.policy_file",
         ),
     ),
-    "scenarios": Page(
+    "scenarios": ReferencePage(
         "Scenarios",
         "Maps, tasks, test functions and events, and how their names are read.",
         ("swarm_gym.scenarios", "swarm_gym.scenarios.family", "swarm_gym.scenarios.download"),
     ),
-    "optimizers": Page(
+    "optimizers": ReferencePage(
         "Optimizers",
         "The interface of an optimizer, and the kernels that one of your own calls.",
         (
@@ -84,12 +84,12 @@ PAGES = {
             "swarm_gym.compiler.random_stream": ("fill_uniform",),
         },
     ),
-    "planning": Page(
+    "planning": ReferencePage(
         "Planning",
         "A free path on any map, the repair of paths, and planners to compare with.",
         ("swarm_gym.planning", "swarm_gym.final_repair", "swarm_gym.reference"),
     ),
-    "own-code": Page(
+    "own-code": ReferencePage(
         "Own code",
         "Names of your own code, the contracts that it keeps, and bridges to other libraries.",
         (
@@ -97,8 +97,10 @@ PAGES = {
             "swarm_gym.adapters.swarm_view",
         ),
     ),
-    "errors": Page("Errors", "All errors that the package raises on purpose.", ("swarm_gym.errors",)),
-    "agents": Page(
+    "errors": ReferencePage(
+        "Errors", "All errors that the package raises on purpose.", ("swarm_gym.errors",)
+    ),
+    "agents": ReferencePage(
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
         (
@@ -107,11 +109,12 @@ PAGES = {
             "agents.backends", "agents.backends.options",
         ),
     ),
-    "experiments": Page(
+    "experiments": ReferencePage(
         "Experiments",
         "Suites, their results, and the statistics and tables that are made of these.",
         (
-            "experiments.catalogue", "experiments.runs.suite", "experiments.runs.entrants",
+            "experiments.catalogue", "experiments.runs.experiment", "experiments.runs.suite",
+            "experiments.runs.entrants",
             "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),
@@ -138,7 +141,7 @@ def public_names(module: ModuleType) -> tuple[str, ...]:
     )
 
 
-def _page(page: Page, seen: dict[int, str]) -> Iterator[str]:
+def _page(page: ReferencePage, seen: dict[int, str]) -> Iterator[str]:
     """Yield the lines of a page; `seen` maps the identity of each object shown so far to its full name."""
     yield from (page.title, "=" * len(page.title), "", page.purpose, "")
     chosen = {name: public_names(import_module(name)) for name in page.modules} | dict(page.parts)

@@ -17,7 +17,7 @@ START, TARGET = (20.0, 300.0), (980.0, 300.0)
 
 
 @dataclass(frozen=True)
-class Axis:
+class GrowthAxis:
     """Something that grows.
 
     Attributes:
@@ -56,15 +56,17 @@ def _options(**changes: Any) -> dict[str, Any]:
 
 
 AXES = (
-    Axis("waypoints", (127, 255, 511, 1023, 2047), "move", lambda n: _options(num_waypoints=n)),
-    Axis("obstacles near a segment", (32, 64, 128, 256, 512), "move", lambda k: _options(scenario=bars(k))),
-    Axis(
+    GrowthAxis("waypoints", (127, 255, 511, 1023, 2047), "move", lambda n: _options(num_waypoints=n)),
+    GrowthAxis(
+        "obstacles near a segment", (32, 64, 128, 256, 512), "move", lambda k: _options(scenario=bars(k))
+    ),
+    GrowthAxis(
         "members",
         (192, 384, 768, 1536, 3072),
         "iteration",
         lambda m: _options(initial_population_size=m, max_population_size=m),
     ),
-    Axis(
+    GrowthAxis(
         "swarms",
         (16, 64, 256, 1024, 4096),
         "iteration",
@@ -110,7 +112,7 @@ def _fit(values: tuple[int, ...], results: list[float]) -> np.ndarray:
     return np.polyfit(np.log(values), np.log(results), 1)
 
 
-def microseconds(axis: Axis, value: int) -> Callable[[], float]:
+def microseconds(axis: GrowthAxis, value: int) -> Callable[[], float]:
     """Return a function that measures the compiled part of a second iteration, or one of its moves."""
     options = axis.options(value)
     rows = options["num_envs"]
@@ -137,7 +139,7 @@ def microseconds(axis: Axis, value: int) -> Callable[[], float]:
     return once
 
 
-def megabytes(axis: Axis, value: int) -> Callable[[], float]:
+def megabytes(axis: GrowthAxis, value: int) -> Callable[[], float]:
     """Return a function that measures the memory that an environment holds after its reset."""
 
     def once() -> float:

@@ -22,8 +22,7 @@ from experiments.statistics.comparison import (
     ratio_interval,
     superiority,
 )
-from experiments.statistics.front import hypervolume, non_dominated
-from experiments.statistics.profile import Profile, performance_profile
+from experiments.statistics.curves import Profile, hypervolume, non_dominated, performance_profile
 from experiments.statistics.samples import (
     GroupSummary,
     Summary,

@@ -9,7 +9,6 @@ def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
 
 CASES = ("case1", "case2", "case3")
 FIXED_SIZES = ("fixed:60", "fixed:80", "fixed:100")
-SCHEDULES = ("spsfa", "spsfa-tip", "linear-reduction", "diversity-ladder", "status-monitor")
 
 # Learned controllers at one of the prices that they were trained for, for comparisons other than fronts.
 HEADLINE_LEARNED = training_seeds("learned:three-cases", 10, 1)

@@ -1,12 +1,23 @@
-"""Tables of paired comparisons on the same scenarios and seeds: with the baseline, and of chosen pairs."""
+"""Tables of paired differences: with the baseline, of chosen pairs, and of objectives at price 1."""
 
 from collections.abc import Sequence
 
 from experiments.runs.labels import label
-from experiments.runs.outcomes import Outcomes
+from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
-from experiments.statistics import difference, holm
-from experiments.tables.cell import SIGNS, Entry, number, share, share_in, signed_p, superiority_cell
+from experiments.statistics import difference, holm, mean_difference
+from experiments.tables.cell import (
+    MISSING,
+    SIGNS,
+    Cell,
+    Entry,
+    number,
+    number_in,
+    share,
+    share_in,
+    signed_p,
+    superiority_cell,
+)
 from experiments.tables.table import Table
 
 RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently
@@ -74,3 +85,25 @@ def _compare(
         )
         for (scenario_set, group, other, found, cost), p_value in zip(compared, adjusted, strict=True)
     ]
+
+
+PRICE = 1.0  # of 100,000 evaluations, in per cent of the optimum
+
+
+def mean_objective(sample: Sample) -> float:
+    """Return the mean objective of runs at price 1."""
+    return float(sample.objective(PRICE).mean())
+
+
+def minus(mine: Sample, theirs: Sample) -> Cell:
+    """Return the difference of two objectives at price 1, with its interval."""
+    ours, others = mine.objective(PRICE), theirs.objective(PRICE)
+    difference, ends = mean_difference(ours, others, mine.draws(), theirs.draws(RIVAL_STREAM))
+    return number_in(difference, ends, "+.2f")
+
+
+def difference_of(outcomes: Outcomes, mine: str, theirs: str, scenario_set: str) -> Entry:
+    """Return the difference of the objectives of two groups, or the sign for one that was not run."""
+    if not outcomes.groups.keys() >= {mine, theirs}:
+        return MISSING
+    return minus(outcomes.sample(mine, scenario_set), outcomes.sample(theirs, scenario_set))

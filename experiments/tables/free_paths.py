@@ -33,7 +33,7 @@ CAPTION = (
 )
 
 
-class _Freed(NamedTuple):
+class _FinalRepairs(NamedTuple):
     """Final repairs of some runs, (runs,) each; NaN where a path was not repaired."""
 
     free: Floats
@@ -58,8 +58,11 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         found = {}
         for group, controllers in outcomes.groups.items():
             each = [[freed_of[controller, name] for name in names] for controller in controllers]
-            found[group] = _Freed(
-                *(np.array([[getattr(one, part) for one in row] for row in each]) for part in _Freed._fields)
+            found[group] = _FinalRepairs(
+                *(
+                    np.array([[getattr(one, part) for one in row] for row in each])
+                    for part in _FinalRepairs._fields
+                )
             )
         for group in sorted(found, key=lambda name: -found[name].free.mean()):
             freed = found[group]
@@ -82,9 +85,9 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     return [Table("free-paths", CAPTION, COLUMNS, rows)]
 
 
-def _freed(runs: list[Run], suite: Suite, scenario: str) -> _Freed:
+def _freed(runs: list[Run], suite: Suite, scenario: str) -> _FinalRepairs:
     problem, shortest = _problem(scenario, tuple(suite.options.items()))
-    freed = _Freed(np.zeros(len(runs)), np.zeros(len(runs)), *np.full((4, len(runs)), np.nan))
+    freed = _FinalRepairs(np.zeros(len(runs)), np.zeros(len(runs)), *np.full((4, len(runs)), np.nan))
     for k, run in enumerate(runs):
         freed.free[k] = problem.is_clear(run.best_path)
         found = final_repair(problem, run.best_path)

@@ -4,7 +4,7 @@ import numpy as np
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.statistics import Interval, hypervolume, interval, means, non_dominated
 from experiments.tables.cell import Entry, number, number_in, percent, share_in
 from experiments.tables.table import Table
@@ -39,7 +39,7 @@ def front_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 
 def family_hypervolume(
-    family: Family, outcomes: Outcomes, scenario_set: str, reference: tuple[float, float]
+    family: ControllerFamily, outcomes: Outcomes, scenario_set: str, reference: tuple[float, float]
 ) -> tuple[float, Interval]:
     """Return the hypervolume of the groups of a family that were run, decades of evaluations times gap.
 

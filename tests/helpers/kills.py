@@ -47,10 +47,10 @@ PHASES = {
     "optuna.create_study": "opening the study",
     "optuna.Study.ask": "asking the study",
     "optuna.Study.tell": "telling the study",
-    "experiments.runs.runner.run_one": "run",
+    "experiments.runs.episode.Episode.run": "run",
     "experiments.runs.database.Results.add": "storing runs",
-    "experiments.documents.page.make_tables": "tables",
-    "experiments.documents.page.write_page": "tables",
+    "experiments.documents.suite_page.make_tables": "tables",
+    "experiments.documents.suite_page.write_page": "tables",
 }
 
 

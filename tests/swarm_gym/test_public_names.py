@@ -296,7 +296,7 @@ COMMANDS = {
     "experiments.gallery": (),
     "experiments.publish": ("--evaluate", "--results", "documents"),
     "experiments.readings": ("--case", "--controllers", "--output", "--seeds"),
-    "experiments.scores": ("--address", "--backend", "--jobs", "--output", "suites"),
+    "experiments.scores": ("--address", "--backend", "--jobs", "--output", "--results", "suites"),
     "experiments.verify": ("--claim", "--output", "--scores", "--suite", "files"),
     "experiments.sensitivity": ("--output", "--policy", "--scenarios", "--seeds", "--threads"),
     "experiments.video": (

@@ -8,24 +8,16 @@ import tyro
 from tqdm import tqdm
 
 from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
-from experiments.speed.peers import (
-    bezier,
-    fish,
-    with_niapy,
-    with_pygmo,
-    with_pymoo,
-    with_pyswarms,
-    with_scikit_opt,
-)
+from experiments.speed.peers import bezier, fish, libraries, with_niapy
 from experiments.speed.peers.runs import Peer, ratios
 
-FISH = (Peer("scikit-opt AFSA", fish.OURS, with_scikit_opt.fish_swarm),)
+FISH = (Peer("scikit-opt AFSA", fish.OURS, libraries.scikit_opt_fish_swarm),)
 PEERS = (
-    Peer("pyswarms GlobalBestPSO", "particle-swarm", with_pyswarms.particle_swarm),
-    Peer("pygmo pso_gen", "particle-swarm", with_pygmo.particle_swarm),
-    Peer("pymoo PSO", "particle-swarm", with_pymoo.particle_swarm),
-    Peer("pygmo sga", "elite-genetic", with_pygmo.genetic),
-    Peer("pymoo GA", "elite-genetic", with_pymoo.genetic),
+    Peer("pyswarms GlobalBestPSO", "particle-swarm", libraries.pyswarms_particle_swarm),
+    Peer("pygmo pso_gen", "particle-swarm", libraries.pygmo_particle_swarm),
+    Peer("pymoo PSO", "particle-swarm", libraries.pymoo_particle_swarm),
+    Peer("pygmo sga", "elite-genetic", libraries.pygmo_genetic),
+    Peer("pymoo GA", "elite-genetic", libraries.pymoo_genetic),
 )
 
 

@@ -31,7 +31,7 @@ COMPILED_COST = "niapy, our compiled cost"
 ITERATIONS = 2
 
 
-class PathProblem(NiapyProblem):
+class NiapyPathProblem(NiapyProblem):
     """A case of the SPSFA paper as a problem of niapy."""
 
     def __init__(self, problem: AnalyticProblem, cost: Callable[[Any], float]):
@@ -65,7 +65,7 @@ def niapy_per_evaluation(case: str, compiled: bool) -> Callable[[], float]:
         return population, np.apply_along_axis(task.eval, 1, population)
 
     def once() -> float:
-        task = Task(PathProblem(problem, cost), max_iters=ITERATIONS)
+        task = Task(NiapyPathProblem(problem, cost), max_iters=ITERATIONS)
         algorithm = FireflyAlgorithm(
             population_size=SIZE,
             alpha=2.0 / task.range,

@@ -1,6 +1,8 @@
 """The suite of adapted algorithms: a fixed size beside the rules, on the three cases."""
 
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
+from experiments.tables.document import document_of_suite
 
 ALGORITHMS = (
     "swarm_gym.adapters.pymoo:Genetic",
@@ -25,3 +27,6 @@ ADAPTERS = Suite(
 )
 
 SUITES = (ADAPTERS,)
+
+
+DOCUMENTS = {"adapters": document_of_suite("docs/adapters.md", "adapters")}

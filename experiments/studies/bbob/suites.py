@@ -9,7 +9,8 @@ a function is 0, so that it keeps its first size.
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import FRESH_SEEDS, Suite
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
 
 DIMENSION, INSTANCES = 5, (1, 2, 3, 4, 5)
 BUDGET = 500 * DIMENSION

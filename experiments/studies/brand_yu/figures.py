@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.plots import map_plot
-from experiments.plots.courses import Case
+from experiments.plots.courses import CaseRuns
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.run import Run, RunKey, Snapshot, arrives, trajectory_of, turning_of
@@ -19,7 +19,7 @@ from swarm_gym.reference import shortest_path
 PANEL_COLUMNS = 3
 
 
-def draw_trajectories(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
+def draw_trajectories(case: CaseRuns, snapshots: Mapping[RunKey, list[Snapshot]]) -> Figure:
     """Draw fireflies, the robot's trajectory and the shortest path: one run with each number of fireflies."""
     rows = -(-len(case.runs) // PANEL_COLUMNS)
     figure = new_figure(3.2 * PANEL_COLUMNS, 3.5 * rows + 0.5)
@@ -41,7 +41,7 @@ def draw_trajectories(case: Case, snapshots: Mapping[RunKey, list[Snapshot]]) ->
     return figure
 
 
-def draw_grids(cases: Sequence[Case]) -> Figure:
+def draw_grids(cases: Sequence[CaseRuns]) -> Figure:
     """Draw length of the trajectory and processor time against the side of the grid: mean and range."""
     figure = new_figure(8.4, 3.8)
     sides = np.array([case.scenario.map.width for case in cases])  # type: ignore[union-attr]
@@ -77,7 +77,7 @@ def _draw_fireflies(axes: Axes, snapshot: Snapshot) -> None:
     )
 
 
-def _arrived(case: Case, controller: str) -> list[Run]:
+def _arrived(case: CaseRuns, controller: str) -> list[Run]:
     return [run for run in case.runs[controller] if arrives(run, case.scenario.target)]  # type: ignore[union-attr]
 
 

@@ -11,10 +11,9 @@ from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, trajectory_of, turning_of
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_interval
-from experiments.studies.brand_yu.published import TABLE_1
-from experiments.studies.brand_yu.suites import ANTS
+from experiments.studies.brand_yu.suites import ANTS, TABLE_1
 from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, percent, share
-from experiments.tables.claims import Claim, claims_table
+from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ControllerName
@@ -28,7 +27,7 @@ OCTILE_SIDES = (50, 100, 200)
 
 
 @dataclass(frozen=True)
-class Walks:
+class RunsOnMap:
     """Runs of one optimizer and population size on one map.
 
     Attributes:
@@ -208,7 +207,7 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
 
 def _grid_claims(
     suite: Suite,
-    walks: dict[tuple[str, int], Walks],
+    walks: dict[tuple[str, int], RunsOnMap],
     optima: dict[int, tuple[float, float]],
     sides: list[int],
 ) -> Table:
@@ -235,11 +234,11 @@ def _grid_claims(
     )
 
 
-def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> Walks:
+def _walks(suite: Suite, outcomes: Outcomes, controller: str, scenario: str) -> RunsOnMap:
     runs = entrant(controller, suite.optimizer)
     changed, made = worlds_of(make_scenario(scenario))[-1]
     assert isinstance(made, GridScenario)
-    return Walks(
+    return RunsOnMap(
         OPTIMIZER_LABELS.get(runs.optimizer, runs.optimizer),
         int(ControllerName.parse(runs.controller).argument),
         made,
@@ -264,7 +263,7 @@ def _slope(sides: list[int], values: list[Floats]) -> tuple[Entry, Entry]:
     return number(fit.slope, ".2f"), ends
 
 
-def _excess(walk: Walks) -> float:
+def _excess(walk: RunsOnMap) -> float:
     """Return the mean length above the mean of the shortest possible lengths, relative to the latter."""
     return _mean_of(walk.lengths) / _mean_of(walk.least) - 1.0
 

@@ -6,7 +6,7 @@ To add a controller, enter its name in a family. All training seeds of a recipe 
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -30,12 +30,12 @@ CHOSEN_PERIODIC, CHOSEN_REACTION = "tuned:dynamic-periodic/5@1", "tuned:dynamic-
 # The loops with the smallest objective there, of five each, tuned further.
 LONG_LOOP, LONG_REACTING = "open-loop:dynamic-long@1", "reacting-loop:dynamic-reacting-long@1"
 
-PRINTED = Family("printed", ("fixed:60", "spsfa-tip"))
-STILL = Family(
+PRINTED = ControllerFamily("printed", ("fixed:60", "spsfa-tip"))
+STILL = ControllerFamily(
     "tuned or trained on maps that stay",
     ("tuned:random-fields", *training_seeds("learned:three-cases-sourced-ppo", 5)),
 )
-BLIND = Family(
+BLIND = ControllerFamily(
     "blind",
     (
         *training_seeds("open-loop:random-fields-sourced", 5, 1),
@@ -47,7 +47,7 @@ BLIND = Family(
     blind=True,
     alone=(CHOSEN_PERIODIC,),
 )
-REACTING = Family(
+REACTING = ControllerFamily(
     "reacting",
     (
         "restart",
@@ -58,12 +58,12 @@ REACTING = Family(
     ),
     alone=(CHOSEN_REACTION,),
 )
-LEARNED = Family("learned", training_seeds("learned:dynamic", 5))
-BLINDED = Family("blinded", training_seeds("blinded:dynamic", 5))
+LEARNED = ControllerFamily("learned", training_seeds("learned:dynamic", 5))
+BLINDED = ControllerFamily("blinded", training_seeds("blinded:dynamic", 5))
 TOLD = "told the times of events"  # name of the family that is the upper bound in the table `seeing`
-INFORMED = Family(TOLD, training_seeds("learned:dynamic-told", 5))
+INFORMED = ControllerFamily(TOLD, training_seeds("learned:dynamic-told", 5))
 FAMILIES = (PRINTED, STILL, BLIND, REACTING, LEARNED, BLINDED, INFORMED)
-DRIVING = Family("trained with robots that drive", training_seeds("learned:dynamic-robots", 5))
+DRIVING = ControllerFamily("trained with robots that drive", training_seeds("learned:dynamic-robots", 5))
 
 
 def _suite(
@@ -72,7 +72,7 @@ def _suite(
     num_seeds: int,
     tables: tuple[str, ...],
     figures: tuple[str, ...] = (),
-    families: tuple[Family, ...] = FAMILIES,
+    families: tuple[ControllerFamily, ...] = FAMILIES,
     seed_step: int = 0,
 ) -> Suite:
     return Suite(

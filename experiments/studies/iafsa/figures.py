@@ -13,12 +13,12 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from experiments.plots import map_plot
-from experiments.plots.courses import Case, best_by_evaluations, columns
+from experiments.plots.courses import CaseRuns, best_by_evaluations, columns
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.labels import label
 from experiments.runs.run import Floats, Run
-from experiments.studies.iafsa.functions import Function
+from experiments.studies.iafsa.published import Function
 from experiments.studies.iafsa.routes import A_STAR, make_route
 from swarm_gym.scenarios import GridMap
 
@@ -57,7 +57,7 @@ AXES: dict[str, tuple[By, str, str]] = {
 }
 
 
-def draw_function_convergence(cases: Sequence[Case], axis: str) -> Figure:
+def draw_function_convergence(cases: Sequence[CaseRuns], axis: str) -> Figure:
     """Draw the best value so far on each function in the longest episodes, over iterations or evaluations."""
     return _draw_convergence(
         cases,
@@ -68,7 +68,7 @@ def draw_function_convergence(cases: Sequence[Case], axis: str) -> Figure:
     )
 
 
-def draw_route_convergence(cases: Sequence[Case]) -> Figure:
+def draw_route_convergence(cases: Sequence[CaseRuns]) -> Figure:
     """Draw by how much the best path is longer than the shortest path, over evaluations."""
     routes = [make_route(case.scenario.name, {}) for case in cases]
     figure = _draw_convergence(
@@ -86,7 +86,7 @@ def draw_route_convergence(cases: Sequence[Case]) -> Figure:
     return figure
 
 
-def draw_route_maps(cases: Sequence[Case]) -> Figure:
+def draw_route_maps(cases: Sequence[CaseRuns]) -> Figure:
     """Draw the best path of each optimizer on each route, that of A* and the shortest path at any angle."""
     figure, panels = _panels(cases, 2.7)
     for axes, case in zip(panels, cases, strict=True):
@@ -107,7 +107,7 @@ def draw_route_maps(cases: Sequence[Case]) -> Figure:
 
 
 def _draw_convergence(
-    cases: Sequence[Case],
+    cases: Sequence[CaseRuns],
     axis: str,
     quantity: str,
     titles: Sequence[str],
@@ -135,13 +135,13 @@ def _draw_convergence(
     return figure
 
 
-def _longest(case: Case) -> dict[str, list[Run]]:
+def _longest(case: CaseRuns) -> dict[str, list[Run]]:
     """Return the runs of the controllers whose episodes are the longest ones."""
     lengths = {controller: len(runs[0].trace) for controller, runs in case.runs.items()}
     return {c: runs for c, runs in case.runs.items() if lengths[c] == max(lengths.values())}
 
 
-def _panels(cases: Sequence[Case], height: float) -> tuple[Figure, list[Axes]]:
+def _panels(cases: Sequence[CaseRuns], height: float) -> tuple[Figure, list[Axes]]:
     """Return a figure with a panel for each case, and the panels."""
     across = min(len(cases), PANEL_COLUMNS)
     rows = math.ceil(len(cases) / across)

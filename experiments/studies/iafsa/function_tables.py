@@ -16,8 +16,7 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import compare, holm, mean_interval, rank_sum
-from experiments.studies.iafsa.functions import AFSA, IAFSA, Function
-from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS, MEAN_BEST
+from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, MEAN_BEST, Function
 from experiments.tables.cell import Entry, number, number_in, verdict
 from experiments.tables.table import Table
 

@@ -1,4 +1,4 @@
-"""Numbers printed in the IAFSA paper, for comparison with ours.
+"""Numbers printed in the IAFSA paper, for comparison with ours, and its test functions.
 
 Source: Zhang, Guan, Pu, "The robot path planning based on improved artificial fish swarm algorithm", Math.
 Probl. Eng. 2016, tables 2 to 5: 100 fish; means of 50 runs of 50, 100 and 200 iterations, convergence over
@@ -6,6 +6,7 @@ Probl. Eng. 2016, tables 2 to 5: 100 fish; means of 50 runs of 50, 100 and 200 i
 `scenarios.papers.iafsa` has ours.
 """
 
+import re
 from typing import NamedTuple
 
 ITERATIONS = (50, 100, 200)
@@ -82,3 +83,35 @@ ROUTE_LENGTHS: dict[tuple[str, str, str], float] = {
     for (site, pair), row in _LENGTHS.items()
     for method, length in zip(("a-star", *SWARMS), row, strict=True)
 }
+
+
+AFSA, IAFSA = "fish-swarm", "improved-fish-swarm"
+
+
+class Function(NamedTuple):
+    """A test function by the set of its scenarios, `function:booth-2`, or `function:booth-2-shifted`."""
+
+    key: str
+    dimension: int
+
+    @classmethod
+    def of(cls, scenario_set: str) -> "Function":
+        """Return the function of a set of scenarios.
+
+        Raises:
+            ValueError: if the scenarios are not of a test function.
+        """
+        match = re.fullmatch(r"function:([a-z-]+)-([0-9]+)(?:-shifted)?", scenario_set)
+        if not match:
+            raise ValueError(f"scenarios {scenario_set!r}: expected function:<name>-<dimension>[-shifted]")
+        return cls(match[1], int(match[2]))
+
+    @property
+    def label(self) -> str:
+        """Name of the function as tables print it."""
+        return f"{self.key.replace('-', ' ').capitalize()}, {self.dimension}-D"
+
+
+def published_mean(scenario_set: str, optimizer: str, iterations: int) -> float:
+    """Return the mean best value that the IAFSA paper prints of a function; its dimension may differ."""
+    return MEAN_BEST[Function.of(scenario_set).key, optimizer, iterations]

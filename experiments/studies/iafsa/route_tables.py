@@ -11,11 +11,10 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, mean_interval, rank_sum
-from experiments.studies.iafsa.functions import AFSA
-from experiments.studies.iafsa.published import ROUTE_LENGTHS
+from experiments.studies.iafsa.published import AFSA, ROUTE_LENGTHS
 from experiments.studies.iafsa.routes import A_STAR, Route, make_route
 from experiments.tables.cell import MISSING, Entry, number, number_in, share
-from experiments.tables.claims import Claim, claims_table
+from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.table import Table
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.papers.iafsa import SITES

@@ -4,9 +4,9 @@ from functools import partial
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import FRESH_SEEDS, Suite
-from experiments.studies.iafsa.functions import AFSA, IAFSA, published_mean
-from experiments.studies.iafsa.published import DIMENSIONS, ITERATIONS
+from experiments.runs.experiment import FRESH_SEEDS
+from experiments.runs.suite import Suite
+from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, published_mean
 from experiments.studies.iafsa.routes import A_STAR, SMOOTHED, length_of_planner
 from swarm_gym.scenarios import expand_name
 

@@ -7,7 +7,7 @@ from experiments.plots.gaps import draw_front, draw_profiles
 from experiments.plots.stored import Drawings, FigureMaker, Stored
 from experiments.plots.style import styles
 from experiments.runs.groups import group_controllers
-from experiments.tables.blocks import decisions_name
+from experiments.tables.block_contents import decisions_name
 
 
 def profile_figures(stored: Stored) -> Drawings:

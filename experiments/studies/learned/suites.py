@@ -7,7 +7,7 @@ To add a controller, enter its name in a family. Training seeds of a recipe, suc
 from pathlib import Path
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_LEARNED, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -35,42 +35,42 @@ CONSTANTS = training_seeds("open-loop:three-cases-constant-long", 5, 1)
 # An earlier recipe, without groups, and ten numbers distilled from its policy.
 IMITATING = ("learned:three-cases-ppo/0", "distilled:three-cases")
 
-PRINTED = Family("printed schedules", ("spsfa-tip", "spsfa", "diversity-ladder", "status-monitor"))
-BLIND_RULES = Family(
+PRINTED = ControllerFamily("printed schedules", ("spsfa-tip", "spsfa", "diversity-ladder", "status-monitor"))
+BLIND_RULES = ControllerFamily(
     "blind rules", (*FIXED_SIZES, "linear-reduction", "open-loop:three-cases-constant"), blind=True
 )
-LOOPS_OF_CASES = Family(
+LOOPS_OF_CASES = ControllerFamily(
     "open loops of the cases", ("open-loop:three-cases", *LOOPS, *THIRTEEN_KNOTS), blind=True
 )
 
 CASE_FAMILIES = (
     PRINTED,
     BLIND_RULES,
-    Family("tuned constants", CONSTANTS, blind=True),
-    Family("tuned schedules", ("tuned:three-cases", *TUNED_SCHEDULES)),
+    ControllerFamily("tuned constants", CONSTANTS, blind=True),
+    ControllerFamily("tuned schedules", ("tuned:three-cases", *TUNED_SCHEDULES)),
     LOOPS_OF_CASES,
-    Family("learned by PPO", LEARNED),
-    Family("learned by CMA-ES", BY_EVOLUTION),
-    Family("learned by imitation", IMITATING),
-    Family("blinded", training_seeds("blinded:three-cases", 10, 1)),
+    ControllerFamily("learned by PPO", LEARNED),
+    ControllerFamily("learned by CMA-ES", BY_EVOLUTION),
+    ControllerFamily("learned by imitation", IMITATING),
+    ControllerFamily("blinded", training_seeds("blinded:three-cases", 10, 1)),
 )
 FIELD_FAMILIES = (
     PRINTED,
     BLIND_RULES,
-    Family("tuned schedules", ("tuned:random-fields",)),
-    Family("open loops of fields", ("open-loop:random-fields",), blind=True),
+    ControllerFamily("tuned schedules", ("tuned:random-fields",)),
+    ControllerFamily("open loops of fields", ("open-loop:random-fields",), blind=True),
     LOOPS_OF_CASES,
-    Family("learned on fields", FIELD_LEARNED),
-    Family("learned on the cases", HEADLINE_LEARNED),
-    Family("blinded", training_seeds("blinded:random-fields", 5, 1)),
+    ControllerFamily("learned on fields", FIELD_LEARNED),
+    ControllerFamily("learned on the cases", HEADLINE_LEARNED),
+    ControllerFamily("blinded", training_seeds("blinded:random-fields", 5, 1)),
 )
 UNSEEN_FAMILIES = (
-    Family("printed schedules", ("spsfa-tip", "spsfa")),
-    Family("blind rules", ("fixed:80",), blind=True),
-    Family("tuned schedules", ("tuned:random-fields",)),
-    Family("open loops", ("open-loop:random-fields", "open-loop:three-cases"), blind=True),
-    Family("learned on fields", training_seeds("learned:random-fields", 5, 1)),
-    Family("learned on the cases", HEADLINE_LEARNED),
+    ControllerFamily("printed schedules", ("spsfa-tip", "spsfa")),
+    ControllerFamily("blind rules", ("fixed:80",), blind=True),
+    ControllerFamily("tuned schedules", ("tuned:random-fields",)),
+    ControllerFamily("open loops", ("open-loop:random-fields", "open-loop:three-cases"), blind=True),
+    ControllerFamily("learned on fields", training_seeds("learned:random-fields", 5, 1)),
+    ControllerFamily("learned on the cases", HEADLINE_LEARNED),
 )
 # Groups whose decisions the document shows.
 LOOKED_INTO = ("learned:three-cases/*@1", "open-loop:three-cases-long/*@1", "tuned:three-cases")
@@ -81,7 +81,11 @@ CLAIMS = Path(__file__).parent / "claims.toml"
 
 
 def _study(
-    name: str, families: tuple[Family, ...], scenarios: tuple[str, ...], num_seeds: int, seed_step: int = 0
+    name: str,
+    families: tuple[ControllerFamily, ...],
+    scenarios: tuple[str, ...],
+    num_seeds: int,
+    seed_step: int = 0,
 ) -> Suite:
     """Return a suite of the study: families of controllers, and chance as the floor of every comparison."""
     return Suite(
@@ -99,7 +103,7 @@ def _study(
     )
 
 
-def _beside(name: str, families: tuple[Family, ...], num_seeds: int, baseline: str) -> Suite:
+def _beside(name: str, families: tuple[ControllerFamily, ...], num_seeds: int, baseline: str) -> Suite:
     """Return a suite of the cases that only compares objectives, beside the study."""
     return Suite(
         name=name,
@@ -122,9 +126,9 @@ OUT_OF_DISTRIBUTION = _study("out-of-distribution", UNSEEN_FAMILIES, UNSEEN_FIEL
 
 # Policies of one case each, on all cases.
 SINGLE_CASE_FAMILIES = (
-    Family("the base", ("open-loop:three-cases",), blind=True),
-    Family("all cases", training_seeds("learned:three-cases", 10, 1)),
-    *(Family(f"{case} alone", training_seeds(f"learned:{case}", 5, 1)) for case in CASES),
+    ControllerFamily("the base", ("open-loop:three-cases",), blind=True),
+    ControllerFamily("all cases", training_seeds("learned:three-cases", 10, 1)),
+    *(ControllerFamily(f"{case} alone", training_seeds(f"learned:{case}", 5, 1)) for case in CASES),
 )
 SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, 200, "open-loop:three-cases")
 
@@ -134,8 +138,8 @@ CHANGED = (
     "imitation", "scratch", "steps-1M", "steps-3M", "steps-10M", "dqn",
 )  # fmt: skip
 ABLATION_FAMILIES = (
-    Family("the base", ("open-loop:three-cases",), blind=True),
-    *(Family(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
+    ControllerFamily("the base", ("open-loop:three-cases",), blind=True),
+    *(ControllerFamily(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
 )
 ABLATION = _beside("ablation", ABLATION_FAMILIES, 100, "learned:ablation-all/*")
 

@@ -1,18 +1,151 @@
 """The tables of the study of learned controllers, and the documents that show them.
 
-Suites of other studies name some of these tables as well.
+Suites of other studies name some of these tables as well. The marked blocks of docs/study.md and
+docs/study-tables.md are data: each shows a table or a figure. To add one, write the pair of marks into the
+document and a line into `BLOCKS` or `TABLE_BLOCKS`.
 """
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-from experiments.studies.learned.blocks import BLOCKS, TABLE_BLOCKS
+from experiments.studies.learned.origins import origins_table
+from experiments.studies.learned.suites import (
+    ABLATION,
+    GENERALISATION,
+    HEADLINE,
+    LOOKED_INTO,
+    OUT_OF_DISTRIBUTION,
+    SINGLE_CASES,
+)
+from experiments.tables.block_contents import (
+    decisions_name,
+    figure,
+    gaps,
+    made_with,
+    value_by_set,
+    whole,
+    whole_by_set,
+)
+from experiments.tables.cell import MISSING
+from experiments.tables.claim_tables import group_claim_tables
 from experiments.tables.differences import difference_tables, paired_comparison_tables
-from experiments.tables.document import Document
+from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.free_paths import free_path_tables
 from experiments.tables.front import front_tables
 from experiments.tables.gaps import gap_tables, near_optimum_tables
-from experiments.tables.group_claims import group_claim_tables
 from experiments.tables.headline import headline_tables
+from swarm_gym.controllers.distilled import load_rule
+from swarm_gym.controllers.names import BLINDED, FITTED, ControllerName
+
+FIGURES = "results/study"  # seen from the document
+TABLE_FIGURES = "results/study-tables"
+PARAMETER_FIGURES = tuple(
+    (name, symbol, kind)
+    for name, symbol in (("growth", "ω"), ("decay", "η"), ("low-deviation", "T_low"))
+    for kind in ("courses", "outcomes")
+)
+FRONT_TEXT = "mean gap against mean evaluations of every controller"
+PROFILES_TEXT = "share of runs within a gap, by the gap"
+FAMILY = ("family", "controllers")
+
+PARAMETER_COLUMNS = (
+    "mean fitness", "std", "feasible", "mean evaluations", "evaluations ratio", "95 % interval of the ratio",
+    "seconds ratio", "paper ratio",
+)  # fmt: skip
+
+
+def _decisions(results: ResultsFolder) -> str:
+    """Return the figures of the decisions that the document shows."""
+    return "\n\n".join(
+        figure(FIGURES, HEADLINE.name, decisions_name(group), f"decisions of {group}", results)
+        for group in LOOKED_INTO
+    )
+
+
+def _parameter(name: str, symbol: str, published: bool, results: ResultsFolder) -> str:
+    columns = PARAMETER_COLUMNS if published else PARAMETER_COLUMNS[:-1]
+    return whole("parameters", name, results, (symbol, *columns))
+
+
+def _parameter_figures(results: ResultsFolder) -> str:
+    """Return figures 20 to 25 of the SPSFA paper: courses and outcomes by the value of each parameter."""
+    return "\n\n".join(
+        figure(
+            TABLE_FIGURES,
+            "parameters",
+            f"parameter-{name}-{kind}",
+            f"{kind} by {symbol}, figure {number}",
+            results,
+        )
+        for number, (name, symbol, kind) in enumerate(PARAMETER_FIGURES, start=20)
+    )
+
+
+def _origins(results: ResultsFolder) -> str:  # noqa: ARG001
+    run = dict.fromkeys((*HEADLINE.controllers, *GENERALISATION.controllers))
+    fitted = [name for name in run if ControllerName.parse(name).family in {*FITTED} - {BLINDED}]
+    table = origins_table(fitted)
+    # The section about the rule tells the origin of rules.
+    return replace(table, rows=[row for row in table.rows if row[-2] != MISSING]).markdown()
+
+
+def _rule(name: str, results: ResultsFolder) -> str:  # noqa: ARG001
+    lines = "\n".join(load_rule(name).lines())
+    return f"```\n{lines}\n```"
+
+
+def _tables(suite: str) -> dict[str, Block]:
+    """Return the blocks of a suite in the appendix."""
+    return {
+        f"{suite}-gaps": partial(gaps, suite),
+        f"{suite}-differences": partial(whole_by_set, suite, "differences"),
+        f"{suite}-near-optimum": partial(whole, suite, "near-optimum"),
+        f"{suite}-free-paths": partial(whole, suite, "free-paths"),
+        f"{suite}-hypervolume": partial(value_by_set, suite, "hypervolume", FAMILY, "hypervolume"),
+    }
+
+
+BLOCKS: dict[str, Block] = {
+    "headline-made-with": partial(made_with, HEADLINE.name),
+    "headline": partial(whole, HEADLINE.name, "headline"),
+    "headline-claims": partial(whole, HEADLINE.name, "claims"),
+    "headline-front-figure": partial(figure, FIGURES, HEADLINE.name, "front", FRONT_TEXT),
+    "headline-profiles": partial(figure, FIGURES, HEADLINE.name, "profiles", PROFILES_TEXT),
+    "headline-decisions": _decisions,
+    "generalisation-claims": partial(whole, GENERALISATION.name, "claims"),
+    "generalisation-front-figure": partial(figure, FIGURES, GENERALISATION.name, "front", FRONT_TEXT),
+}
+TABLE_BLOCKS: dict[str, Block] = {
+    "origins": _origins,
+    **_tables(HEADLINE.name),
+    "generalisation": partial(whole, GENERALISATION.name, "headline"),
+    "generalisation-made-with": partial(made_with, GENERALISATION.name),
+    **_tables(GENERALISATION.name),
+    "out-of-distribution": partial(whole, OUT_OF_DISTRIBUTION.name, "headline"),
+    "out-of-distribution-made-with": partial(made_with, OUT_OF_DISTRIBUTION.name),
+    "out-of-distribution-gaps": partial(
+        value_by_set, OUT_OF_DISTRIBUTION.name, "gaps", ("controller",), "mean gap"
+    ),
+    "out-of-distribution-near-optimum": partial(whole, OUT_OF_DISTRIBUTION.name, "near-optimum"),
+    "single-cases": partial(whole, SINGLE_CASES.name, "headline"),
+    "single-cases-claims": partial(whole, SINGLE_CASES.name, "claims"),
+    "single-cases-made-with": partial(made_with, SINGLE_CASES.name),
+    "ablation": partial(whole, ABLATION.name, "headline"),
+    "ablation-claims": partial(whole, ABLATION.name, "claims"),
+    "ablation-made-with": partial(made_with, ABLATION.name),
+    "branching": partial(whole, "branching", "branching"),
+    "foresight": partial(whole, "branching", "foresight"),
+    "sensitivity-decisions": partial(whole, "sensitivity", "sensitivity-decisions"),
+    "sensitivity-performance": partial(whole, "sensitivity", "sensitivity-performance"),
+    "rule": partial(_rule, "three-cases"),
+    "parameters-made-with": partial(made_with, "parameters"),
+    "parameters-figures": _parameter_figures,
+    "parameters-growth": partial(_parameter, "table-12-parameter-growth", "ω", True),
+    "parameters-decay": partial(_parameter, "table-13-parameter-decay", "η", True),
+    "parameters-low-deviation": partial(_parameter, "table-parameter-low-deviation", "T_low", False),
+}
+
 
 TABLES = {
     "headline": headline_tables,

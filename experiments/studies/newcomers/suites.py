@@ -7,7 +7,7 @@ from pathlib import Path
 
 from agents.runs.seeds import VALIDATION
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -53,24 +53,24 @@ LOOKED_INTO = (
 )
 
 
-def families(*found: Family) -> tuple[Family, ...]:
+def families(*found: ControllerFamily) -> tuple[ControllerFamily, ...]:
     """Return those families that have controllers."""
     return tuple(family for family in found if family.controllers)
 
 
 CASE_FAMILIES = families(
-    Family("printed", PRINTED),
-    Family("tuned schedule", TUNED_SCHEDULE),
-    Family("open loops (extended)", EXTENDED_LOOPS),
-    Family("open loops (extended, as many steps)", RIVALS),
-    Family("learned (extended)", HEADLINE_EXTENDED),
-    Family("learned by PPO (extended)", training_seeds("learned:three-cases-extended-ppo", 5, 2)),
-    Family("constants (sourced)", CONSTANTS),
-    Family("restart rule", RESTART),
-    Family("open loops (sourced)", SOURCED_LOOPS),
-    Family("open loops (sourced, thirteen knots)", THIRTEEN_KNOTS),
-    Family("learned (sourced)", LEARNED),
-    Family("learned by PPO (sourced)", LEARNED_PPO),
+    ControllerFamily("printed", PRINTED),
+    ControllerFamily("tuned schedule", TUNED_SCHEDULE),
+    ControllerFamily("open loops (extended)", EXTENDED_LOOPS),
+    ControllerFamily("open loops (extended, as many steps)", RIVALS),
+    ControllerFamily("learned (extended)", HEADLINE_EXTENDED),
+    ControllerFamily("learned by PPO (extended)", training_seeds("learned:three-cases-extended-ppo", 5, 2)),
+    ControllerFamily("constants (sourced)", CONSTANTS),
+    ControllerFamily("restart rule", RESTART),
+    ControllerFamily("open loops (sourced)", SOURCED_LOOPS),
+    ControllerFamily("open loops (sourced, thirteen knots)", THIRTEEN_KNOTS),
+    ControllerFamily("learned (sourced)", LEARNED),
+    ControllerFamily("learned by PPO (sourced)", LEARNED_PPO),
 )
 # With sources against without, and seeing against not seeing; pairs that were not run are left out.
 CASE_PAIRS = (
@@ -101,14 +101,16 @@ NEWCOMERS = Suite(
 )
 
 FIELD_FAMILIES = families(
-    Family("printed", ("fixed:60", "spsfa-tip")),
-    Family("tuned schedule", ("tuned:random-fields",)),
-    Family("open loops (extended)", ("open-loop:random-fields-extended",)),
-    Family("learned (extended)", training_seeds("learned:random-fields-extended", 5)),
-    Family("learned by PPO (extended)", training_seeds("learned:random-fields-extended-ppo", 5, 2.5)),
-    Family("open loops (sourced)", FIELD_LOOPS),
-    Family("learned (sourced)", FIELD_LEARNED),
-    Family(
+    ControllerFamily("printed", ("fixed:60", "spsfa-tip")),
+    ControllerFamily("tuned schedule", ("tuned:random-fields",)),
+    ControllerFamily("open loops (extended)", ("open-loop:random-fields-extended",)),
+    ControllerFamily("learned (extended)", training_seeds("learned:random-fields-extended", 5)),
+    ControllerFamily(
+        "learned by PPO (extended)", training_seeds("learned:random-fields-extended-ppo", 5, 2.5)
+    ),
+    ControllerFamily("open loops (sourced)", FIELD_LOOPS),
+    ControllerFamily("learned (sourced)", FIELD_LEARNED),
+    ControllerFamily(
         "of the cases (sourced)",
         (
             *CONSTANTS,
@@ -146,7 +148,7 @@ ALL_DECISIONS = "all-decisions"
 TAKEN_AWAY = ("no-immigrants", "no-smooth-growth", "no-smooth-members", "only-smooth-members")
 ABLATION_FAMILIES = families(
     *(
-        Family(name.replace("-", " "), training_seeds(f"open-loop:ablation-{name}", 5, 1))
+        ControllerFamily(name.replace("-", " "), training_seeds(f"open-loop:ablation-{name}", 5, 1))
         for name in (ALL_DECISIONS, *TAKEN_AWAY)
     )
 )

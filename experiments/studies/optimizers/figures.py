@@ -22,7 +22,7 @@ from experiments.plots.style import (
     new_figure,
 )
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.optimizers.tables import seeds_of
 from swarm_gym.controllers.names import ControllerName
 
@@ -71,7 +71,7 @@ def draw_fronts(suite: Suite, outcomes: Outcomes) -> Figure:
 
 
 def _draw_family(
-    axes: Axes, outcomes: Outcomes, family: Family, scenario_set: str, colour: str, cost: str
+    axes: Axes, outcomes: Outcomes, family: ControllerFamily, scenario_set: str, colour: str, cost: str
 ) -> None:
     """Draw the points of one optimizer, and a line through its fixed sizes."""
     sizes = []

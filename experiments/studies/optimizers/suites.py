@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.runs.claims import claims_of
-from experiments.runs.suite import Family, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 
 CLAIMS = Path(__file__).parent / "claims.toml"
@@ -72,13 +72,13 @@ def of_sizes(optimizer: str) -> tuple[str, ...]:
     return training_seeds(f"learned:optimizers-{optimizer}-sizes", TRAINING_SEEDS, 1)
 
 
-def _family(optimizer: str) -> Family:
+def _family(optimizer: str) -> ControllerFamily:
     rules = (RULES, *rules_tuned(optimizer))
     entrants = (*SIZES, *rules, base(optimizer), *blind(optimizer), *policies(optimizer))
-    return Family(optimizer, tuple(f"{optimizer}+{name}" for name in entrants))
+    return ControllerFamily(optimizer, tuple(f"{optimizer}+{name}" for name in entrants))
 
 
-FIREFLIES = Family(
+FIREFLIES = ControllerFamily(
     FIREFLY,
     tuple(
         f"{FIREFLY}+{name}"
@@ -89,7 +89,7 @@ FIREFLIES = Family(
 
 def _suite(
     name: str,
-    families: tuple[Family, ...],
+    families: tuple[ControllerFamily, ...],
     scenarios: tuple[str, ...],
     alone: tuple[str, ...] = (),
     **changes: Any,

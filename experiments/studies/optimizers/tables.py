@@ -4,11 +4,11 @@ from dataclasses import replace
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.suite import Family, Suite
-from experiments.studies.optimizers.objectives import PRICE, mean_objective, minus
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.optimizers.suites import RULES, SIZES, base
 from experiments.studies.optimizers.transfer_tables import one_for_all_tables, transfer_tables
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, percent
+from experiments.tables.differences import PRICE, mean_objective, minus
 from experiments.tables.document import document_of_suite
 from experiments.tables.front import family_hypervolume
 from experiments.tables.table import Table
@@ -140,7 +140,7 @@ def area_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     return [Table("areas", caption, ("optimizer", *outcomes.sets), rows)]
 
 
-def _group(family: Family, outcomes: Outcomes, controller: str) -> str | None:
+def _group(family: ControllerFamily, outcomes: Outcomes, controller: str) -> str | None:
     """Return the group of a controller of a family's optimizer, if it was run."""
     name = f"{family.name}+{controller}"
     return name if name in outcomes.groups else None
@@ -152,7 +152,7 @@ def _blinded(learned: str, outcomes: Outcomes) -> str | None:
     return name if name in outcomes.groups else None
 
 
-def seeds_of(family: Family, outcomes: Outcomes, kind: str) -> str | None:
+def seeds_of(family: ControllerFamily, outcomes: Outcomes, kind: str) -> str | None:
     """Return the group of all tuning or training seeds of that kind, if it was run."""
     for group in family.groups:
         name = ControllerName.parse(group)

@@ -2,9 +2,9 @@
 
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
-from experiments.studies.optimizers.objectives import difference_of, mean_objective
 from experiments.studies.optimizers.suites import BASE_OF_SIZES, DRIVEN, RULES
 from experiments.tables.cell import MISSING, Entry, number, share
+from experiments.tables.differences import difference_of, mean_objective
 from experiments.tables.table import Table
 from swarm_gym.controllers.names import ControllerName
 

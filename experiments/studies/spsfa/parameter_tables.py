@@ -9,7 +9,7 @@ import numpy as np
 from experiments.runs.outcomes import Outcomes, RunNumbers
 from experiments.runs.suite import Suite
 from experiments.statistics import ratio_interval, summarise
-from experiments.studies.spsfa.parameters import PARAMETER_STUDIES, SCENARIO, ParameterStudy
+from experiments.studies.spsfa.suites import PARAMETER_STUDIES, SCENARIO, ParameterStudy
 from experiments.tables.cell import MISSING, Cell, Entry, interval_cell, number, share
 from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE

@@ -8,7 +8,7 @@ import pytest
 
 from experiments.bbob import BbobConfig, run
 from experiments.bbob_logs import coco, iohprofiler
-from experiments.bbob_logs.logged_run import Group, LoggedRun, folder_name
+from experiments.bbob_logs.logged_run import LoggedGroup, LoggedRun, folder_name
 from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -23,7 +23,7 @@ def made_up(instance, *precision):
     return LoggedRun(instance, -50.25, evaluations, np.array(precision), np.array([0.5, -1.0]))
 
 
-GROUPS = [Group(8, 2, (made_up(1, 3.0, 3.0, 2e-9, 2e-9), made_up(7, 0.5, 0.25)))]
+GROUPS = [LoggedGroup(8, 2, (made_up(1, 3.0, 3.0, 2e-9, 2e-9), made_up(7, 0.5, 0.25)))]
 
 
 @pytest.fixture(scope="module")

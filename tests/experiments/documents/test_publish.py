@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from experiments.documents.blocks import replace_block
+from experiments.benchmark import GROUPS
+from experiments.documents.marked_blocks import replace_block
 from experiments.publish import DOCUMENTS, SHOWN, STRONGEST, main, publish
-from experiments.speed.groups import GROUPS
+from experiments.runs.labels import label
+from experiments.speed.benchmark_page import OF_PEERS, write_page
 from experiments.speed.measurement import Measurement, write_measurements
-from experiments.speed.page import OF_PEERS, write_page
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
@@ -63,7 +64,8 @@ def documents(tmp_path, monkeypatch, benchmark):
     for name in ("README.md", "a.svg", "a.png"):
         (tmp_path / "results/docs/paper" / name).write_text(f"content of {name}")
     rows = [
-        (name, *(f"{name}: {column}" for column in (*SHOWN[1:], "price"))) for name in (*STRONGEST, "weak")
+        (name, *(f"{name}: {column}" for column in (*SHOWN[1:], "price")))
+        for name in (*map(label, STRONGEST), "weak")
     ]
     table = Table("headline", "Objective.", (*SHOWN, "price"), rows)
     (tmp_path / "results/study/headline/headline.json").write_text(table.json())
@@ -112,9 +114,11 @@ def test_nothing_is_written_where_something_is_missing(documents, missing):
 
 
 def test_a_headline_table_without_a_row_of_the_readme_is_refused(documents):
-    table = Table("headline", "Objective.", SHOWN, [(name,) * len(SHOWN) for name in STRONGEST[1:]])
+    table = Table(
+        "headline", "Objective.", SHOWN, [(name,) * len(SHOWN) for name in map(label, STRONGEST[1:])]
+    )
     (documents / "results/study/headline/headline.json").write_text(table.json())
-    with pytest.raises(ValueError, match=r"has no rows of learned three-cases@1$"):
+    with pytest.raises(ValueError, match=r"has no rows of learned:three-cases/\*@1$"):
         publish("results", documents / "results")
     assert (documents / "README.md").read_text() == TEXT
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 
 from experiments.catalogue import SUITES
-from experiments.documents.blocks import block_names
-from experiments.documents.page import describe_provenance
+from experiments.documents.marked_blocks import block_names
+from experiments.documents.suite_page import describe_provenance
 from experiments.publish import publish
 from experiments.runs.groups import group_controllers
-from experiments.studies.learned.blocks import BLOCKS, PARAMETER_COLUMNS, PARAMETER_FIGURES, TABLE_BLOCKS
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import LOOKED_INTO
-from experiments.tables.blocks import GAP_COLUMNS, decisions_name
+from experiments.studies.learned.tables import BLOCKS, PARAMETER_COLUMNS, PARAMETER_FIGURES, TABLE_BLOCKS
+from experiments.tables.block_contents import GAP_COLUMNS, decisions_name
 from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
 from helpers.stored_runs import printed_rows

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from experiments.playground.exported import POLICY, PORTED_OPTIONS, export, is_ported
-from experiments.playground.page import ASSETS, SCRIPTS, playground_for, playground_page
+from experiments.playground.playground_page import ASSETS, SCRIPTS, playground_for, playground_page
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.scenarios import make_scenario

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiments.playground.exported import export
-from experiments.playground.page import playground_page
+from experiments.playground.playground_page import playground_page
 from helpers.browsers import PHONE, chromium, lightness, opener, wider_than
 from swarm_gym.env import SwarmEnv
 from swarm_gym.reference import known_optimum
@@ -218,7 +218,9 @@ def test_a_reset_stops_the_iteration_under_way(page):
 
 
 def test_an_episode_ends_with_its_last_iteration(tmp_path, open_page, monkeypatch):
-    monkeypatch.setattr("experiments.playground.page.export", lambda s, o: export(s, {"iterations": 2}))
+    monkeypatch.setattr(
+        "experiments.playground.playground_page.export", lambda s, o: export(s, {"iterations": 2})
+    )
     path = tmp_path / "short.html"
     path.write_text(playground_page(["case1"]), encoding="utf-8")
     page = open_page(path)

@@ -9,7 +9,7 @@ import pytest
 from gymnasium.utils.seeding import np_random
 
 from experiments.playground.exported import POLICY, SCHEDULE, export
-from experiments.playground.page import engine
+from experiments.playground.playground_page import engine
 from helpers.browsers import chromium
 from oracles.naive import Stream
 from swarm_gym.batch import episode_seed

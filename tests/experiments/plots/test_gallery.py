@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.plots import gallery
-from experiments.plots.gallery import (
+from experiments import gallery
+from experiments.gallery import (
     DOCUMENT,
     HEIGHT,
     OPTIONS,

@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from experiments.catalogue import SUITES
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.report.__main__ import ReportConfig, write_report
 from experiments.report.completeness import complete_part
 from experiments.report.map_picture import describe_map, extent_of
 from experiments.report.recording import Recording, record
 from experiments.report.replay import LADDER, MOST_BYTES, NEW, REMOVED, pack
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.runner import run_one
+from experiments.runs.episode import Episode
 from experiments.tables.cell import plain_text
 from helpers.reports import SUITE
 from helpers.stored_runs import make_database
@@ -343,7 +343,7 @@ def unpack(packed):
 
 def recording_of(controller="spsfa-tip", scenario="case1", seed=0, **changes):
     suite = dataclasses.replace(SUITE, scenarios=(scenario,), **changes)
-    return record(run_one((controller, scenario, seed), suite, {}), suite)
+    return record(Episode((controller, scenario, seed), suite).run({}), suite)
 
 
 def test_a_replay_shows_every_population_as_it_was():

@@ -11,13 +11,14 @@ import pytest
 from agents.backends import BackendOptions
 from agents.backends.local import LocalBackend
 from experiments.catalogue import COLLECTIONS, SUITES
-from experiments.documents.blocks import fill
-from experiments.documents.page import make_tables
+from experiments.documents.marked_blocks import fill
+from experiments.documents.suite_page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
-from experiments.runs import episode, runner
+from experiments.runs import episode
 from experiments.runs.configuration import configuration
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.runner import run_missing, run_one
+from experiments.runs.episode import Episode
+from experiments.runs.runner import run_missing
 from experiments.runs.suite import Suite
 from experiments.tables.document import Document
 from helpers.stored_runs import filled_database, make_database, stored_run
@@ -126,15 +127,15 @@ def test_runs_equal_in_one_process_and_in_several(results, tmp_path):
 def test_a_suite_that_dies_keeps_what_it_had_finished_and_goes_on_without_recomputing(results, monkeypatch):
     with results.connection as connection:
         connection.execute("DELETE FROM runs")
-    ran = []
+    ran, run = [], Episode.run
 
-    def dying(key, *arguments):
-        ran.append(key)
+    def dying(episode, *arguments):
+        ran.append(episode.key)
         if len(ran) == 5:
             raise KeyboardInterrupt
-        return run_one(key, *arguments)
+        return run(episode, *arguments)
 
-    monkeypatch.setattr(runner, "run_one", dying)
+    monkeypatch.setattr(Episode, "run", dying)
     with pytest.raises(KeyboardInterrupt):
         run_missing(SUITE, results, LocalBackend(1))
     assert results.finished() == set(ran[:4])
@@ -237,7 +238,7 @@ def test_without_simulating_the_same_comes_from_the_database_alone(known, result
     def never(*_):
         raise AssertionError("a run was made")
 
-    monkeypatch.setattr(runner, "run_one", never)
+    monkeypatch.setattr(Episode, "run", never)
     monkeypatch.setattr("experiments.runs.configuration.controller_of", never)  # nor are policies needed
     offline = dataclasses.replace(config, simulate=False, output=tmp_path / "offline")
     assert contents(evaluate(offline).parent) == expected

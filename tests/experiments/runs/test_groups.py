@@ -8,8 +8,9 @@ from agents import make_controller
 from agents.runs.seeds import TEST, VALIDATION
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.runs.entrants import entrant
+from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.groups import group_controllers, scenario_sets
-from experiments.runs.suite import FRESH_SEEDS, Family, Suite
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.controllers import training_seeds
 from experiments.studies.dynamic.suites import NEVER_USED as OF_CHANGES
 from experiments.studies.learned.suites import NEVER_USED as NEWEST
@@ -36,7 +37,9 @@ def test_training_seeds_of_a_recipe_are_one_group():
 
 
 def test_a_chosen_tuning_is_in_its_group_and_stands_alone():
-    family = Family("loops", ("open-loop:a/0@1", "open-loop:a/1@1"), blind=True, alone=("open-loop:a/1@1",))
+    family = ControllerFamily(
+        "loops", ("open-loop:a/0@1", "open-loop:a/1@1"), blind=True, alone=("open-loop:a/1@1",)
+    )
     expected = {
         "open-loop:a/*@1": ("open-loop:a/0@1", "open-loop:a/1@1"),
         "open-loop:a/1@1": ("open-loop:a/1@1",),

@@ -7,11 +7,12 @@ from itertools import pairwise
 import pytest
 
 from experiments.catalogue import get_suite
-from experiments.runs.runner import all_runs, make_units, run_one
+from experiments.runs.episode import Episode
+from experiments.runs.runner import make_units
 from experiments.scaling import overheads
+from experiments.scaling.findings_page import Findings, write_page
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
-from experiments.scaling.page import Findings, write_page
 from experiments.scaling.study import EVALUATED, evaluations, time_runs
 from experiments.speed.measurement import machine
 
@@ -41,7 +42,7 @@ def test_more_cores_never_take_longer():
 
 def test_the_study_has_all_runs_of_its_suites():
     work = evaluations({name: [0.1, 0.3] for name in EVALUATED}, cores=10)
-    runs = sum(len(all_runs(get_suite(name))) for name in EVALUATED)
+    runs = sum(len(get_suite(name).all_runs()) for name in EVALUATED)
     assert work.rows == runs
     assert work.units * work.seconds == pytest.approx(0.2 * runs)
     assert work.longest == pytest.approx(0.3 * 10)
@@ -50,7 +51,7 @@ def test_the_study_has_all_runs_of_its_suites():
 @pytest.mark.parametrize(("workers", "most"), [(1, 10), (100, 10), (300, 5), (100_000, 1)])
 def test_units_have_several_seeds_where_there_is_work_for_all(workers, most):
     suite = get_suite("headline")
-    runs = all_runs(dataclasses.replace(suite, controllers=suite.controllers[:20]))
+    runs = dataclasses.replace(suite, controllers=suite.controllers[:20]).all_runs()
     assert len(runs) == 12_000
     units = make_units(runs, workers)
     assert {len(unit.seeds) for unit in units} == {most}
@@ -97,7 +98,7 @@ def test_what_is_measured_takes_its_time(tmp_path):
     assert timed.ideal == pytest.approx(0.5)
     assert timed.wall > 0.5
     suite = get_suite("paper")
-    assert all(seconds > 0.001 for seconds in time_runs(suite, all_runs(suite), 3))
-    run = run_one(("spsfa-tip", "case1", 1), suite, {})
+    assert all(seconds > 0.001 for seconds in time_runs(suite, suite.all_runs(), 3))
+    run = Episode(("spsfa-tip", "case1", 1), suite).run({})
     assert overheads.count_results(5, 1, run, tmp_path)["units per second"] > 0
     assert set(overheads.count_rows(100, run, tmp_path)) == {1, 10}

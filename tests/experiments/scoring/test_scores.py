@@ -6,18 +6,19 @@ from pathlib import Path
 import pytest
 
 from agents.backends.local import LocalBackend
-from experiments import scores as command
-from experiments.documents.blocks import fill
+from experiments.catalogue import SUITES
+from experiments.documents.marked_blocks import fill
 from experiments.publish import DOCUMENTS
+from experiments.runs.episode import Episode
 from experiments.scores import compute
 from experiments.scoring.cases import StoredScores, make_case, packaged_cases
-from experiments.scoring.comparison import Verdict, overall
 from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, scores_file
 from experiments.scoring.ranking import ranking, ranking_block
-from experiments.scoring.score import Score
+from experiments.scoring.score import ScoreRow
 from experiments.scoring.submission import digest_of
 from experiments.scoring.suites import SCORED
-from helpers.stored_runs import cells_of
+from experiments.scoring.verdicts import Verdict, overall
+from helpers.stored_runs import cells_of, make_database
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 
 ROOT = Path(__file__).parents[3]
@@ -28,15 +29,15 @@ AGAIN = "run `make docs-scores`"
 
 def small(name, controllers, recipes=()):
     """Return a scored suite of one scenario, one seed and these controllers, beside policies of recipes."""
-    suite = dataclasses.replace(
-        SCORED[name].suite, controllers=controllers, scenarios=("case1",), num_seeds=1
+    experiment = dataclasses.replace(
+        SCORED[name].experiment, controllers=controllers, scenarios=("case1",), num_seeds=1
     )
-    return dataclasses.replace(SCORED[name], suite=suite, recipes=recipes)
+    return dataclasses.replace(SCORED[name], experiment=experiment, recipes=recipes)
 
 
 def made_up(controller, gap, evaluations, num_runs=2):
     runs = ((1.0,) * num_runs, (int(evaluations),) * num_runs)
-    return Score(controller, "e", "s", 0, num_runs, gap, evaluations, 1.0, "ab" * 32, "", *runs)
+    return ScoreRow(controller, "e", "s", 0, num_runs, gap, evaluations, 1.0, "ab" * 32, "", *runs)
 
 
 def test_every_packaged_policy_is_scored():
@@ -104,33 +105,61 @@ def test_the_smallest_objective_is_first():
 
 def test_a_ranking_of_incomplete_scores_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    compute(small("headline", ("fixed:20",)), tmp_path / "scores/headline.csv", LocalBackend(1))
+    scores = tmp_path / "scores/headline.csv"
+    compute(small("headline", ("fixed:20",)), scores, tmp_path / "headline.sqlite", LocalBackend(1))
     with pytest.raises(ScoreFileError, match=r"headline\.csv: lacks \d+ controllers, such as .*experiments"):
         ranking_block("headline", None)
 
 
-def test_rows_that_are_right_stay_and_others_are_computed(tmp_path, monkeypatch):
+def test_rows_that_are_right_stay_and_others_are_exported_from_the_database(tmp_path, monkeypatch):
     suite, path = small("headline", ("fixed:20", "fixed:30"), ("three-cases-ppo",)), tmp_path / "scores.csv"
     monkeypatch.setitem(SCORED, "headline", suite)
-    ran = []
+    database = tmp_path / "results" / "headline.sqlite"
+    ran, run = [], Episode.run
 
-    def counted(name, *arguments):
-        ran.append(name)
+    def counted(episode, *arguments):
+        ran.append(episode.key[0])
         if len(ran) == 3:
             raise KeyboardInterrupt
-        return score(name, *arguments)
+        return run(episode, *arguments)
 
-    score = command.score
-    monkeypatch.setattr(command, "score", counted)
+    def again(scored=suite):
+        return compute(scored, path, database, LocalBackend(1))
+
+    monkeypatch.setattr(Episode, "run", counted)
     with pytest.raises(KeyboardInterrupt):
-        compute(suite, path, LocalBackend(1))
+        again()
     assert [row.controller for row in read_scores(path)] == ["fixed:20", "fixed:30"]
-    assert compute(suite, path, LocalBackend(1)) == 3
+    assert again() == 3
     assert ran == ["fixed:20", "fixed:30", *["learned:three-cases-ppo/0"] * 2]
     content = path.read_text()
-    assert compute(suite, path, LocalBackend(1)) == 3
+    path.unlink()
+    assert again() == 3
+    assert path.read_text() == content
+    assert len(ran) == 4, "a stored run was made again"
+    database.unlink()
+    assert again() == 3
+    assert len(ran) == 4, "a run was made though all rows are right"
+    assert not database.exists()
     path.write_text(content.replace(digest_of("learned:three-cases-ppo/0", suite), "0" * 64))
-    assert compute(suite, path, LocalBackend(1)) == 3
+    assert again() == 3
     assert ran[4:] == ["learned:three-cases-ppo/0"]
     assert path.read_text() == content
-    assert compute(small("headline", ("fixed:30",)), path, LocalBackend(1)) == 1
+    assert again(small("headline", ("fixed:30",))) == 1
+
+
+def test_rows_are_exported_from_the_runs_of_a_study_without_a_run(tmp_path, monkeypatch):
+    whole = dataclasses.replace(
+        SUITES["headline"], controllers=("fixed:60", "spsfa-tip"), scenarios=("case1",), num_seeds=2
+    )
+    database = make_database(tmp_path / "headline.sqlite", whole)
+    monkeypatch.setattr(Episode, "run", None)
+    scored = small("headline", ("fixed:60", "spsfa-tip"))
+    assert compute(scored, tmp_path / "scores.csv", database, LocalBackend(1)) == 2
+    stored = {
+        row.controller: row for row in read_scores(SCORES / "headline.csv") if row.scenario_set == "case1"
+    }
+    for row in read_scores(tmp_path / "scores.csv"):
+        assert row.fitness_of_runs == stored[row.controller].fitness_of_runs[:1]
+        assert row.evaluations_of_runs == stored[row.controller].evaluations_of_runs[:1]
+        assert row.digest == stored[row.controller].digest

@@ -2,19 +2,24 @@
 
 import dataclasses
 import json
+from contextlib import closing
 
 import numpy as np
 import pytest
 
+from agents.evaluation.rollout import run_swarms, swarms_for
 from experiments import verify as command
-from experiments.runs.runner import run_one
+from experiments.catalogue import SUITES
+from experiments.runs.database import Results, ResultsError
+from experiments.runs.episode import Episode, controller_of
 from experiments.scoring import cases
-from experiments.scoring.claims import ClaimError
+from experiments.scoring.claimed_rows import ClaimError
 from experiments.scoring.files import COLUMNS, ScoreFileError, read_scores, write_scores
-from experiments.scoring.score import digest_of_runs, score
+from experiments.scoring.score import digest_of_runs, measure
 from experiments.scoring.submission import SubmissionError
 from experiments.scoring.suites import SCORED
 from experiments.verify import VerifyConfig, verify
+from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve, save_policy
 from swarm_gym.errors import UnknownNameError
@@ -27,8 +32,8 @@ PARTICLES = "learned:optimizers-particle-swarm/0"
 def small(name, num_seeds=2):
     """Return a scored suite with two scenarios and few seeds."""
     whole = SCORED[name]
-    suite = dataclasses.replace(whole.suite, scenarios=("case1", "case3"), num_seeds=num_seeds)
-    return dataclasses.replace(whole, suite=suite)
+    experiment = dataclasses.replace(whole.experiment, scenarios=("case1", "case3"), num_seeds=num_seeds)
+    return dataclasses.replace(whole, experiment=experiment)
 
 
 @pytest.fixture(autouse=True)
@@ -44,15 +49,14 @@ def no_run(monkeypatch):
     def fail(*_):
         raise AssertionError("a run was made before the submission was refused")
 
-    monkeypatch.setattr(cases, "score", fail)
+    monkeypatch.setattr(Episode, "run", fail)
 
 
 @pytest.fixture(scope="module")
 def rows():
     """The true scores of the policy."""
     headline = small("headline")
-    digest = cases.digest_of_policy(POLICY)
-    return score(f"{POLICY}@1", digest, headline)
+    return measure({f"{POLICY}@1": cases.digest_of_policy(POLICY)}, headline)
 
 
 def asked(folder, *files, **options):
@@ -79,13 +83,17 @@ def changed_policy(path, change=lambda _: None, name="three-cases/0", **entries)
 
 
 def test_seeds_side_by_side_have_the_bits_of_single_runs(rows):
-    for name, found in ((f"{POLICY}@1", rows), ("random", score("random", "0" * 64, small("headline")))):
+    headline = small("headline")
+    for name, found in ((f"{POLICY}@1", rows), ("random", measure({"random": "0" * 64}, headline))):
+        controller = controller_of(name)
         for row in found:
-            chosen = small("headline").sets[row.scenario_set]
-            runs = [run_one((name, *key), small("headline").suite, {}) for key in chosen.runs]
-            assert row.fitness_of_runs == tuple(run.final_fitness for run in runs)
-            assert row.evaluations_of_runs == tuple(run.evaluations for run in runs)
-            assert row.feasible == np.mean([run.final_collision <= 1e-9 for run in runs])
+            seeds = headline.experiment.seeds[row.scenario_set]
+            swarms = swarms_for(controller, len(seeds), "firefly", scenario=row.scenario_set)
+            run_swarms(controller, swarms, seeds)
+            final = swarms.simulation.swarms
+            assert row.fitness_of_runs == tuple(final.best_fitness)
+            assert row.evaluations_of_runs == tuple(final.evaluations)
+            assert row.feasible == np.mean(final.best_collision <= 1e-9)
 
 
 def test_what_was_measured_is_verified_bit_for_bit(tmp_path, capsys):
@@ -99,6 +107,33 @@ def test_what_was_measured_is_verified_bit_for_bit(tmp_path, capsys):
         said = capsys.readouterr().out
         assert f"{name}: equal bit for bit, 4 runs of headline" in said
         assert "1 verified: 1 equal bit for bit" in said
+
+
+def test_stored_runs_of_a_study_are_a_claim(tmp_path, capsys):
+    names, scenarios = (f"{POLICY}@1", "spsfa-tip"), ("case1", "case3")
+    suite = dataclasses.replace(SUITES["headline"], controllers=names, scenarios=scenarios, num_seeds=3)
+    database = make_database(tmp_path / "headline.sqlite", suite)
+    for name in names:
+        assert verify(asked(tmp_path, name, claim=database))
+        assert f"{name}: equal bit for bit, 4 runs of headline" in capsys.readouterr().out
+    with closing(Results(database)) as results, results.writing() as connection:
+        connection.execute("UPDATE runs SET evaluations = 7 WHERE scenario = 'case3' AND seed = 30001")
+    assert not verify(asked(tmp_path, "spsfa-tip", claim=database))
+    said = capsys.readouterr().out
+    assert "on case3 with seed 30001: evaluations is claimed to be 7, found " in said
+
+
+def test_a_database_that_cannot_be_the_claim_is_refused(tmp_path, no_run):
+    with pytest.raises(ResultsError, match=r"none\.sqlite: there is no such results database"):
+        verify(asked(tmp_path, POLICY, claim=tmp_path / "none.sqlite"))
+    with closing(Results(tmp_path / "other.sqlite", {f"controller {POLICY}@1": ["another policy"]})):
+        pass
+    with pytest.raises(ResultsError, match="holds runs of another configuration: controller learned:three"):
+        verify(asked(tmp_path, POLICY, claim=tmp_path / "other.sqlite"))
+    with closing(Results(tmp_path / "empty.sqlite")):
+        pass
+    with pytest.raises(ResultsError, match=r"learned:three-cases/0@1 on case1 has 0 of 2 runs"):
+        verify(asked(tmp_path, POLICY, claim=tmp_path / "empty.sqlite"))
 
 
 def test_stored_scores_are_the_claim_by_default_and_tell_the_suite(tmp_path, rows, capsys):

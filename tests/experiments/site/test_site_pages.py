@@ -2,6 +2,7 @@
 
 import ast
 import re
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import pytest
 
 from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES
-from experiments.site import environments, registries, versions
+from experiments.scoring.files import ScoreFileError, write_scores
+from experiments.scoring.score import ScoreRow, digest_of_runs
+from experiments.site import environments, registries
 from experiments.site.commands import COMMANDS, WITHOUT_HELP, commands_at_the_top
-from experiments.site.environments import SCORE_COLUMNS, environment_page, reference_scores
+from experiments.site.environments import VERSIONS, environment_page, reference_scores
 from experiments.site.pages import generated_pages
 from experiments.site.reference import PAGES, public_names, reference_pages
 from swarm_gym.action import ACTIONS
@@ -90,11 +93,13 @@ def test_the_default_encoding_is_that_of_the_optimizer(pages):
 
 
 def test_reference_scores_are_those_of_the_environment(tmp_path):
-    rows = [
-        {"environment": "swarm_gym/Firefly-v0", "controller": "fixed:60", "gap": "0.0312"},
-        {"environment": "swarm_gym/Glowworm-v0", "controller": "fixed:26", "gap": "0.5"},
-    ]
-    write_scores(tmp_path / "tiny.csv", rows)
+    row = ScoreRow(
+        controller="fixed:60", environment="swarm_gym/Firefly-v0", scenario_set="case1", first_seed=7,
+        num_seeds=10, gap=0.0312, evaluations=81767.2, feasible=0.2, digest="0123456789abcdef" * 4,
+        runs_digest=digest_of_runs([1.0], [2]), fitness_of_runs=(1.0,), evaluations_of_runs=(2,),
+    )  # fmt: skip
+    other = replace(row, environment="swarm_gym/Glowworm-v0", controller="fixed:26", gap=0.5)
+    write_scores(tmp_path / "tiny.csv", [row, other])
     page = environment_page("firefly", "case2", "fixed:16", tmp_path)
     assert "| tiny | `fixed:60` | `case1` | 10 from 7 | 3.12 % | 81,767 | 20% | `0123456789ab` |" in page
     assert "fixed:26" not in page
@@ -103,23 +108,14 @@ def test_reference_scores_are_those_of_the_environment(tmp_path):
 
 def test_a_table_of_scores_without_a_column_is_an_error(tmp_path):
     (tmp_path / "tiny.csv").write_text("environment,controller\nswarm_gym/Firefly-v0,fixed:60\n")
-    with pytest.raises(ValueError, match=r"tiny\.csv: expected the columns .* missing: \['digest'"):
+    with pytest.raises(
+        ScoreFileError, match=r"tiny\.csv: lacks the columns .*digest.*; expected controller,"
+    ):
         list(reference_scores(tmp_path, "swarm_gym/Firefly-v0"))
 
 
-def write_scores(path, rows):
-    """Write a table of scores; what the rows leave out has a value of its own."""
-    usual = {
-        "scenario_set": "case1", "first_seed": "7", "num_seeds": "10", "evaluations": "81767.2",
-        "feasible": "0.2", "digest": "0123456789abcdef",
-    }  # fmt: skip
-    columns = ("environment", *SCORE_COLUMNS)
-    lines = [",".join({**usual, **row}[column] for column in columns) for row in rows]
-    path.write_text("\n".join([",".join(columns), *lines]) + "\n")
-
-
 def test_a_version_without_a_line_is_an_error(monkeypatch):
-    monkeypatch.setattr(environments, "VERSIONS", {"v1": versions.VERSIONS["v0"]})
+    monkeypatch.setattr(environments, "VERSIONS", {"v1": VERSIONS["v0"]})
     with pytest.raises(ValueError, match="Firefly-v0: its version is not in"):
         environment_page("firefly", "case2", "fixed:16")
 

@@ -11,8 +11,9 @@ import pytest
 from scipy.stats import ks_2samp
 
 from experiments import benchmark_gpu
+from experiments.benchmark import GROUPS, measure_groups
 from experiments.speed import environments, gpu, growth, moves, start, threads, training
-from experiments.speed.groups import GROUPS, measure_groups
+from experiments.speed.benchmark_page import write_page
 from experiments.speed.measurement import (
     ALL_THREADS,
     CASES,
@@ -27,7 +28,6 @@ from experiments.speed.measurement import (
     write_measurements,
 )
 from experiments.speed.numpy_firefly import NumpyFirefly
-from experiments.speed.page import write_page
 from experiments.speed.peers import bezier, fish
 from experiments.speed.peers.cost import compiled_cost, numpy_cost
 from experiments.speed.peers.runs import Peer, ours_per_evaluation, ratios

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.documents.page import make_tables, write_page
+from experiments.documents.suite_page import make_tables, write_page
 from experiments.runs.suite import Suite
 from experiments.statistics import compare, holm, mean_interval, summarise
 from experiments.studies.spsfa.published import FITNESS, SECONDS

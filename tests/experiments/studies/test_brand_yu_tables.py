@@ -8,10 +8,9 @@ import pytest
 from scipy import stats
 
 from experiments.documents.figures import plan
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.runs.run import Snapshot
-from experiments.studies.brand_yu.published import TABLE_1
-from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC
+from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC, TABLE_1
 from helpers.stored_runs import cells_of, line, part_of, printed_rows, stored_run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 

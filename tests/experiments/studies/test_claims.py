@@ -11,7 +11,7 @@ from experiments.catalogue import SUITES
 from experiments.runs.claims import ClaimFileError, GroupClaim, load_claims
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.studies.newcomers.suites import NEWCOMERS
-from experiments.tables.group_claims import group_claim_tables
+from experiments.tables.claim_tables import group_claim_tables
 from helpers.stored_runs import cells_of, outcomes_of
 
 ROOT = Path(__file__).parents[3]

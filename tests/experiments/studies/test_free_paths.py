@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.studies.learned.suites import HEADLINE
 from helpers.shapes import shape
 from helpers.stored_runs import cells_of, part_of, stored_run

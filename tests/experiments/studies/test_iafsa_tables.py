@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from experiments.documents.blocks import block_names, replace_block
 from experiments.documents.figures import write_figures
-from experiments.documents.page import make_tables
-from experiments.runs.convergence import convergence_iteration
+from experiments.documents.marked_blocks import block_names, replace_block
+from experiments.documents.suite_page import make_tables
+from experiments.runs.run import convergence_iteration
 from experiments.runs.suite import Suite
 from experiments.statistics import holm, rank_sum
-from experiments.studies.iafsa.convergence_tables import iterations_to
 from experiments.studies.iafsa.figures import by_evaluations, by_iterations
-from experiments.studies.iafsa.functions import Function
 from experiments.studies.iafsa.published import (
     CONVERGENCE,
     DIMENSIONS,
@@ -22,10 +20,12 @@ from experiments.studies.iafsa.published import (
     MEAN_BEST,
     ROUTE_LENGTHS,
     SWARMS,
+    Function,
 )
 from experiments.studies.iafsa.routes import make_route
 from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
-from experiments.tables.claims import Claim, claims_table
+from experiments.studies.iafsa.tables import iterations_to
+from experiments.tables.claim_tables import Claim, claims_table
 from helpers.public_maps import needed
 from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
 from swarm_gym.problem.geometry.polylines import length_of

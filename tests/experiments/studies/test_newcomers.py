@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.documents.blocks import block_names
 from experiments.documents.figures import plan
+from experiments.documents.marked_blocks import block_names
 from experiments.plots.decisions import draw_decisions
 from experiments.plots.style import styles
 from experiments.publish import publish
 from experiments.runs.configuration import configuration, identity
 from experiments.runs.episode import Episode
 from experiments.runs.groups import group_controllers
-from experiments.studies.newcomers import blocks
+from experiments.studies.newcomers import tables
 from experiments.studies.newcomers.bends import bends_table
 from experiments.studies.newcomers.corridors import MOST_NAMED, corridor_tables, ends_of
 from experiments.studies.newcomers.figures import (
@@ -36,7 +36,7 @@ from experiments.studies.newcomers.suites import (
     WHOLE_PATHS,
 )
 from experiments.studies.newcomers.tables import optimizer_tables
-from experiments.tables.blocks import decisions_name
+from experiments.tables.block_contents import decisions_name
 from experiments.tables.table import Table
 from helpers.builders import make_problem
 from helpers.stored_runs import (
@@ -262,7 +262,7 @@ def test_decisions_on_new_members_have_rows_where_they_vary(tmp_path):
 
 
 def test_the_page_has_every_block_once():
-    assert sorted(block_names((ROOT / PAGE).read_text(encoding="utf-8"))) == sorted(blocks.BLOCKS)
+    assert sorted(block_names((ROOT / PAGE).read_text(encoding="utf-8"))) == sorted(tables.BLOCKS)
 
 
 def test_the_page_has_no_figures_but_those_of_its_blocks():
@@ -273,7 +273,7 @@ def test_the_page_has_no_figures_but_those_of_its_blocks():
 
 
 COLUMNS = {
-    "gaps": blocks.GAP_COLUMNS,
+    "gaps": tables.GAP_COLUMNS,
     "near-optimum": ("controller", "case1"),
     "differences": ("scenarios", "controller", "difference"),
     "duels": ("scenarios", "controller", "rival", "difference"),
@@ -298,7 +298,7 @@ def results(tmp_path, monkeypatch):
         kind: tuple(dataclasses.replace(suite, scenarios=suite.scenarios[:2], **parts) for suite in pair)
         for kind, pair in BEND_SUITES.items()
     }
-    monkeypatch.setattr(blocks, "BEND_SUITES", small)
+    monkeypatch.setattr(tables, "BEND_SUITES", small)
     bends = [suite for pair in small.values() for suite in pair]
     others = ("newcomers", "newcomers-fields", "newcomers-ablation", "newcomers-optimizers")
     for name in (*others, *(suite.name for suite in bends)):

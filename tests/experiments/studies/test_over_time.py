@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from experiments.runs.suite import Family
+from experiments.runs.suite import ControllerFamily
 from experiments.studies.dynamic.over_time import over_time_tables
 from experiments.studies.dynamic.seeing import seeing_tables
 from experiments.studies.dynamic.suites import DYNAMIC, TOLD
@@ -68,7 +68,8 @@ def test_scenarios_without_events_have_no_feasibility_after_one(rows):
 
 BLIND, SEEING, BOUND = "fixed:80", "learned:b/0", "learned:c/0"
 SHOWN = tuple(
-    Family(*one) for one in (("blind", (POOR, BLIND), True), ("learned", (SEEING,)), (TOLD, (BOUND,)))
+    ControllerFamily(*one)
+    for one in (("blind", (POOR, BLIND), True), ("learned", (SEEING,)), (TOLD, (BOUND,)))
 )
 
 

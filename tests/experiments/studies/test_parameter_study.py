@@ -8,13 +8,12 @@ import pytest
 from agents import make_controller
 from experiments.catalogue import get_suite
 from experiments.documents.figures import plan, write_figures
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.plots.stored import load_cases
 from experiments.runs.database import ResultsError
 from experiments.statistics import ratio_interval
-from experiments.studies.spsfa.parameter_figures import draw_courses, draw_outcomes
-from experiments.studies.spsfa.parameters import CONTROLLERS, PARAMETER_STUDIES, SCENARIO
-from experiments.studies.spsfa.suites import PARAMETERS
+from experiments.studies.spsfa.figures import draw_courses, draw_outcomes
+from experiments.studies.spsfa.suites import CONTROLLERS, PARAMETER_STUDIES, PARAMETERS, SCENARIO
 from helpers.builders import make_problem
 from helpers.stored_runs import cells_of, filled_database, line, stored_run
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from experiments.documents.figures import plan
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.studies.dynamic.recovery import Recovery
 from experiments.studies.dynamic.suites import DYNAMIC, DYNAMIC_ROBOTS
 from helpers.stored_runs import cells_of, line, part_of, stored_run

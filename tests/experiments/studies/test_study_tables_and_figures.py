@@ -9,14 +9,14 @@ import pytest
 from scipy import stats
 
 from experiments.documents.figures import plan, write_figures
-from experiments.documents.page import make_tables
+from experiments.documents.suite_page import make_tables
 from experiments.plots.decisions import draw_decisions, load_courses
 from experiments.plots.gaps import draw_front, draw_profiles, logarithmic_ticks
 from experiments.plots.style import styles
 from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.suite import Family, Suite
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.statistics import holm, hypervolume
 from experiments.studies.controllers import training_seeds
 from experiments.studies.learned.suites import STUDY_FIGURES, STUDY_TABLES
@@ -40,7 +40,7 @@ SUITE = Suite(
     baseline="spsfa-tip",
     first_seed=10_000,
     seed_step=4,
-    families=(Family("hand", ("spsfa-tip", "fixed:60")), Family("none", ("fixed:7",))),
+    families=(ControllerFamily("hand", ("spsfa-tip", "fixed:60")), ControllerFamily("none", ("fixed:7",))),
     tables=tuple(name for name in STUDY_TABLES if name != "free-paths"),  # made-up runs have no paths
     figures=STUDY_FIGURES,
 )
@@ -227,7 +227,10 @@ def test_the_headline_table_has_each_group_beside_itself_blinded_and_the_best_bl
         *(np.concatenate([values, values[rows]]) for values in (collision, evaluations, seconds)),
     ]
     names = (*outcomes.controllers, *training_seeds("blinded:a", 3))
-    families = (Family("sees", ("spsfa-tip",)), Family("blind", ("fixed:60", "fixed:7"), blind=True))
+    families = (
+        ControllerFamily("sees", ("spsfa-tip",)),
+        ControllerFamily("blind", ("fixed:60", "fixed:7"), blind=True),
+    )
     suite = dataclasses.replace(SUITE, controllers=names, families=families)
     tables = headline_tables(suite, Outcomes(names, outcomes.scenarios, *stacked))
     cells = {cell["controller"]: cell for cell in cells_of(tables, "headline")}

@@ -46,7 +46,7 @@ OTHER_NAMES = {
     "experiments/tables/reshape.py": "columns of tables",
     "experiments/studies/moa/tables.py": "scenarios",
     "experiments/studies/brand_yu/tables.py": "scenarios",
-    "experiments/studies/iafsa/functions.py": "scenarios",
+    "experiments/studies/iafsa/published.py": "scenarios",
     "experiments/studies/iafsa/routes.py": "scenarios",
     "experiments/speed": "benchmarks and processors",
 }

@@ -1,4 +1,4 @@
-"""Planners that people use: those of OMPL, smoothed A*, and the exact planner at any angle.
+"""Planners that are measured: those of OMPL, smoothed A*, the exact planner at any angle, and our swarms.
 
 OMPL's planners are compiled; they ask Python whether a motion is free, and Python asks the compiled traversal
 of this project. Of an anytime planner the path is shortened at each checkpoint, which counts as its time.
@@ -7,14 +7,15 @@ of this project. Of an anytime planner the path is shortened at each checkpoint,
 import time
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from experiments.planners.found import Found
-from experiments.planners.tasks import Task
-from swarm_gym.errors import MissingExtraError
+from experiments.planners.tasks import PlannerTask
+from swarm_gym.errors import MissingExtraError, NoPathError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.planning import plan
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference import shortest_path
@@ -22,28 +23,28 @@ from swarm_gym.reference.any_angle import AnyAnglePlanner
 from swarm_gym.ways import shortest_way
 
 # A planner: task, times at which its path is asked for, in seconds, and seed -> the paths that it has found.
-Planner = Callable[[Task, Sequence[float], int], list[Found]]
+Planner = Callable[[PlannerTask, Sequence[float], int], list[Found]]
 
 # The share of the time up to a checkpoint after which a path is taken, so that it can be shortened.
 SOLVING = 0.9
 OMPL = ("RRTConnect", "RRTstar", "InformedRRTstar", "BITstar")
 
 
-def smoothed_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def smoothed_a_star(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* on the cells, pulled tight."""
     began = time.perf_counter()
     path = shortest_way(task.scenario)
     return [Found(time.perf_counter() - began, path)]
 
 
-def tightened_a_star(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def tightened_a_star(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the path of A* after the final repair of this project: what swarms begin around."""
     began = time.perf_counter()
     found = final_repair(GridProblem(task.scenario), shortest_way(task.scenario))
     return [] if found is None else [Found(time.perf_counter() - began, found.path)]
 
 
-def repaired_previous(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def repaired_previous(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the previous path after final repair: what swarms begin around that go on from it."""
     assert task.previous is not None
     began = time.perf_counter()
@@ -51,14 +52,14 @@ def repaired_previous(task: Task, checkpoints: Sequence[float], seed: int) -> li
     return [] if found is None else [Found(time.perf_counter() - began, found.path)]
 
 
-def exact(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def exact(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the shortest path at any angle, on a map that has been prepared before."""
     began = time.perf_counter()
     _, path = shortest_path(task.scenario)
     return [Found(time.perf_counter() - began, path)]
 
 
-def exact_prepared(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+def exact_prepared(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
     """Return the shortest path at any angle; its time has the preparation of the map in it."""
     grid = task.scenario.map
     began = time.perf_counter()
@@ -75,7 +76,7 @@ def of_ompl(name: str) -> Planner:
     """
     base, geometric = _ompl()
 
-    def plan(task: Task, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+    def plan(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
         grid = task.scenario.map
         began = time.perf_counter()
         space = base.RealVectorStateSpace(2)
@@ -139,3 +140,50 @@ def _motion_validator(base: Any, information: Any, blocked: np.ndarray) -> Any:
             return self.is_free(state, other)
 
     return Motions(information)
+
+
+class Swarm(NamedTuple):
+    """A way to plan with a swarm.
+
+    Attributes:
+        optimizer: name of the optimizer.
+        controller: name of the controller.
+        goes_on: whether it begins around the previous path of a task of replanning, not around that of A*.
+    """
+
+    optimizer: str
+    controller: str
+    goes_on: bool = False
+
+
+# By the name in the tables.
+SWARMS = {
+    "swarm, fixed size": Swarm("multivariate", "fixed:65"),
+    "swarm, SPSFA-TIP's rules": Swarm("firefly", "spsfa-tip"),
+    "swarm, learned": Swarm("firefly", "learned:three-cases/0"),
+    "swarm, fixed size, from the previous path": Swarm("multivariate", "fixed:65", goes_on=True),
+}
+
+
+def of_swarm(name: str) -> Planner:
+    """Return our planner with the optimizer and the controller of a name in `SWARMS`."""
+    swarm = SWARMS[name]
+
+    def run(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:
+        try:
+            found = plan(
+                task.scenario,
+                planner="swarm",
+                optimizer=swarm.optimizer,
+                controller=swarm.controller,
+                max_seconds=checkpoints[-1],
+                seed=seed,
+                previous=task.previous if swarm.goes_on else None,
+            )
+        except NoPathError:
+            return []
+        return [
+            Found(step.seconds, step.path, step.found_by.startswith("swarm")) for step in found.improvements
+        ]
+
+    return run

@@ -1,7 +1,11 @@
-"""Fronts of two costs, both of which shall be small."""
+"""Fronts of two costs, both of which shall be small, and performance profiles."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from experiments.statistics.bootstrap import CONFIDENCE, Draws, shares_within
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -36,3 +40,33 @@ def hypervolume(points: Floats, reference: tuple[float, float]) -> Floats:
     widths = np.diff(x, axis=-1, append=np.full((*x.shape[:-1], 1), reference[0]))
     heights = reference[1] - np.minimum.accumulate(y, axis=-1)
     return (widths * heights).sum(axis=-1)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A profile over thresholds, (thresholds,) each.
+
+    Attributes:
+        thresholds: bounds, increasing.
+        shares: share of the runs whose value is at most the bound.
+        low: lower end of the pointwise 95 % band.
+        high: upper end of the band.
+    """
+
+    thresholds: Floats
+    shares: Floats
+    low: Floats
+    high: Floats
+
+
+def performance_profile(values: Floats, thresholds: Floats, draws: Draws) -> Profile:
+    """Return the share of runs (training seeds, scenarios, seeds) within each threshold, with its band.
+
+    The value of E. D. Dolan and J. J. More ("Benchmarking optimization software with performance profiles",
+    Math. Program. 91 (2002)) is the cost relative to the best solver. With a value that has a scale of its
+    own, the profile is the run-score distribution of Agarwal et al. (2021).
+    """
+    tail = (1.0 - CONFIDENCE) / 2.0
+    low, high = np.quantile(shares_within(values, thresholds, draws), [tail, 1.0 - tail], axis=0)
+    shares = np.searchsorted(np.sort(values, axis=None), thresholds, side="right") / values.size
+    return Profile(thresholds, shares, low, high)

@@ -1,13 +1,15 @@
-"""The table of a suite's comparative sentences: the numbers of each, and where it does not hold."""
+"""Tables of claims: of a suite's comparative sentences with their numbers, and of how often a claim holds."""
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from experiments.runs.claims import GroupClaim
 from experiments.runs.measures import MEASURES
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.statistics import Interval, interval, mean_difference, mean_of_present, means
-from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, verdict
+from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, verdict
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Table
 
@@ -100,3 +102,29 @@ def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str)
         MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, f"+{form}"),
         verdict(ends[1] < 0.0),
     )
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim, and whether it holds in each of the cases that it is about.
+
+    Attributes:
+        text: the claim in words.
+        cases: whether it holds, by the name of the case.
+    """
+
+    text: str
+    cases: Mapping[str, bool]
+
+    @property
+    def row(self) -> tuple[Entry, ...]:
+        """Claim, number of cases in which it holds, and names of the other cases."""
+        failing = [case for case, holds in self.cases.items() if not holds]
+        holding = len(self.cases) - len(failing)
+        return self.text, count_of(holding, len(self.cases)), ", ".join(failing) or MISSING
+
+
+def claims_table(name: str, caption: str, claims: Sequence[Claim]) -> Table:
+    """Return a table of the claims that are about at least one case, in their order."""
+    columns = ("claim", "holds", "does not hold")
+    return Table(name, caption, columns, [claim.row for claim in claims if claim.cases])

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from experiments.scoring.score import Score
+from experiments.scoring.score import ScoreRow
 from experiments.scoring.suites import ScoredSet
 
 # The last bit of exp, tanh and the like differs between machines, and grows from iteration to iteration.
@@ -22,7 +22,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ScoreComparison:
     """A claimed score beside the one that was found.
 
     Attributes:
@@ -32,13 +32,13 @@ class Comparison:
         difference: first number that differs, in words; empty unless the verdict is `DIFFERS`.
     """
 
-    claimed: Score | None
-    found: Score
+    claimed: ScoreRow | None
+    found: ScoreRow
     verdict: Verdict | None
     difference: str = ""
 
 
-def compare(claimed: Score, found: Score, chosen: ScoredSet) -> Comparison:
+def compare(claimed: ScoreRow, found: ScoreRow, chosen: ScoredSet) -> ScoreComparison:
     """Compare two scores of the same runs, run by run.
 
     Args:
@@ -59,18 +59,18 @@ def compare(claimed: Score, found: Score, chosen: ScoredSet) -> Comparison:
             if not _is_close(one, other):
                 where = f"{found.environment} on {scenario} with seed {seed}"
                 difference = f"{where}: {name} is claimed to be {one!r}, found {other!r}"
-                return Comparison(claimed, found, Verdict.DIFFERS, difference)
+                return ScoreComparison(claimed, found, Verdict.DIFFERS, difference)
     means = [(name, getattr(claimed, name), getattr(found, name)) for name in MEANS]
     for name, one, other in means:
         if not _is_close(one, other):
             where = f"{found.environment} on {found.scenario_set}"
             difference = f"{where}: the mean {name} is claimed to be {one!r}, found {other!r}"
-            return Comparison(claimed, found, Verdict.DIFFERS, difference)
+            return ScoreComparison(claimed, found, Verdict.DIFFERS, difference)
     same = claimed.runs_digest == found.runs_digest and all(one == other for _, one, other in means)
-    return Comparison(claimed, found, Verdict.EQUAL if same else Verdict.CLOSE)
+    return ScoreComparison(claimed, found, Verdict.EQUAL if same else Verdict.CLOSE)
 
 
-def overall(comparisons: Sequence[Comparison]) -> Verdict | None:
+def overall(comparisons: Sequence[ScoreComparison]) -> Verdict | None:
     """Return the weakest verdict on some scores, which holds for all of them; None if nothing is claimed."""
     order = list(Verdict)
     verdicts = [one.verdict for one in comparisons if one.verdict is not None]

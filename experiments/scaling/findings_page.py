@@ -13,7 +13,7 @@ from experiments.runs.runner import MOST_SEEDS
 from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
 from experiments.scaling.study import evaluations, trainings
-from experiments.speed.page import describe, form_of
+from experiments.speed.benchmark_page import describe, form_of
 from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry, number, share
 from swarm_gym.files import write_atomically

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.runs.entrants import entrant
-from experiments.scoring.score import Score
+from experiments.scoring.score import ScoreRow
 from experiments.scoring.submission import Submission
 from experiments.scoring.suites import ScoredSuite
 
@@ -17,8 +17,8 @@ class ClaimError(ValueError):
 
 
 def check_claim(
-    path: Path, rows: Sequence[Score], submission: Submission, scored: ScoredSuite
-) -> list[Score]:
+    path: Path, rows: Sequence[ScoreRow], submission: Submission, scored: ScoredSuite
+) -> list[ScoreRow]:
     """Return the rows of a file that are about a submission, in the order of its runs.
 
     Args:
@@ -57,7 +57,7 @@ def check_claim(
     return [by_place[place] for place in places]
 
 
-def rows_of(submission: Submission, rows: Sequence[Score]) -> list[Score]:
+def rows_of(submission: Submission, rows: Sequence[ScoreRow]) -> list[ScoreRow]:
     """Return the rows with the digest of a submission; of several under other names, those with its name.
 
     Controllers that are no policies have to have its name, since rules of several optimizers are alike.
@@ -70,13 +70,13 @@ def rows_of(submission: Submission, rows: Sequence[Score]) -> list[Score]:
 def expected_places(submission: Submission, scored: ScoredSuite) -> list[tuple[str, str]]:
     """Return environment and set of scenarios of every row that a submission has in a suite."""
     return [
-        (scored.environment(entrant(name, scored.suite.optimizer).optimizer), scenario_set)
+        (scored.environment(entrant(name, scored.experiment.optimizer).optimizer), scenario_set)
         for name in submission.entrants
         for scenario_set in scored.sets
     ]
 
 
-def _refuse_other_seeds(path: Path, row: Score, scored: ScoredSuite) -> None:
+def _refuse_other_seeds(path: Path, row: ScoreRow, scored: ScoredSuite) -> None:
     expected = scored.sets[row.scenario_set]
     for name in ("first_seed", "num_seeds"):
         if getattr(row, name) != getattr(expected, name):
