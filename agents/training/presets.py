@@ -10,11 +10,11 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from agents.training.config import TrainConfig
 from agents.training.own_names import refuse_own_code
-from swarm_gym.controllers.packaged import MAX_TEXT_FILE, find_file, packaged_names, read_bytes
+from swarm_gym.controllers.packaged import MAX_TEXT_FILE, Packaged, read_bytes
 from swarm_gym.errors import shown
 from swarm_gym.own_code import is_own, own
 
-PRESETS = Path(__file__).parent / "presets"
+PRESETS = Packaged(Path(__file__).parent / "presets", ".toml")
 
 _HINTS = get_type_hints(TrainConfig)
 _IN_TOML = {bool: "boolean", int: "integer", float: "float", str: "string", Path: "string"}
@@ -26,7 +26,7 @@ class PresetError(ValueError):
 
 def preset_names() -> list[str]:
     """Return the names of the presets."""
-    return packaged_names(PRESETS, ".toml")
+    return PRESETS.names()
 
 
 def load_preset(name: str) -> TrainConfig:
@@ -37,16 +37,19 @@ def load_preset(name: str) -> TrainConfig:
             the preset in its entry `like` is invalid.
         OwnCodeError: if own code cannot be imported, or is no configuration; or if a file names own code.
     """
-    if find_file(name, PRESETS, ".toml") is None and is_own("preset", name):
+    if PRESETS.find(name) is None and is_own("preset", name):
         return own("preset", name, lambda found: isinstance(found, TrainConfig), "a TrainConfig")
     return _load(name, ())
 
 
 def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     """Return the configuration of a preset; `dependents` are the files whose `like` led here, in order."""
-    path = find_file(name, PRESETS, ".toml")
+    path = PRESETS.find(name)
     if path is None:
-        raise PresetError(f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file")
+        raise PresetError(
+            f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file"
+            f"{PRESETS.elsewhere(name)}"
+        )
     try:
         content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
     # Bytes that are no UTF-8, and numbers of thousands of digits, raise ValueError too.

@@ -214,7 +214,7 @@ def test_a_file_that_is_cut_off_or_missing_is_refused(stored):
 
 @pytest.mark.parametrize("name", packaged_rules())
 def test_packaged_rules_say_where_they_come_from(name):
-    content = json.loads((DISTILLED / f"{name}.json").read_text())
+    content = json.loads(DISTILLED.find(name).read_text())
     assert content["manifest"]["policy"].startswith("learned:")
     assert content["num_numbers"] == load_rule(name).num_numbers <= MOST_NUMBERS
 

@@ -23,6 +23,7 @@ from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
 from swarm_gym.controllers.learned.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
 from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
+from swarm_gym.controllers.packaged import Packaged
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
@@ -141,23 +142,23 @@ def _read_manifest(path: Path) -> object:
     return load_learned(path, limits)
 
 
-def _packaged_json(folder: Path) -> list[bytes]:
-    files = sorted(folder.rglob("*.json"), key=lambda path: path.stat().st_size)
+def _packaged_json(packaged: Packaged) -> list[bytes]:
+    files = sorted(packaged.folder.rglob("*.json"), key=lambda path: path.stat().st_size)
     found = [json.loads(path.read_text(encoding="utf-8")) for path in files[:3]]
     return [json.dumps({**content, "manifest": {}}).encode() for content in found]
 
 
 def _presets() -> list[bytes]:
-    return [path.read_bytes() for path in sorted(PRESETS.glob("*.toml"))]
+    return [path.read_bytes() for path in sorted(PRESETS.folder.glob("*.toml"))]
 
 
 def _policies() -> list[bytes]:
-    found = sorted(POLICIES.rglob("*.safetensors"), key=lambda path: path.stat().st_size)
+    found = sorted(POLICIES.folder.rglob("*.safetensors"), key=lambda path: path.stat().st_size)
     return [found[0].read_bytes()]
 
 
 def _manifests() -> list[bytes]:
-    found = [load_policy(path)[1] for path in sorted(POLICIES.rglob("0.safetensors"))]
+    found = [load_policy(path)[1] for path in sorted(POLICIES.folder.rglob("0.safetensors"))]
     return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
 
 

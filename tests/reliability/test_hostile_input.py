@@ -280,12 +280,12 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
 def shipped_file(kind):
     from swarm_gym.controllers import distilled, open_loop, tuned
 
-    folders = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
-               "tuned": (tuned.TUNED, packaged_tuned()),
-               "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
-    folder, found = folders[kind]
+    kinds = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
+             "tuned": (tuned.TUNED, packaged_tuned()),
+             "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
+    packaged, found = kinds[kind]
     name = next((name for name in found if name.startswith("three-cases")), found[0])
-    return json.loads((folder / f"{name}.json").read_text())
+    return json.loads(packaged.find(name).read_text())
 
 
 KINDS = {"open-loop": OpenLoopFileError, "tuned": TunedFileError, "distilled": DistilledFileError}

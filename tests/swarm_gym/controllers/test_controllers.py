@@ -17,6 +17,7 @@ from swarm_gym.controllers.learned.policy_file import (
     packaged_policies,
 )
 from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
+from swarm_gym.controllers.packaged import Packaged
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import FORMAT, TunedFileError, load_tuned, packaged_tuned, save_tuned
 from swarm_gym.errors import UnknownNameError
@@ -151,7 +152,7 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
 
 
 def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(policy_file, "POLICIES", tmp_path)
+    monkeypatch.setattr(policy_file, "POLICIES", Packaged(tmp_path, ".safetensors"))
     rng = np.random.default_rng(0)
     for name in ("alone", "recipe/0", "recipe/1"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
