@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 
 from agents.distillation.rule_fit import select_forward, share_out
 from agents.evaluation.observers import decision_names, watch
-from agents.runs.provenance import provenance
-from agents.runs.seeds import ANALYSIS, VALIDATION, training_seed
-from agents.training.config import TrainConfig, stored_config
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
@@ -31,6 +28,9 @@ from swarm_gym.controllers.distilled import (
     decision_bounds,
     save_rule,
 )
+from swarm_gym.runs.provenance import provenance
+from swarm_gym.runs.seeds import ANALYSIS, VALIDATION, training_seed
+from swarm_gym.training.config import TrainConfig, stored_config
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from agents.evaluation.rollout import run_swarms, swarms_for
 from experiments.runs.entrants import entrant
 from experiments.runs.episode import controller_of
 from experiments.runs.outcomes import optima_of, refuse_unknown_optima
@@ -17,6 +16,7 @@ from experiments.scoring.suites import ScoredSet, ScoredSuite
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum
+from swarm_gym.rollout import run_swarms, swarms_for
 
 
 @dataclass(frozen=True)

@@ -102,9 +102,9 @@ PAGES = {
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
         (
-            "agents", "agents.training.config", "agents.training.presets", "agents.training.learners",
-            "agents.training.learners.learner", "agents.evaluation.rollout", "agents.tuning.config",
-            "agents.backends", "agents.backends.options",
+            "swarm_gym.training.config", "swarm_gym.training.presets", "swarm_gym.training.learners",
+            "swarm_gym.training.learners.learner", "swarm_gym.rollout", "swarm_gym.tuning.config",
+            "agents", "agents.backends", "agents.backends.options",
         ),
     ),
     "experiments": Page(

@@ -3,7 +3,7 @@
 The decisions are given at a few iterations, the knots. Between knots, sizes, parameters of the optimizer and
 amplitudes are interpolated in the logarithm, phi and the share of immigrants in their square roots, and the
 share of smooth members as it is. The manifest of a file states how its knots
-were tuned; see `agents.tune`.
+were tuned; see `swarm_gym.tuning`.
 """
 
 import json

@@ -50,7 +50,7 @@ class Packaged:
         return None
 
     def elsewhere(self, name: str) -> str:
-        """Return the end of an error message on a missing file: where a checkout would have it, or nothing."""
+        """Return the end of an error message on a missing file: where a checkout has it, or nothing."""
         recipe = ControllerName.of("tuned", name).recipe or name
         return where_it_lives(self.kind, recipe)
 

@@ -1,7 +1,7 @@
 """Tuned controllers: files with the name of a controller, its parameters, and their origin.
 
-`agents.tune` writes them. `tuned:<name or path>` is the controller that the file names, with the population
-sizes that it was tuned with.
+`swarm_gym.tuning` writes them. `tuned:<name or path>` is the controller that the file names, with the
+population sizes that it was tuned with.
 """
 
 import json

@@ -17,7 +17,6 @@ import pytest
 import safetensors.numpy  # noqa: F401, so that the fuzzer sees what it does
 
 from agents import make_controller
-from agents.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
@@ -31,6 +30,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
 for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "yaml"):
     pytest.importorskip(_package, reason="needs the extra `maps`")

@@ -13,7 +13,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from agents import make_controller
-from agents.training.presets import PRESETS, PresetError, load_preset
 from helpers.mutations import bounded_memory, fuzzed, mutated
 from helpers.parsers import decides
 from swarm_gym.controllers.distilled import DistilledFileError, packaged_rules
@@ -49,6 +48,7 @@ from swarm_gym.scenarios import (
 from swarm_gym.scenarios.family import MAX_RANGE
 from swarm_gym.scenarios.formats import moving_ai
 from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEM_FILE, read_scenarios
+from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytest.importorskip("PIL", reason="needs the extra `maps`")

@@ -8,8 +8,6 @@ import gymnasium
 import numpy as np
 import pytest
 
-from agents.training.config import stored_config
-from agents.training.presets import load_preset
 from experiments.runs.entrants import entrant
 from helpers.own_files import write_own_files
 from helpers.trainings import make_policy
@@ -26,6 +24,8 @@ from swarm_gym.own_code import OwnCodeError
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.testing import ContractError, check_controller, check_optimizer, check_scenario
+from swarm_gym.training.config import stored_config
+from swarm_gym.training.presets import load_preset
 
 BROKEN = """
 import numpy as np

@@ -18,7 +18,6 @@ import pytest
 
 import swarm_gym.scenarios
 from agents import CONTROLLERS, make_controller
-from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.publish import DOCUMENTS
 from experiments.runs.database import Results
@@ -32,6 +31,7 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
+from swarm_gym.training.presets import preset_names
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import gymnasium
 import pytest
 
-from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.site import environments, registries, versions
 from experiments.site.commands import COMMANDS, WITHOUT_HELP, commands_at_the_top
@@ -23,6 +22,7 @@ from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS
 from swarm_gym.settings import Settings
+from swarm_gym.training.presets import preset_names
 
 pytest.importorskip("tyro", reason="needs the extra `study`")
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
-from agents.evaluation.rollout import run_episodes
 from helpers.trainings import assert_decides_alike_at_any_width, make_policy, random_observations
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import packaged_rules
@@ -22,6 +21,7 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import FORMAT, TunedFileError, load_tuned, packaged_tuned, save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.rollout import run_episodes
 from swarm_gym.settings import Settings
 
 ARGUMENTS = {
