@@ -14,8 +14,8 @@ import tyro
 
 from experiments.bbob_logs import coco, iohprofiler
 from experiments.bbob_logs.logged_run import Experiment, folder_name
-from experiments.runs.entrants import entrant
 from swarm_gym.command import command
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.errors import SettingError, SwarmGymError, shown
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.scenarios.bbob.scenario import FUNCTIONS, require_parts

@@ -14,7 +14,6 @@ import tyro
 from tqdm import tqdm
 
 from agents.backends import Backend, BackendError, BackendOptions, Task
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import warm_up
 from experiments.scoring.claims import ClaimError, check_claim
 from experiments.scoring.files import SCORES, read_scores, scores_file, write_scores
@@ -22,6 +21,7 @@ from experiments.scoring.score import Score, score
 from experiments.scoring.submission import Submission, digest_of
 from experiments.scoring.suites import SCORED, ScoredSuite, get_scored
 from swarm_gym.command import command
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.errors import MissingExtraError
 
 

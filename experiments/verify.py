@@ -14,7 +14,6 @@ from typing import Annotated
 import tyro
 from tqdm import tqdm
 
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import warm_up
 from experiments.scoring.cases import Case, StoredScores, packaged_cases, submitted_cases
 from experiments.scoring.comparison import Verdict, overall
@@ -22,6 +21,7 @@ from experiments.scoring.files import SCORES, write_scores
 from experiments.scoring.report import conclusion, report
 from experiments.scoring.suites import SCORED, get_scored
 from swarm_gym.command import command
+from swarm_gym.comparing.entrants import entrant
 
 
 @dataclass(frozen=True)

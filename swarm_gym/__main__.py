@@ -21,6 +21,7 @@ COMMANDS = {
     "plan": Command("swarm_gym.plan", "plan a free path on a map"),
     "train": Command("swarm_gym.training.command_line", "train a policy (extra train)"),
     "tune": Command("swarm_gym.tuning.command_line", "tune a schedule or an open loop (extra train)"),
+    "compare": Command("swarm_gym.comparing.command_line", "compare controllers, with intervals"),
     "verify": Command("experiments.verify", "run stored scores again (in a checkout)"),
     "warm-up": Command("swarm_gym.warm_up", "compile the kernels before they are needed"),
     "download": Command("swarm_gym.scenarios.download", "download public maps"),

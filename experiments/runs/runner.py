@@ -9,11 +9,11 @@ from tqdm import tqdm
 
 from agents.backends import Backend, Task, WorkLostError
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import Episode, warm_up
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey, Snapshot
 from experiments.runs.suite import Suite
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.own_code import given
 from swarm_gym.runs.provenance import provenance
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import controller_of
-from experiments.runs.outcomes import optima_of, refuse_unknown_optima
 from experiments.scoring.suites import ScoredSet, ScoredSuite
+from swarm_gym.comparing.entrants import entrant
+from swarm_gym.comparing.optima import optima_of, refuse_unknown_optima
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum

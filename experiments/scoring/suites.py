@@ -11,10 +11,10 @@ from functools import cache, cached_property
 from typing import Any
 
 from experiments.catalogue import SUITES
-from experiments.runs.entrants import entrant
 from experiments.runs.groups import scenario_sets
 from experiments.runs.suite import Suite
 from swarm_gym.checks import look_up
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.learned.manifest import observes_price
 from swarm_gym.controllers.learned.policy_file import load_policy, packaged_policies, resolve
 from swarm_gym.controllers.names import BLINDED, ControllerName

@@ -111,7 +111,7 @@ PAGES = {
         "Experiments",
         "Suites, their results, and the statistics and tables that are made of these.",
         (
-            "experiments.catalogue", "experiments.runs.suite", "experiments.runs.entrants",
+            "experiments.catalogue", "experiments.runs.suite", "swarm_gym.comparing.entrants",
             "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),

@@ -8,10 +8,10 @@ import gymnasium
 import numpy as np
 import pytest
 
-from experiments.runs.entrants import entrant
 from helpers.own_files import write_own_files
 from helpers.trainings import make_policy
 from swarm_gym import own_code
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import CONTROLLERS, make_controller
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
 from swarm_gym.controllers.names import ControllerName

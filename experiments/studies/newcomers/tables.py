@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.measures import NEAR
 from experiments.runs.outcomes import Outcomes
@@ -15,6 +14,7 @@ from experiments.tables.cell import Entry, number, share, share_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Document
 from experiments.tables.table import Table
+from swarm_gym.comparing.entrants import entrant
 
 FINE = ".2f"
 

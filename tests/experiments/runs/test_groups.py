@@ -6,7 +6,6 @@ import pytest
 
 from agents import make_controller
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
-from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers, scenario_sets
 from experiments.runs.suite import FRESH_SEEDS, Family, Suite
 from experiments.studies.controllers import training_seeds
@@ -16,6 +15,7 @@ from experiments.studies.newcomers.suites import NEVER_USED
 from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
 from helpers.adapted import ADAPTED, missing
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops

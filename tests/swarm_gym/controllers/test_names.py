@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from agents import CONTROLLERS, make_controller
 from experiments.catalogue import SUITES
-from experiments.runs.entrants import entrant
 from helpers.mutations import fuzzed
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.distilled import packaged_rules
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, FITTED, ControllerName
