@@ -6,7 +6,6 @@ from importlib import import_module
 from types import ModuleType
 from typing import NamedTuple
 
-from swarm_gym.controllers import laboratory
 from swarm_gym.errors import MissingExtraError
 
 
@@ -56,6 +55,8 @@ def _module_of(name: str) -> ModuleType:
     """Return the module of a command; end with a message if the installation lacks what it needs."""
     module = COMMANDS[name].module
     if module.startswith("experiments."):
+        from swarm_gym.controllers import laboratory
+
         if not laboratory.has_laboratory():
             sys.exit(f"error: swarm-gym {name} {laboratory.WITHOUT}")
         sys.path.append(str(laboratory.LABORATORY.parent))

@@ -49,7 +49,7 @@ class DistilConfig:
     policy: Annotated[str, tyro.conf.Positional]
     """Controller to distil, e.g. learned:three-cases/0@1 or learned:runs/mine/0/best.safetensors."""
     output: Path
-    """File to write, e.g. runs/rule.json; a name in swarm_gym/controllers/data/distilled is found by name."""
+    """File to write, e.g. runs/rule.json; a file in data/distilled of a study is found by name."""
     numbers: int = MOST_NUMBERS
     """Largest number of fitted numbers in the rule, PS(0) included; at most 10."""
     rounds: int = 2

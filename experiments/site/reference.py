@@ -98,6 +98,11 @@ PAGES = {
         ),
     ),
     "errors": Page("Errors", "All errors that the package raises on purpose.", ("swarm_gym.errors",)),
+    "comparing": Page(
+        "Comparing",
+        "Controllers on the same scenarios and seeds: gaps, evaluations and their intervals.",
+        ("swarm_gym.comparing", "swarm_gym.comparing.entrants", "swarm_gym.comparing.bootstrap"),
+    ),
     "agents": Page(
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
@@ -111,8 +116,8 @@ PAGES = {
         "Experiments",
         "Suites, their results, and the statistics and tables that are made of these.",
         (
-            "experiments.catalogue", "experiments.runs.suite", "swarm_gym.comparing.entrants",
-            "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
+            "experiments.catalogue", "experiments.runs.suite", "experiments.runs.database",
+            "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),
     ),

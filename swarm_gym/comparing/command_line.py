@@ -2,7 +2,8 @@
 
 The table has a row for each controller. The objective is the optimality gap in per cent plus the price of the
 evaluations; smaller is better. Brackets are 95 % bootstrap intervals over scenarios of a set and seeds. The
-column of a scenario has the mean gap and the mean number of evaluations.
+column of a scenario has the mean gap and the mean number of evaluations. Feasible is the share of runs whose
+best path by fitness is free; such a path may graze obstacles.
 """
 
 import argparse

@@ -28,7 +28,7 @@ def study_folders(kind: str) -> list[Path]:
 
 
 def where_it_lives(kind: str, recipe: str) -> str:
-    """Return the end of an error message on a missing file: where the laboratory keeps that recipe.
+    """Return what an error says of a missing file: that a checkout has that recipe, and in which folder.
 
     Returns:
         The empty text where the laboratory was searched, and for a recipe that it does not have.
@@ -37,4 +37,4 @@ def where_it_lives(kind: str, recipe: str) -> str:
     study = index.get(kind, {}).get(recipe)
     if study is None or has_laboratory():
         return ""
-    return f"; it {WITHOUT}, or give the path of a file in experiments/studies/{study}/data/{kind}"
+    return f"{WITHOUT}, or give the path of a file in experiments/studies/{study}/data/{kind}"

@@ -34,7 +34,7 @@ class Packaged:
 
     @property
     def folders(self) -> list[Path]:
-        """Folder in the package, and those of all studies where the laboratory can be imported."""
+        """Folder in the package, and those of all studies where the laboratory is there."""
         return [self.folder, *study_folders(self.kind)]
 
     def names(self) -> list[str]:
@@ -49,10 +49,22 @@ class Packaged:
                 return path
         return None
 
-    def elsewhere(self, name: str) -> str:
-        """Return the end of an error message on a missing file: where a checkout has it, or nothing."""
+    def missing(self, what: str, name: str) -> str:
+        """Return the message of an error: there is no file of that name, nor at that path.
+
+        Args:
+            what: what the file would be, e.g. `open loop`.
+            name: name that was asked for.
+        """
         recipe = ControllerName.of("tuned", name).recipe or name
-        return where_it_lives(self.kind, recipe)
+        if elsewhere := where_it_lives(self.kind, recipe):
+            return f"{what} {shown(name)} {elsewhere}"
+        groups: dict[str, list[str]] = {}
+        for known in self.names():
+            # One entry for several training seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
+            groups.setdefault(ControllerName.of("tuned", known).group.argument, []).append(known)
+        forms = [group if len(members) > 1 else members[0] for group, members in groups.items()]
+        return f"{what} {shown(name)}: neither a packaged one ({', '.join(forms) or 'none'}) nor a file"
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -79,12 +91,7 @@ def find_json(what: str, name: str, files: Packaged, error: type[ValueError]) ->
     """
     path = files.find(name)
     if path is None:
-        # One entry for all tuning seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
-        recipes = [ControllerName.of("tuned", known).group.argument for known in files.names()]
-        packaged = ", ".join(dict.fromkeys(recipes)) or "none"
-        raise error(
-            f"{what} {shown(name)}: neither a packaged one ({packaged}) nor a file{files.elsewhere(name)}"
-        )
+        raise error(files.missing(what, name))
     return path
 
 

@@ -48,10 +48,7 @@ def _load(name: str, dependents: tuple[Path, ...]) -> TrainConfig:
     """Return the configuration of a preset; `dependents` are the files whose `like` led here, in order."""
     path = PRESETS.find(name)
     if path is None:
-        raise PresetError(
-            f"preset {shown(name)}: neither one of {', '.join(preset_names())} nor a file"
-            f"{PRESETS.elsewhere(name)}"
-        )
+        raise PresetError(PRESETS.missing("preset", name))
     try:
         content = tomllib.loads(read_bytes(path, MAX_TEXT_FILE).decode())
     # Bytes that are no UTF-8, and numbers of thousands of digits, raise ValueError too.

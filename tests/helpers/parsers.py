@@ -142,23 +142,28 @@ def _read_manifest(path: Path) -> object:
     return load_learned(path, limits)
 
 
+def _files(packaged: Packaged) -> list[Path]:
+    """Return all files, those of the laboratory too, the smallest first."""
+    found = [path for folder in packaged.folders for path in folder.rglob(f"*{packaged.suffix}")]
+    return sorted(found, key=lambda path: (path.stat().st_size, path.name))
+
+
 def _packaged_json(packaged: Packaged) -> list[bytes]:
-    files = sorted(packaged.folder.rglob("*.json"), key=lambda path: path.stat().st_size)
+    files = _files(packaged)
     found = [json.loads(path.read_text(encoding="utf-8")) for path in files[:3]]
     return [json.dumps({**content, "manifest": {}}).encode() for content in found]
 
 
 def _presets() -> list[bytes]:
-    return [path.read_bytes() for path in sorted(PRESETS.folder.glob("*.toml"))]
+    return [path.read_bytes() for path in _files(PRESETS)]
 
 
 def _policies() -> list[bytes]:
-    found = sorted(POLICIES.folder.rglob("*.safetensors"), key=lambda path: path.stat().st_size)
-    return [found[0].read_bytes()]
+    return [_files(POLICIES)[0].read_bytes()]
 
 
 def _manifests() -> list[bytes]:
-    found = [load_policy(path)[1] for path in sorted(POLICIES.folder.rglob("0.safetensors"))]
+    found = [load_policy(path)[1] for path in _files(POLICIES) if path.stem == "0"]
     return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
 
 

@@ -259,7 +259,7 @@ def test_events_of_anything_happen_or_are_refused(listed):
 
 # Presets and controllers.
 
-PRESET = (PRESETS / "three-cases.toml").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
+PRESET = PRESETS.find("three-cases").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
 TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
         b"like = 'mine'")  # fmt: skip
 

@@ -272,6 +272,11 @@ COMMANDS = {
         "--resume", "--reward", "--runs", "--scenarios", "--seed", "--seeds", "--sigma", "--start",
         "--threads", "--total-steps", "--what",
     ),
+    "swarm_gym.training.command_line": ("--preset", "--name", "--resume", "--seed", "--total-steps"),
+    "swarm_gym.tuning.command_line": ("--what", "--preset", "--name", "--resume", "--seed", "--total-steps"),
+    "swarm_gym.comparing.command_line": (
+        "--first-seed", "--optimizer", "--output", "--price", "--scenarios", "--seeds", "controllers",
+    ),
     "agents.distil": (
         "--episodes", "--numbers", "--output", "--report-seeds", "--rounds", "--seed",
         "--validation-seeds", "policy",

@@ -16,7 +16,6 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
-from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.packaged import DATA, Packaged, read_bytes
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
@@ -50,12 +49,7 @@ def resolve(name: str) -> Path:
     path = POLICIES.find(name)
     if path is not None:
         return path
-    names = [ControllerName.of("learned", packaged) for packaged in packaged_policies()]
-    forms = sorted({one.argument if one.seed is None else f"{one.recipe}/<seed>" for one in names})
-    raise PolicyFileError(
-        f"policy {shown(name)}: neither a packaged policy ({', '.join(forms) or 'none'}) nor a file"
-        f"{POLICIES.elsewhere(name)}"
-    )
+    raise PolicyFileError(POLICIES.missing("policy", name))
 
 
 def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:

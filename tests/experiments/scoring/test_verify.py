@@ -240,7 +240,7 @@ def test_scores_come_back_bit_for_bit(tmp_path, rows):
     [
         ("no-such.safetensors", "headline", PolicyFileError, "'no-such.safetensors': no such file"),
         ("fixed:61", "headline", PolicyFileError, "'fixed:61': no policy, and no controller of the suite"),
-        ("learned:three-cases/99", "headline", PolicyFileError, "neither a packaged policy"),
+        ("learned:three-cases/99", "headline", PolicyFileError, "neither a packaged one"),
         (
             PARTICLES,
             "headline",

@@ -95,7 +95,7 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("fixed:10001", ValueError, "10001"),
         ("fixed:-5", ValueError, "-5"),
         ("spsfa:3", ValueError, "3"),
-        ("learned:nowhere", PolicyFileError, "nowhere.*packaged policy"),
+        ("learned:nowhere", PolicyFileError, "nowhere.*neither a packaged one"),
         ("learned", PolicyFileError, "neither"),
         ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a packaged one"),
         ("tuned:nowhere", TunedFileError, "nowhere.*neither a packaged one"),
@@ -161,7 +161,7 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
     digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in packaged_policies()}
     assert len(digests) == 3
     for name in ("recipe", "recipe/2"):
-        with pytest.raises(PolicyFileError, match=r"packaged policy \(alone, recipe/<seed>\)"):
+        with pytest.raises(PolicyFileError, match=r"packaged one \(alone, recipe/\*\)"):
             make_controller(f"learned:{name}")
 
 

@@ -12,7 +12,7 @@ from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
 FILES = {files.kind: files for files in (OPEN_LOOPS, POLICIES, PRESETS, TUNED)}
-BELONGS = "it belongs to the laboratory"
+BELONGS = "belongs to the laboratory"
 
 
 def packaged(files):

@@ -131,7 +131,7 @@ def test_what_follows_the_last_at_is_the_price(name, recipe, seed, price):
 
 
 def test_a_wrong_name_says_which_part_is_wrong():
-    with pytest.raises(ValueError, match=r"'learned:x/0@1'|neither a packaged policy"):
+    with pytest.raises(ValueError, match=r"'learned:x/0@1'|neither a packaged one"):
         make_controller("learned:x/0@1")
     with pytest.raises(ValueError, match="'cheap' is not a price"):
         make_controller("learned:three-cases/0@cheap")

@@ -66,7 +66,7 @@ def test_a_preset_changes_what_it_names(preset):
         ("runs = 3", "runs must be of type string"),
         ("[seed]\nvalue = 3", "seed must be of type integer"),
         ("like = 3", "like must be of type string, got 3"),
-        ('like = "nowhere"', "like 'nowhere': preset 'nowhere': neither one of .*three-cases"),
+        ('like = "nowhere"', "like 'nowhere': preset 'nowhere': neither a packaged one .*three-cases"),
         (b"\xff\xfe", r"mine\.toml"),
         ("seed = ", "not a readable preset"),
         ("seed = 1\nseed = 2", "not a readable preset"),
@@ -100,7 +100,7 @@ def test_an_error_of_a_preset_that_another_one_is_like_names_both(preset, tmp_pa
 
 @pytest.mark.parametrize("name", ["nowhere", "", ".", "agents"])
 def test_a_missing_preset_names_the_packaged_ones(name):
-    with pytest.raises(PresetError, match=r"neither one of .*three-cases.* nor a file"):
+    with pytest.raises(PresetError, match=r"neither a packaged one .*three-cases.* nor a file"):
         load_preset(name)
 
 
