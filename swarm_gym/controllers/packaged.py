@@ -53,7 +53,7 @@ class Packaged:
         """Return the message of an error: there is no file of that name, nor at that path.
 
         Args:
-            what: what the file would be, e.g. `open loop`.
+            what: kind of the file, e.g. `open loop`.
             name: name that was asked for.
         """
         recipe = ControllerName.of("tuned", name).recipe or name
