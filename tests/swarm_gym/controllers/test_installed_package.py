@@ -35,6 +35,27 @@ except ValueError as error:
     print("of the laboratory")
 """
 
+TRAIN_AND_COMPARE = """
+import sys
+sys.path.insert(0, sys.argv[1])
+for missing in ("agents", "experiments"):  # an import raises ImportError
+    sys.modules[missing] = None
+from swarm_gym.__main__ import main
+policy, rule = "learned:runs/mine/latest.safetensors@1", "tuned:runs/tuned/schedule.json"
+tiny = "--num-swarms 16 --batch-size 340 --epochs 1 --rollouts-per-chunk 1 --validation-seeds 2".split()
+for command in (
+    ["train", "--name", "mine", *tiny, "--total-steps", "1360"],
+    ["train", "--name", "mine", *tiny, "--total-steps", "2720", "--resume"],
+    ["tune", "--name", "tuned", "--what", "schedule", "--total-steps", "900", "--episodes", "3"],
+    ["compare", "spsfa-tip", policy, rule, "--scenarios", "case3", "--seeds", "2"],
+    ["plan", "--map", "case2", "--budget", "300", "--output", "path.csv"],
+):
+    try:
+        main(command)
+    except SystemExit as ended:
+        assert not ended.code, (command, ended.code)
+"""
+
 
 def test_controllers_do_not_import_torch():
     code = (
@@ -55,15 +76,14 @@ def test_every_packaged_file_is_package_data():
     assert len([path for path in covered if path.suffix == ".safetensors"]) > 20
 
 
-@pytest.mark.slow
-def test_a_wheel_alone_controls_an_environment(tmp_path):
-    """Build a wheel, unpack it, and run controllers in a process that sees only it and the libraries."""
-    source = tmp_path / "source"
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """Build a wheel and unpack it; return the folder."""
+    folder = tmp_path_factory.mktemp("wheel")
+    source, built, installed = folder / "source", folder / "built", folder / "installed"
     source.mkdir()
     for name in ("swarm_gym", "pyproject.toml", "README.md", "LICENSE"):
         (source / name).symlink_to(CHECKOUT / name)
-    built, installed, elsewhere = tmp_path / "built", tmp_path / "installed", tmp_path / "elsewhere"
-    elsewhere.mkdir()
     subprocess.run(
         [sys.executable, "-m", "pip", "wheel", str(source), "--no-deps", "--no-build-isolation", "--quiet",
          "--wheel-dir", str(built)],
@@ -72,10 +92,28 @@ def test_a_wheel_alone_controls_an_environment(tmp_path):
     (wheel,) = built.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(installed)
-    assert {path.name for path in installed.iterdir() if path.suffix != ".dist-info"} == {"swarm_gym"}
+    return installed
+
+
+def output_of(code, installed, folder):
+    """Run code in a process that sees only the unpacked wheel and the libraries; return what it printed."""
     done = subprocess.run(
-        [sys.executable, "-I", "-c", DRIVE, str(installed)],
-        cwd=elsewhere, capture_output=True, text=True, check=False,
+        [sys.executable, "-I", "-c", code, str(installed)],
+        cwd=folder, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert len(done.stdout.splitlines()) == 6
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_a_wheel_alone_controls_an_environment(installed, tmp_path):
+    assert {path.name for path in installed.iterdir() if path.suffix != ".dist-info"} == {"swarm_gym"}
+    assert len(output_of(DRIVE, installed, tmp_path).splitlines()) == 6
+
+
+@pytest.mark.slow
+def test_a_wheel_alone_trains_resumes_tunes_compares_and_plans(installed, tmp_path):
+    printed = output_of(TRAIN_AND_COMPARE, installed, tmp_path)
+    assert printed.count("use it as controller learned:") == 2
+    assert "objective at price 1" in printed
+    assert (tmp_path / "path.csv").is_file()
