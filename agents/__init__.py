@@ -1,4 +1,4 @@
-"""Training, tuning and distillation of controllers; the modules at the top are commands.
+"""Commands that train, tune, distil and convert controllers, on this machine and on clusters.
 
 `make_controller` and the controllers themselves are in `swarm_gym.controllers`, and re-exported here.
 """

@@ -22,7 +22,6 @@ from typing import Any
 
 import tyro
 
-from agents.runs.provenance import provenance
 from swarm_gym.command import command
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.learned.manifest import FEEDFORWARD, MAX_LAYERS, PolicyFileError
@@ -33,6 +32,7 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS, make_observation
+from swarm_gym.runs.provenance import provenance
 
 # Largest unpacked size of a zip in bytes: actor, critic, and the optimizer's two moments of both.
 MAX_UNPACKED = 8 * MAX_FILE

@@ -1,4 +1,4 @@
-"""Train a controller: `python -m agents.train --help`.
+"""Train controllers, several at once and on clusters: `python -m agents.train --help`.
 
 The policy may first imitate a hand-designed controller (`--warm-start`), since PPO from scratch collapses to
 tiny populations: evaluations cost at once, but their gain comes a dozen iterations later. Training is divided
@@ -6,7 +6,6 @@ into chunks. All random numbers of a chunk are seeded with (run seed, chunk), so
 and resumed equals one that was not. Example: `python -m agents.train --preset three-cases --seed 0`.
 """
 
-import argparse
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -14,14 +13,14 @@ from dataclasses import dataclass, field
 import tyro
 
 from agents.backends import BackendError, BackendOptions
-from agents.backends.many_runs import configs_of_seeds, run_all, train
-from agents.runs.folder import RunFolderError
-from agents.training.config import TrainConfig
-from agents.training.presets import load_preset
-from agents.training.run import TrainingRun
+from agents.backends.many_runs import configs_of_seeds, run_all
+from agents.backends.many_runs import train as train_quietly
 from swarm_gym.command import command
-from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.runs.folder import RunFolderError
+from swarm_gym.training.command_line import KEPT, named_preset, train
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.presets import load_preset
 
 
 @dataclass(frozen=True)
@@ -42,11 +41,7 @@ def read_command_line(arguments: Sequence[str] | None = None, preset: str | None
     Raises:
         PresetError: for a preset that is missing or invalid.
     """
-    if preset is None:
-        finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-        finder.add_argument("--preset", default=TrainConfig.preset)
-        preset = finder.parse_known_args(arguments)[0].preset
-    loaded = load_preset(preset)
+    loaded = load_preset(preset or named_preset(arguments))
     given = tyro.cli(CommandLine, default=CommandLine(loaded), description=__doc__, args=arguments)
     # The name of a preset that is given as a file is the file's name.
     return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=loaded.preset))
@@ -76,23 +71,15 @@ def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Train with the options of the command line."""
-    with command(
-        RunFolderError,
-        BackendError,
-        MissingExtraError,
-        kept="--resume continues from the last checkpoint, if there is one",
-    ):
+    with command(RunFolderError, BackendError, MissingExtraError, kept=KEPT):
         given = read_command_line(arguments)
         given.where.check()
         configs = read_configs(given, arguments)
         if given.presets or given.seeds or given.where.elsewhere:
             controllers = [name for c in configs for name in (c.base, c.reference, c.warm_start)]
-            run_all(train, configs, given.where, controllers)
-            return
-        run = TrainingRun(given.config)
-        best = run.run()
-    name = ControllerName.of("learned", str(best))
-    print(f"best policy by validation: {best}\n{run.verdict}\nuse it as controller {name}")
+            run_all(train_quietly, configs, given.where, controllers)
+        else:
+            train(given.config)
 
 
 if __name__ == "__main__":

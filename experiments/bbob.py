@@ -12,12 +12,12 @@ from pathlib import Path
 
 import tyro
 
-from agents.runs.provenance import provenance
 from experiments.bbob_logs import coco, iohprofiler
 from experiments.bbob_logs.logged_run import LoggedExperiment, folder_name
-from experiments.runs.entrants import entrant
 from swarm_gym.command import command
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.errors import SettingError, SwarmGymError, shown
+from swarm_gym.runs.provenance import provenance
 from swarm_gym.scenarios.bbob.scenario import FUNCTIONS, require_parts
 
 FORMATS = {"coco": coco.write_function, "iohprofiler": iohprofiler.write_function}

@@ -18,10 +18,10 @@ from experiments.choice import Choice
 from experiments.documents.suite_page import make_tables, write_collection_page, write_page
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import entrant
 from experiments.runs.runner import refuse_missing, run_missing
 from experiments.runs.suite import Suite
 from swarm_gym.command import command
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.errors import MissingExtraError
 
 

@@ -14,14 +14,14 @@ import tyro
 from tqdm import tqdm
 
 from agents import make_controller
-from agents.evaluation.rollout import run_episodes
-from agents.runs.seeds import TEST
 from experiments.runs.labels import label
 from experiments.statistics import summarise
 from experiments.studies.spsfa.published import FITNESS
 from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry
 from swarm_gym.files import write_atomically
+from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.seeds import TEST
 from swarm_gym.scenarios import make_scenario, require_analytic
 
 # Name of the reading, range of y in its first population in map units, and its options of the environment.

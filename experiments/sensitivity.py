@@ -14,11 +14,11 @@ from typing import Annotated
 import tyro
 
 from agents import make_controller
-from agents.training.config import stored_config
 from experiments.analysis.episodes import analysis_seeds
 from experiments.analysis.sensitivity import analyse
 from experiments.runs.database import ResultsError
 from swarm_gym.command import command
+from swarm_gym.training.config import stored_config
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,12 @@ from typing import Any
 import tyro
 
 from agents.backends import BackendError, BackendOptions
-from agents.runs.folder import is_begun
-from agents.training.config import TrainConfig
-from agents.training.presets import load_preset
-from agents.training.run import TrainingRun
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.runs.folder import is_begun
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.presets import load_preset
+from swarm_gym.training.run import TrainingRun
 
 METRIC = "validation_return"
 

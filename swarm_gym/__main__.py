@@ -1,15 +1,30 @@
-"""The commands of the package: `python -m swarm_gym`, or `swarm-gym` after an installation."""
+"""The commands of the package: `swarm-gym` after an installation, or `python -m swarm_gym`."""
 
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from types import ModuleType
+from typing import NamedTuple
 
-# Module and purpose of each command by its name.
+from swarm_gym.errors import MissingExtraError
+
+
+class Command(NamedTuple):
+    """A command: its module and its purpose."""
+
+    module: str
+    purpose: str
+
+
 COMMANDS = {
-    "plan": ("swarm_gym.plan", "plan a free path on a map"),
-    "warm-up": ("swarm_gym.warm_up", "compile the kernels before they are needed"),
-    "download": ("swarm_gym.scenarios.download", "download public maps"),
-    "optimum": ("swarm_gym.reference.waypoint_optimum", "compute true optima"),
+    "plan": Command("swarm_gym.plan", "plan a free path on a map"),
+    "train": Command("swarm_gym.training.command_line", "train a policy (extra train)"),
+    "tune": Command("swarm_gym.tuning.command_line", "tune a schedule or an open loop (extra train)"),
+    "compare": Command("swarm_gym.comparing.command_line", "compare controllers, with intervals"),
+    "verify": Command("experiments.verify", "run stored scores again (in a checkout)"),
+    "warm-up": Command("swarm_gym.warm_up", "compile the kernels before they are needed"),
+    "download": Command("swarm_gym.scenarios.download", "download public maps"),
+    "optimum": Command("swarm_gym.reference.waypoint_optimum", "compute true optima"),
 }
 
 
@@ -20,7 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         arguments: the name of a command and its arguments; None are those of the command line.
 
     Raises:
-        SystemExit: with the status of the command, or 2 for an unknown one; the message lists the valid ones.
+        SystemExit: with the status of the command, 1 if the installation lacks what it needs, or 2 for an
+            unknown one; the message says what to do.
     """
     name, *rest = [*(sys.argv[1:] if arguments is None else arguments), ""]
     if name in ("", "-h", "--help"):
@@ -32,7 +48,24 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"error: unknown command {name!r}; valid: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     sys.argv = [f"swarm-gym {name}", *rest[:-1]]
-    sys.exit(import_module(COMMANDS[name][0]).main())
+    sys.exit(_module_of(name).main())
+
+
+def _module_of(name: str) -> ModuleType:
+    """Return the module of a command; end with a message if the installation lacks what it needs."""
+    module = COMMANDS[name].module
+    if module.startswith("experiments."):
+        from swarm_gym.controllers import laboratory
+
+        if not laboratory.has_laboratory():
+            sys.exit(f"error: swarm-gym {name} {laboratory.WITHOUT}")
+        sys.path.append(str(laboratory.LABORATORY.parent))
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("swarm_gym"):
+            raise
+        sys.exit(f"error: {MissingExtraError(f'swarm-gym {name}', str(error.name), 'train')}")
 
 
 if __name__ == "__main__":

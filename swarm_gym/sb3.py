@@ -24,7 +24,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as error:
-    raise MissingExtraError("swarm_gym.sb3", "stable-baselines3", "study") from error
+    raise MissingExtraError("swarm_gym.sb3", "stable-baselines3", "train") from error
 
 
 def make_vec(

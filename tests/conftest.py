@@ -41,7 +41,7 @@ def database(tmp_path):
 def little_imitation():
     """Imitation that ends before it has learned anything."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("agents.training.imitation.GRADIENT_STEPS", 20)
+        patch.setattr("swarm_gym.training.imitation.GRADIENT_STEPS", 20)
         yield
 
 
@@ -49,8 +49,10 @@ def little_imitation():
 def plain_pictures():
     """Trainings whose pictures take no time to draw, which would be most of a small training's time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("agents.training.events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8))
-        patch.setattr("agents.training.run.make_replay_strip", lambda: None)
+        patch.setattr(
+            "swarm_gym.training.events.draw_decisions", lambda _: np.zeros((2, 2, 3), dtype=np.uint8)
+        )
+        patch.setattr("swarm_gym.training.run.make_replay_strip", lambda: None)
         yield
 
 

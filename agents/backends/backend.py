@@ -8,7 +8,7 @@ from swarm_gym.own_code import allow
 
 MOST_LOSSES = 3  # number of times that a unit of work may be lost before it is given up
 
-# More processes use more cores, not more threads of each process; see also agents.training.learners.ppo.
+# More processes use more cores, not more threads of each process; see also swarm_gym.training.learners.ppo.
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )

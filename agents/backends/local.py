@@ -49,7 +49,7 @@ class LocalBackend(Backend):
                 tqdm.write("a worker process was killed; the running units are retried")
 
     def _parallel(self) -> Parallel:
-        # One thread per process, see agents.training.learners.ppo.
+        # One thread per process, see swarm_gym.training.learners.ppo.
         with parallel_config(backend="loky", inner_max_num_threads=1):
             return Parallel(
                 self._jobs, return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs"

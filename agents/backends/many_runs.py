@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from agents.backends import Backend, BackendOptions, Task, WorkLostError
-from agents.runs.folder import RunFolderError, RunTakenError, is_begun
-from agents.training.config import TrainConfig
-from agents.training.run import TrainingRun
-from agents.tuning.config import TuneConfig
-from agents.tuning.run import TuningRun
+from swarm_gym.runs.folder import RunFolderError, RunTakenError, is_begun
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.run import TrainingRun
+from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.run import TuningRun
 
 LOCK_TIMEOUT = 180.0  # seconds; file servers may hold the locks of a lost machine for a while, NFS for 90
 

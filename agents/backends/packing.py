@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from agents.backends.backend import BackendError
-from agents.runs.provenance import COMMIT, git_commit
-from swarm_gym.controllers.learned.policy_file import SUFFIX, load_policy
+from swarm_gym.controllers.learned.policy_file import POLICIES, load_policy
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.own_code import source_files
+from swarm_gym.runs.provenance import COMMIT, git_commit
 from swarm_gym.scenarios.formats.data_files import DATA, data_folder
 
 PACKAGES = ("swarm_gym", "agents", "experiments")
@@ -81,7 +81,7 @@ def files_of(controllers: Iterable[str]) -> Iterator[Path]:
         for path in dict.fromkeys((name.argument, name.without_price.argument)):
             if path and os.path.isfile(path):
                 yield Path(path)
-                if path.endswith(SUFFIX):
+                if path.endswith(POLICIES.suffix):
                     yield from files_of([load_policy(Path(path))[1]["base"]])
 
 

@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 
 from agents.distillation.rule_fit import select_forward, share_out
 from agents.evaluation.observers import decision_names, watch
-from agents.runs.provenance import provenance
-from agents.runs.seeds import ANALYSIS, VALIDATION, training_seed
-from agents.training.config import TrainConfig, stored_config
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
@@ -31,6 +28,9 @@ from swarm_gym.controllers.distilled import (
     decision_bounds,
     save_rule,
 )
+from swarm_gym.runs.provenance import provenance
+from swarm_gym.runs.seeds import ANALYSIS, VALIDATION, training_seed
+from swarm_gym.training.config import TrainConfig, stored_config
 
 Floats = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class DistilConfig:
     policy: Annotated[str, tyro.conf.Positional]
     """Controller to distil, e.g. learned:three-cases/0@1 or learned:runs/mine/0/best.safetensors."""
     output: Path
-    """File to write, e.g. runs/rule.json; a name in swarm_gym/controllers/data/distilled is found by name."""
+    """File to write, e.g. runs/rule.json; a file in data/distilled of a study is found by name."""
     numbers: int = MOST_NUMBERS
     """Largest number of fitted numbers in the rule, PS(0) included; at most 10."""
     rounds: int = 2

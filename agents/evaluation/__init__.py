@@ -1,1 +1,1 @@
-"""Episodes of controllers: rollouts, observers that decide in the same states, and masked inputs."""
+"""Observers that decide in the states of another controller, and controllers with masked inputs."""

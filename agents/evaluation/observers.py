@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.evaluation.rollout import run_swarms, swarms_for
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.rollout import run_swarms, swarms_for
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.evaluation.observers import Watched
-from agents.runs.seeds import ANALYSIS
 from experiments.runs.database import ResultsError
 from experiments.runs.run import Floats
+from swarm_gym.runs.seeds import ANALYSIS
 
 
 class EpisodeOutcome(NamedTuple):

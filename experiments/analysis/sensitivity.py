@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from agents.evaluation.masking import Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import Watched, decision_names, watch
-from agents.training.config import TrainConfig
 from experiments.analysis.episodes import EpisodeOutcome, outcome
 from experiments.runs.run import Floats
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import LINEAR
+from swarm_gym.training.config import TrainConfig
 
 ALL_BUT_ITERATION = "all inputs but the iteration"
 ITERATION = "the iteration (mean of all iterations)"

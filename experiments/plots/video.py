@@ -11,9 +11,9 @@ from tqdm import tqdm
 
 from agents import Controller, make_controller
 from experiments.plots.video_files import VIDEO_FILES, Picture
-from experiments.runs.entrants import entrant
-from experiments.runs.episode import iterate
 from swarm_gym.checks import look_up, require_integer
+from swarm_gym.comparing.entrants import entrant
+from swarm_gym.comparing.episode import iterate
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
 from swarm_gym.rendering import HEIGHTS, WIDTHS

@@ -6,10 +6,10 @@ what it sees; what it gains over other controllers may be a better course of dec
 
 from agents.evaluation.masking import Masked, clock_columns, mean_courses
 from agents.evaluation.observers import watch
-from agents.runs.seeds import ANALYSIS
-from agents.training.config import stored_config
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.registry import load_learned
+from swarm_gym.runs.seeds import ANALYSIS
+from swarm_gym.training.config import stored_config
 
 NUM_EPISODES = 192
 

@@ -4,10 +4,10 @@ import dataclasses
 from typing import Any
 
 from agents import CONTROLLERS, Controller
-from experiments.runs.entrants import entrant
 from experiments.runs.entries import FROM_CONTENT, IDENTITIES
 from experiments.runs.episode import controller_of
 from experiments.runs.experiment import Experiment
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 from agents import CONTROLLERS, Controller
 from experiments.runs.configuration import identity
-from experiments.runs.entrants import entrant
 from experiments.runs.entries import FROM_CONTENT, IDENTITIES, KEY, is_aside
 from experiments.runs.episode import controller_of
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DistilledRule
 from swarm_gym.controllers.learned.networks import FeedforwardController

@@ -5,17 +5,15 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-import gymnasium
-
 from agents import Controller, make_controller
 from experiments.runs.blinded import load_blinded
-from experiments.runs.entrants import entrant
 from experiments.runs.experiment import Experiment
 from experiments.runs.run import Run, RunKey, Snapshot
+from swarm_gym.comparing.entrants import entrant
+from swarm_gym.comparing.episode import environment_of, iterate
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.own_code import is_own, own
-from swarm_gym.registration import environment_id
 from swarm_gym.simulation import Simulation
 from swarm_gym.warm_up import warm_up_single
 
@@ -40,11 +38,7 @@ class Episode:
         runs = entrant(name, experiment.optimizer)
         warm_up(runs.optimizer, experiment)
         self._controller = controller_of(runs.controller)
-        self._env = gymnasium.make(
-            environment_id(runs.optimizer),
-            scenario=scenario,
-            **{**experiment.options, **runs.options, **self._controller.env_options()},
-        )
+        self._env = environment_of(runs, self._controller, scenario, experiment.options)
         self.simulation: Simulation = self._env.unwrapped.simulation  # type: ignore[attr-defined]
         self.info: dict[str, Any] = {}
 
@@ -79,26 +73,6 @@ class Episode:
             self.simulation.columns,
             self.simulation.trajectory(0),
         )
-
-
-def iterate(
-    env: Any, controller: Controller, seed: int, options: dict[str, Any] | None = None
-) -> Iterator[dict[str, Any]]:
-    """Run an episode; yield the info of its first population, then that after every iteration.
-
-    Args:
-        env: environment of one swarm.
-        controller: controller, whose layouts are those of the environment.
-        seed: seed of both.
-        options: reset options of the environment.
-    """
-    controller.reset(1, seed)
-    observation, info = env.reset(seed=seed, options=options)
-    yield info
-    ended = False
-    while not ended:
-        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
-        yield info
 
 
 def controller_of(name: str) -> Controller:

@@ -17,7 +17,7 @@ class Experiment:
 
     Attributes:
         name: name under which results are filed.
-        controllers: names for `agents.make_controller`, or of entrants (`experiments.runs.entrants`).
+        controllers: names for `agents.make_controller`, or of entrants (`swarm_gym.comparing.entrants`).
         scenarios: names for `swarm_gym.scenarios.make_scenario`.
         num_seeds: number of seeds per scenario; training and validation never use them.
         optimizer: name of the optimizer of controllers whose names do not begin with one.

@@ -11,11 +11,9 @@ from experiments.runs.changes import offline_errors
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
-from swarm_gym.errors import ScenarioError
+from swarm_gym.comparing.optima import optima_of, refuse_unknown_optima
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.reference import gap_to_optimum, known_optimum, quick_optima
-from swarm_gym.scenarios import GridScenario
-from swarm_gym.settings import make_problem
+from swarm_gym.reference import gap_to_optimum
 
 
 class RunNumbers(NamedTuple):
@@ -196,38 +194,6 @@ class Outcomes:
             lambda: self.offline_error[at],
             self.runs,
             self.groups[group],
-        )
-
-
-def optima_of(scenarios: Sequence[str], options: Mapping[str, Any]) -> Floats:
-    """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
-
-    Unknown ones of grid maps are computed if that is quick.
-
-    Args:
-        scenarios: names of the scenarios.
-        options: options of their environments.
-    """
-    problems = [make_problem(name, **options) for name in scenarios]
-    found = np.array([known_optimum(problem) for problem in problems])
-    on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
-    unknown = np.flatnonzero(np.isnan(found) & on_grids)
-    if unknown.size:
-        found[unknown] = quick_optima([problems[number] for number in unknown])
-    return found
-
-
-def refuse_unknown_optima(scenarios: Sequence[str], optima: Floats) -> None:
-    """Raise an error if an optimum is unknown.
-
-    Raises:
-        ScenarioError: naming the first of these scenarios.
-    """
-    unknown = [name for name, optimum in zip(scenarios, optima, strict=True) if np.isnan(optimum)]
-    if unknown:
-        raise ScenarioError(
-            f"gaps need the optimum, which is not known for {len(unknown)} of {len(optima)} scenarios, "
-            f"the first of them {unknown[0]}"
         )
 
 

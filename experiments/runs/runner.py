@@ -7,14 +7,14 @@ from typing import NamedTuple
 from tqdm import tqdm
 
 from agents.backends import Backend, Task, WorkLostError
-from agents.runs.provenance import provenance
 from experiments.runs.database import Results, ResultsError
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import Episode, warm_up
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import group_key, set_key
 from experiments.runs.run import Run, RunKey
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.own_code import given
+from swarm_gym.runs.provenance import provenance
 
 MOST_NAMED = 10  # groups of missing runs that a message names
 

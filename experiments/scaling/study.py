@@ -10,8 +10,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from agents.training.presets import load_preset, preset_names
-from agents.training.run import TrainingRun
 from experiments.catalogue import get_suite
 from experiments.runs.episode import Episode
 from experiments.runs.experiment import Experiment
@@ -19,6 +17,8 @@ from experiments.runs.run import RunKey
 from experiments.runs.runner import make_units
 from experiments.scaling.model import Work
 from experiments.speed.measurement import seconds_of
+from swarm_gym.training.presets import load_preset, preset_names
+from swarm_gym.training.run import TrainingRun
 
 EVALUATED = ("headline", "generalisation", "out-of-distribution", "parameters")
 TRAINING_SEEDS = 10

@@ -4,10 +4,10 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiments.runs.entrants import entrant
 from experiments.scoring.score import ScoreRow
 from experiments.scoring.submission import Submission
 from experiments.scoring.suites import ScoredSuite
+from swarm_gym.comparing.entrants import entrant
 
 DIGITS = 12  # of a digest in a message
 

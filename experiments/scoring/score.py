@@ -11,10 +11,10 @@ import numpy as np
 
 from agents.backends.local import LocalBackend
 from experiments.runs.database import Results
-from experiments.runs.entrants import entrant
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.runner import store_missing
 from experiments.scoring.suites import ScoredSet, ScoredSuite
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum
 

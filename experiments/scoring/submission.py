@@ -13,9 +13,9 @@ from typing import Any
 
 from agents import CONTROLLERS
 from experiments.runs.configuration import identity
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import controller_of
 from experiments.scoring.suites import LEARNED, PRICE, ScoredSuite
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.learned.policy_file import (
     MAX_FILE,
     PolicyFileError,

@@ -25,12 +25,13 @@ COMMANDS = {
         "swarm_gym.reference.waypoint_optimum",
     ),
     "Train": (
-        "agents.train", "agents.tune", "agents.distil", "agents.import_sb3", "agents.export_onnx",
+        "swarm_gym.training.command_line", "swarm_gym.tuning.command_line", "agents.train", "agents.tune",
+        "agents.distil", "agents.import_sb3", "agents.export_onnx",
         "experiments.with_ray_tune",
     ),
     "Compare": (
-        "experiments.evaluate", "experiments.report", "experiments.bbob", "experiments.planners",
-        "experiments.readings", "experiments.entries",
+        "swarm_gym.comparing.command_line", "experiments.evaluate", "experiments.report",
+        "experiments.bbob", "experiments.planners", "experiments.readings", "experiments.entries",
     ),
     "Look": ("experiments.video",),
     "Measure": (

@@ -104,8 +104,9 @@ PAGES = {
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
         (
-            "agents", "agents.training.config", "agents.training.presets", "agents.training.learners",
-            "agents.training.learners.learner", "agents.evaluation.rollout", "agents.tuning.config",
+            "agents", "swarm_gym.training.config", "swarm_gym.training.presets",
+            "swarm_gym.training.learners",
+            "swarm_gym.training.learners.learner", "swarm_gym.rollout", "swarm_gym.tuning.config",
             "agents.backends", "agents.backends.options",
         ),
     ),
@@ -114,7 +115,7 @@ PAGES = {
         "Suites, their results, and the statistics and tables that are made of these.",
         (
             "experiments.catalogue", "experiments.runs.experiment", "experiments.runs.suite",
-            "experiments.runs.entrants",
+            "swarm_gym.comparing.entrants",
             "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),

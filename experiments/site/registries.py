@@ -5,7 +5,6 @@ from functools import partial
 from inspect import getmodule
 from typing import Any
 
-from agents.training.presets import PRESETS, load_preset, preset_names
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.site.markdown import code, first_sentence, listed, table
 from swarm_gym.action import ACTIONS
@@ -15,6 +14,7 @@ from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS
+from swarm_gym.training.presets import PRESETS, load_preset, preset_names
 
 # Names that controllers have besides their parameters, each with an example.
 EXAMPLES = {
@@ -210,7 +210,9 @@ def _module_sentence(make: Callable[..., Any]) -> str:
 
 def _comment(preset: str) -> str:
     """Return the comment at the beginning of a preset's file."""
-    lines = (PRESETS / f"{preset}.toml").read_text(encoding="utf-8").splitlines()
+    path = PRESETS.find(preset)
+    assert path is not None, "a preset has a file"
+    lines = path.read_text(encoding="utf-8").splitlines()
     comment = []
     for line in lines:
         if not line.startswith("#"):

@@ -231,8 +231,8 @@ def _training_rate() -> float:
     """
     import dataclasses
 
-    from agents.training.learners import make_learner
-    from agents.training.presets import load_preset
+    from swarm_gym.training.learners import make_learner
+    from swarm_gym.training.presets import load_preset
 
     preset = load_preset("three-cases")
     config = dataclasses.replace(

@@ -14,8 +14,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from agents.runs.provenance import provenance
 from swarm_gym.files import write_atomically
+from swarm_gym.runs.provenance import provenance
 
 PROCESSORS = Path("/proc/cpuinfo")  # description of the processors, on Linux
 ALL_THREADS = numba.config.NUMBA_NUM_THREADS

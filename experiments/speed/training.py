@@ -59,8 +59,8 @@ def _shares() -> tuple[float, tuple[float, ...]]:
     """Return steps per second, and the share of each of `PARTS` in per cent, over a few rollouts."""
     import torch
 
-    from agents.training.learners.ppo import PPOLearner
-    from agents.training.presets import load_preset
+    from swarm_gym.training.learners.ppo import PPOLearner
+    from swarm_gym.training.presets import load_preset
 
     torch.set_num_threads(1)
     config = load_preset("three-cases")

@@ -1,14 +1,5 @@
 """Statistics of heavy-tailed runs on equal scenarios and seeds; smaller values are better."""
 
-from experiments.statistics.bootstrap import (
-    Draws,
-    Interval,
-    draw,
-    interval,
-    mean_of_present,
-    means,
-    trimmed_means,
-)
 from experiments.statistics.comparison import (
     Comparison,
     Difference,
@@ -29,6 +20,15 @@ from experiments.statistics.samples import (
     mean_interval,
     summarise,
     summarise_group,
+)
+from swarm_gym.comparing.bootstrap import (
+    Draws,
+    Interval,
+    draw,
+    interval,
+    mean_of_present,
+    means,
+    trimmed_means,
 )
 
 __all__ = [

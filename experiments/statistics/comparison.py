@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from experiments.statistics.bootstrap import Draws, Interval, draw, interval, mean_of_present, means
 from experiments.statistics.samples import mean_interval
+from swarm_gym.comparing.bootstrap import Draws, Interval, draw, interval, mean_of_present, means
 
 Floats = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.statistics.bootstrap import CONFIDENCE, Draws, shares_within
+from swarm_gym.comparing.bootstrap import CONFIDENCE, Draws, shares_within
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

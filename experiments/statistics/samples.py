@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from experiments.statistics.bootstrap import (
+from swarm_gym.comparing.bootstrap import (
     CONFIDENCE,
     TRIMMED,
     Draws,

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from swarm_gym.action import make_action
 from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
-from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
+from swarm_gym.controllers.packaged import DATA, Packaged, find_json, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS
@@ -27,7 +27,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
 
 FORMAT = "swarm_gym distilled rule 1"
-DISTILLED = Path(__file__).parent / "data" / "distilled"
+DISTILLED = Packaged(DATA / "distilled", ".json")
 MOST_NUMBERS = 10
 DIGITS = 3  # significant digits of every number
 OBSERVATION = "rich"
@@ -202,7 +202,7 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
 
 def packaged_rules() -> list[str]:
     """Return the names of the rules in the package."""
-    return packaged_names(DISTILLED, ".json")
+    return DISTILLED.names()
 
 
 def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  # noqa: B008

@@ -3,7 +3,7 @@
 The decisions are given at a few iterations, the knots. Between knots, sizes, parameters of the optimizer and
 amplitudes are interpolated in the logarithm, phi and the share of immigrants in their square roots, and the
 share of smooth members as it is. The manifest of a file states how its knots
-were tuned; see `agents.tune`.
+were tuned; see `swarm_gym.tuning`.
 """
 
 import json
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import require_number
 from swarm_gym.compiler.elementary import exp, interpolate, log
 from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
-from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
+from swarm_gym.controllers.packaged import DATA, Packaged, find_json, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import ITERATION
@@ -28,7 +28,7 @@ from swarm_gym.own_code import refuse_unless_given
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 FORMAT = "swarm_gym open loop 2"
-OPEN_LOOPS = Path(__file__).parent / "data" / "open_loops"
+OPEN_LOOPS = Packaged(DATA / "open_loops", ".json")
 # Far beyond the length of an episode; `OpenLoop.decisions` has a row for each iteration up to the last knot.
 MAX_KNOT = 10**5
 
@@ -167,7 +167,7 @@ def _check_sources(sources: Mapping[str, list[float]]) -> None:
 
 def packaged_open_loops() -> list[str]:
     """Return the names of the open loops in the package."""
-    return packaged_names(OPEN_LOOPS, ".json")
+    return OPEN_LOOPS.names()
 
 
 def _check_knobs(knobs: Mapping[str, list[float]], optimizer: str) -> None:

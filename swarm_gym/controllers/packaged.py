@@ -1,29 +1,71 @@
-"""Files of the package, found by name, and files of a user, found by path."""
+"""Files of the package and of the laboratory, found by name, and files of a user, found by path."""
 
 import json
 import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarm_gym.controllers.laboratory import study_folders, where_it_lives
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import listed, shown
 
 # Largest size of text files of controllers and presets, in bytes; the largest packaged one has 51 kB.
 MAX_TEXT_FILE = 2**20
+DATA = Path(__file__).parent / "data"
 
 
-def packaged_names(folder: Path, suffix: str) -> list[str]:
-    """Return the sorted names of all files below a folder, relative to it and without their suffix."""
-    files = (path.relative_to(folder) for path in folder.rglob(f"*{suffix}"))
-    return sorted(file.with_suffix("").as_posix() for file in files)
+@dataclass(frozen=True)
+class Packaged:
+    """Files of a kind that have names, e.g. policies: those of the package, then those of the laboratory.
 
+    Args:
+        folder: folder in the package; its name is the kind, which folders of studies have, too.
+        suffix: suffix of the files.
+    """
 
-def find_file(name: str, folder: Path, suffix: str) -> Path | None:
-    """Return the packaged file of that name, else the file at that path, else None."""
-    for path in (folder / f"{name}{suffix}", Path(name)):
-        if os.path.isfile(path):  # unlike `Path.is_file`, this takes any name
-            return path
-    return None
+    folder: Path
+    suffix: str
+
+    @property
+    def kind(self) -> str:
+        """Name of the folders with these files."""
+        return self.folder.name
+
+    @property
+    def folders(self) -> list[Path]:
+        """Folder in the package, and those of all studies where the laboratory is there."""
+        return [self.folder, *study_folders(self.kind)]
+
+    def names(self) -> list[str]:
+        """Return the sorted names of all files, relative to their folder and without the suffix."""
+        files = [path.relative_to(one) for one in self.folders for path in one.rglob(f"*{self.suffix}")]
+        return sorted(file.as_posix().removesuffix(self.suffix) for file in files)
+
+    def find(self, name: str) -> Path | None:
+        """Return the file of that name, else the file at that path, else None."""
+        for path in (*(folder / f"{name}{self.suffix}" for folder in self.folders), Path(name)):
+            if os.path.isfile(path):  # unlike `Path.is_file`, this takes any name
+                return path
+        return None
+
+    def missing(self, what: str, name: str) -> str:
+        """Return the message of an error: there is no file of that name, nor at that path.
+
+        Args:
+            what: kind of the file, e.g. `open loop`.
+            name: name that was asked for.
+        """
+        recipe = ControllerName.of("tuned", name).recipe or name
+        if elsewhere := where_it_lives(self.kind, recipe):
+            return f"{what} {shown(name)} {elsewhere}"
+        groups: dict[str, list[str]] = {}
+        for known in self.names():
+            # One entry for several training seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
+            groups.setdefault(ControllerName.of("tuned", known).group.argument, []).append(known)
+        forms = [group if len(members) > 1 else members[0] for group, members in groups.items()]
+        packaged = listed(forms, name, str(self.folder)) or "none"
+        return f"{what} {shown(name)}: neither a packaged one ({packaged}) nor a file"
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -42,20 +84,15 @@ def read_bytes(path: Path, limit: int) -> bytes:
     return data
 
 
-def find_json(kind: str, name: str, folder: Path, error: type[ValueError]) -> Path:
-    """Return the packaged JSON file of that name, else the file at that path.
+def find_json(what: str, name: str, files: Packaged, error: type[ValueError]) -> Path:
+    """Return the JSON file of that name, else the file at that path.
 
     Raises:
-        ValueError: an instance of `error`, if neither exists; the message names packaged files.
+        ValueError: an instance of `error`, if neither exists; the message lists the packaged files.
     """
-    path = find_file(name, folder, ".json")
+    path = files.find(name)
     if path is None:
-        # One entry for all tuning seeds of a recipe: a/*@1 for a/0@1, a/1@1 and so on.
-        recipes = [
-            ControllerName.of("tuned", known).group.argument for known in packaged_names(folder, ".json")
-        ]
-        packaged = listed(dict.fromkeys(recipes), name, str(folder)) or "none"
-        raise error(f"{kind} {shown(name)}: neither a packaged one ({packaged}) nor a file")
+        raise error(files.missing(what, name))
     return path
 
 

@@ -1,7 +1,7 @@
 """Tuned controllers: files with the name of a controller, its parameters, and their origin.
 
-`agents.tune` writes them. `tuned:<name or path>` is the controller that the file names, with the population
-sizes that it was tuned with.
+`swarm_gym.tuning` writes them. `tuned:<name or path>` is the controller that the file names, with the
+population sizes that it was tuned with.
 """
 
 import json
@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.names import ControllerName
-from swarm_gym.controllers.packaged import find_json, packaged_names, read_json
+from swarm_gym.controllers.packaged import DATA, Packaged, find_json, read_json
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 FORMAT = "swarm_gym tuned controller 1"
 _DEFAULT_SIZES = {"min": SizeLimits.smallest, "max": SizeLimits.largest}
-TUNED = Path(__file__).parent / "data" / "tuned"
+TUNED = Packaged(DATA / "tuned", ".json")
 
 
 class TunedFileError(ValueError):
@@ -33,7 +33,7 @@ class Tuned(NamedTuple):
 
 def packaged_tuned() -> list[str]:
     """Return the names of the tuned controllers in the package."""
-    return packaged_names(TUNED, ".json")
+    return TUNED.names()
 
 
 def load_tuned(name: str) -> Tuned:

@@ -10,8 +10,6 @@ import pytest
 from agents import SizeLimits, make_controller
 from agents.distillation.rule_fit import Fit, fit_within, select_forward, share_out
 from agents.distillation.run import DistilConfig, assess, distil
-from agents.runs.seeds import ANALYSIS, VALIDATION
-from agents.training.config import TrainConfig, stored_config
 from helpers.trainings import make_correction
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (
@@ -26,6 +24,8 @@ from swarm_gym.controllers.distilled import (
     save_rule,
 )
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.runs.seeds import ANALYSIS, VALIDATION
+from swarm_gym.training.config import TrainConfig, stored_config
 
 TRAINING = TrainConfig(scenarios=("case3",), initial_population_size=40)
 LOG_TIME = "log(1+t)/log(1+T)"
@@ -214,7 +214,7 @@ def test_a_file_that_is_cut_off_or_missing_is_refused(stored):
 
 @pytest.mark.parametrize("name", packaged_rules())
 def test_packaged_rules_say_where_they_come_from(name):
-    content = json.loads((DISTILLED / f"{name}.json").read_text())
+    content = json.loads(DISTILLED.find(name).read_text())
     assert content["manifest"]["policy"].startswith("learned:")
     assert content["num_numbers"] == load_rule(name).num_numbers <= MOST_NUMBERS
 

@@ -141,10 +141,10 @@ def decisions():
 
 def episodes():
     """Yield the results of an episode of one policy of each recipe, on the first map of its training."""
-    from agents.evaluation.rollout import run_episodes
-    from agents.training.config import stored_config
     from swarm_gym.controllers.learned.policy_file import packaged_policies
     from swarm_gym.controllers.registry import load_learned
+    from swarm_gym.rollout import run_episodes
+    from swarm_gym.training.config import stored_config
 
     for name in of_each_recipe(packaged_policies()):
         controller = load_learned(name)

@@ -18,12 +18,12 @@ import pytest
 import safetensors.numpy  # noqa: F401, so that the fuzzer sees what it does
 
 from agents import make_controller
-from agents.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DISTILLED, DistilledFileError
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
 from swarm_gym.controllers.learned.policy_file import MAX_FILE, POLICIES, encode_policy, load_policy
 from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
+from swarm_gym.controllers.packaged import Packaged
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import TUNED, TunedFileError
 from swarm_gym.errors import ScenarioError, SwarmGymError
@@ -32,6 +32,7 @@ from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.scenarios import expand_name
 from swarm_gym.scenarios.formats.moving_ai import read_map, read_scenarios
 from swarm_gym.scenarios.formats.ros_map import read_ros_map
+from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 
 for _package in ("PIL.PngImagePlugin", "PIL.PpmImagePlugin", "pyproj", "shapely", "yaml"):
     pytest.importorskip(_package, reason="needs the extra `maps`")
@@ -149,23 +150,28 @@ def _read_manifest(path: Path) -> object:
     return load_learned(path, limits)
 
 
-def _packaged_json(folder: Path) -> list[bytes]:
-    files = sorted(folder.rglob("*.json"), key=lambda path: path.stat().st_size)
+def _files(packaged: Packaged) -> list[Path]:
+    """Return all files, those of the laboratory too, the smallest first."""
+    found = [path for folder in packaged.folders for path in folder.rglob(f"*{packaged.suffix}")]
+    return sorted(found, key=lambda path: (path.stat().st_size, path.name))
+
+
+def _packaged_json(packaged: Packaged) -> list[bytes]:
+    files = _files(packaged)
     found = [json.loads(path.read_text(encoding="utf-8")) for path in files[:3]]
     return [json.dumps({**content, "manifest": {}}).encode() for content in found]
 
 
 def _presets() -> list[bytes]:
-    return [path.read_bytes() for path in sorted(PRESETS.glob("*.toml"))]
+    return [path.read_bytes() for path in _files(PRESETS)]
 
 
 def _policies() -> list[bytes]:
-    found = sorted(POLICIES.rglob("*.safetensors"), key=lambda path: path.stat().st_size)
-    return [found[0].read_bytes()]
+    return [_files(POLICIES)[0].read_bytes()]
 
 
 def _manifests() -> list[bytes]:
-    found = [load_policy(path)[1] for path in sorted(POLICIES.rglob("0.safetensors"))]
+    found = [load_policy(path)[1] for path in _files(POLICIES) if path.stem == "0"]
     return [json.dumps({**manifest, "config": {}, "provenance": {}}).encode() for manifest in found]
 
 

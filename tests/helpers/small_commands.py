@@ -11,10 +11,10 @@ import numpy as np
 import optuna
 import torch
 
-from agents.runs.checkpoints import Checkpoints
 from helpers.event_files import shown
 from helpers.trainings import STEPS, TINY
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.runs.checkpoints import Checkpoints
 
 # A preset with the defaults of all options.
 IMITATION = Path(__file__).parent / "imitation.toml"
@@ -62,7 +62,7 @@ def resumed(folder):
 
 def training(algorithm, folder):
     options = {"preset": IMITATION, **TINY, **TRAININGS[algorithm], "runs": folder, "name": "it"}
-    patches = {"agents.training.imitation.GRADIENT_STEPS": 20}
+    patches = {"swarm_gym.training.imitation.GRADIENT_STEPS": 20}
     return Command("agents.train", [*as_arguments(options), *resumed(folder)], patches)
 
 
@@ -76,7 +76,7 @@ def tuning(what, folder):
     }
     if what != "schedule":
         options |= {"candidates": 4, "initial_population_size": 6}
-    patches = {"agents.tuning.run.ESTIMATE_EPISODES": 2}
+    patches = {"swarm_gym.tuning.run.ESTIMATE_EPISODES": 2}
     return Command("agents.tune", [*as_arguments(options), *resumed(folder)], patches)
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from agents.training.config import TrainConfig
-from agents.training.run import TrainingRun
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DistilledRule, Formula, save_rule
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.run import TrainingRun
 
 TINY = {
     "num_swarms": 4, "scenarios": ("case3",), "initial_population_size": 4, "max_population_size": 12,

@@ -13,7 +13,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from agents import make_controller
-from agents.training.presets import PRESETS, PresetError, load_preset
 from helpers.mutations import bounded_memory, fuzzed, mutated
 from helpers.parsers import decides
 from swarm_gym.controllers.distilled import DistilledFileError, packaged_rules
@@ -49,6 +48,7 @@ from swarm_gym.scenarios import (
 from swarm_gym.scenarios.family import MAX_RANGE
 from swarm_gym.scenarios.formats import moving_ai
 from swarm_gym.scenarios.formats.moving_ai import MAX_PROBLEM_FILE, read_scenarios
+from swarm_gym.training.presets import PRESETS, PresetError, load_preset
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytest.importorskip("PIL", reason="needs the extra `maps`")
@@ -259,7 +259,7 @@ def test_events_of_anything_happen_or_are_refused(listed):
 
 # Presets and controllers.
 
-PRESET = (PRESETS / "three-cases.toml").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
+PRESET = PRESETS.find("three-cases").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
 TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
         b"like = 'mine'")  # fmt: skip
 
@@ -280,12 +280,12 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
 def shipped_file(kind):
     from swarm_gym.controllers import distilled, open_loop, tuned
 
-    folders = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
-               "tuned": (tuned.TUNED, packaged_tuned()),
-               "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
-    folder, found = folders[kind]
+    kinds = {"open-loop": (open_loop.OPEN_LOOPS, packaged_open_loops()),
+             "tuned": (tuned.TUNED, packaged_tuned()),
+             "distilled": (distilled.DISTILLED, packaged_rules())}  # fmt: skip
+    packaged, found = kinds[kind]
     name = next((name for name in found if name.startswith("three-cases")), found[0])
-    return json.loads((folder / f"{name}.json").read_text())
+    return json.loads(packaged.find(name).read_text())
 
 
 KINDS = {"open-loop": OpenLoopFileError, "tuned": TunedFileError, "distilled": DistilledFileError}

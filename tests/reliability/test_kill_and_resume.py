@@ -44,16 +44,16 @@ def test_training_that_is_killed_at_random_moments(tmp_path, algorithm):
 TRAINING_MOMENTS = {
     "before anything is there": Moment("os.replace", 1, "before", "config.json"),
     "before the first checkpoint": Moment("os.replace", 1, "before", "checkpoint.pt"),
-    "in a rollout": Moment("agents.training.sb3_vec_env.SB3VecEnv.step_wait", 150),
+    "in a rollout": Moment("swarm_gym.training.sb3_vec_env.SB3VecEnv.step_wait", 150),
     "in an update": Moment("torch.nn.utils.clip_grad_norm_", 3),
     "after a chunk": Moment("stable_baselines3.PPO.learn", 1),
     "while a policy is written": Moment("os.replace", 1, "before", "latest.safetensors"),
     "after a best policy": Moment("os.replace", 1, "after", "best.safetensors"),
-    "after the events of a checkpoint": Moment("agents.training.events.TrainingEvents.flush", 1),
+    "after the events of a checkpoint": Moment("swarm_gym.training.events.TrainingEvents.flush", 1),
     "while a checkpoint is written": Moment("os.replace", 1, "before", "checkpoint-before.pt"),
     "between its two names": Moment("os.replace", 1, "after", "checkpoint-before.pt"),
     "after a checkpoint": Moment("os.replace", 1, "after", "checkpoint.pt"),
-    "at the end": Moment("agents.training.events.TrainingEvents.add_hyperparameters", 1),
+    "at the end": Moment("swarm_gym.training.events.TrainingEvents.add_hyperparameters", 1),
 }
 
 

@@ -11,7 +11,8 @@ import pytest
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
-DATA = "swarm_gym/controllers/data"
+DATA = ("swarm_gym/controllers/data", "swarm_gym/training/presets/")
+LARGEST_WHEEL = 2_500_000  # bytes
 
 
 def run(*command):
@@ -38,9 +39,11 @@ def test_archive_and_wheel_are_as_the_package_index_wants_them(built):
 def test_the_wheel_has_every_packaged_file_and_nothing_else(built):
     (wheel,) = built.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    stored = {path.relative_to(ROOT).as_posix() for path in (ROOT / DATA).rglob("*") if path.is_file()}
+    files = (path for folder in DATA for path in (ROOT / folder).rglob("*") if path.is_file())
+    stored = {path.relative_to(ROOT).as_posix() for path in files}
     assert {name for name in names if name.startswith(DATA)} == stored
     assert all(name.startswith(("swarm_gym/", "swarm_gym-")) for name in names)
+    assert wheel.stat().st_size <= LARGEST_WHEEL
 
 
 def optional():

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from swarm_gym.__main__ import COMMANDS, main
+from swarm_gym.controllers import laboratory
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +41,23 @@ def test_an_unknown_command_is_refused_with_the_valid_ones(capsys):
     with pytest.raises(SystemExit) as ended:
         main(["fly"])
     assert ended.value.code == 2
-    assert "unknown command 'fly'; valid: plan, warm-up" in capsys.readouterr().err
+    assert "unknown command 'fly'; valid: plan, train, tune" in capsys.readouterr().err
+
+
+def test_a_command_of_the_laboratory_says_that_it_needs_a_checkout(tmp_path, monkeypatch):
+    monkeypatch.setattr(laboratory, "LABORATORY", tmp_path)
+    with pytest.raises(SystemExit, match=r"swarm-gym verify belongs to the laboratory.*a checkout"):
+        main(["verify", "--help"])
+
+
+@pytest.mark.parametrize("name", ["train", "tune"])
+def test_a_command_without_its_extra_says_how_to_install_it(name, monkeypatch):
+    monkeypatch.delitem(sys.modules, COMMANDS[name].module, raising=False)
+    monkeypatch.setitem(sys.modules, "tyro", None)
+    with pytest.raises(
+        SystemExit, match=rf"swarm-gym {name} needs tyro: run `pip install 'swarm_gym\[train\]'`"
+    ):
+        main([name, "--help"])
 
 
 def test_the_package_declares_the_script():

@@ -4,12 +4,12 @@ import pickle
 
 import pytest
 
-from agents.training.presets import load_preset
 from experiments.catalogue import get_suite
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, MissingExtraError, SwarmGymError, UnknownNameError, listed
 from swarm_gym.scenarios import make_scenario
+from swarm_gym.training.presets import load_preset
 
 FIELDS = "random-fields:train:"
 RAISED = (

@@ -11,12 +11,12 @@ from gymnasium.vector import AutoresetMode
 from test_dynamic_environments import copied
 
 from agents import make_controller
-from agents.tuning.config import TuneConfig
-from agents.tuning.side_by_side import SideBySide
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.scenarios.function_scenario import FUNCTIONS
+from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.side_by_side import SideBySide
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SMALL = {"initial_population_size": 6, "max_population_size": 12, "iterations": 5}

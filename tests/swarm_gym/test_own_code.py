@@ -11,13 +11,11 @@ import numba
 import numpy as np
 import pytest
 
-from agents.training.config import stored_config
-from agents.training.presets import load_preset
-from experiments.runs.entrants import entrant
 from experiments.runs.episode import controller_of
 from helpers.own_files import write_own_files
 from helpers.trainings import make_policy
 from swarm_gym import own_code
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import CONTROLLERS, make_controller
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
 from swarm_gym.controllers.names import ControllerName
@@ -32,6 +30,8 @@ from swarm_gym.registration import environment_id
 from swarm_gym.reward import make_reward
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.testing import ContractError, check_controller, check_optimizer, check_scenario
+from swarm_gym.training.config import stored_config
+from swarm_gym.training.presets import load_preset
 from swarm_gym.vector_env import SwarmVectorEnv
 
 BROKEN = """

@@ -18,12 +18,12 @@ import pytest
 
 import swarm_gym.scenarios
 from agents import CONTROLLERS, make_controller
-from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
 from experiments.publish import DOCUMENTS
 from experiments.runs.database import Results
 from helpers.adapted import adapted
 from swarm_gym.action import ACTIONS
+from swarm_gym.controllers.learned.policy_file import POLICIES, packaged_policies
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.history import HISTORY
@@ -31,9 +31,9 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
+from swarm_gym.training.presets import preset_names
 
 ROOT = Path(__file__).parents[2]
-POLICIES = ROOT / "swarm_gym/controllers/data/policies"
 
 # By environment, the parameters of its optimizer, which are options of `gymnasium.make`.
 ENVIRONMENTS = {
@@ -272,6 +272,11 @@ COMMANDS = {
         "--resume", "--reward", "--runs", "--scenarios", "--seed", "--seeds", "--sigma", "--start",
         "--threads", "--total-steps", "--what",
     ),
+    "swarm_gym.training.command_line": ("--preset", "--name", "--resume", "--seed", "--total-steps"),
+    "swarm_gym.tuning.command_line": ("--what", "--preset", "--name", "--resume", "--seed", "--total-steps"),
+    "swarm_gym.comparing.command_line": (
+        "--first-seed", "--optimizer", "--output", "--price", "--scenarios", "--seeds", "controllers",
+    ),
     "agents.distil": (
         "--episodes", "--numbers", "--output", "--report-seeds", "--rounds", "--seed",
         "--validation-seeds", "policy",
@@ -406,13 +411,13 @@ def test_every_packaged_controller_is_there():
     for name in PACKAGED_CONTROLLERS:
         make_controller(name)
     for recipe, number in PACKAGED_POLICIES.items():
-        assert_all((f"{seed}.safetensors" for seed in range(number)), _files(POLICIES / recipe))
+        assert_all((f"{recipe}/{seed}" for seed in range(number)), packaged_policies())
 
 
 def test_a_packaged_policy_has_every_entry_of_manifests():
     found = set()
     for recipe in PACKAGED_POLICIES:
-        content = (POLICIES / recipe / "0.safetensors").read_bytes()
+        content = POLICIES.find(f"{recipe}/0").read_bytes()
         (length,) = struct.unpack("<Q", content[:8])
         header = json.loads(content[8 : 8 + length])
         found |= set(json.loads(header["__metadata__"]["manifest"]))
@@ -483,7 +488,3 @@ def _file_of(module):
     place = ROOT / module.replace(".", "/")
     files = (place.with_suffix(".py"), place / "__main__.py", place / "__init__.py")
     return next(file for file in files if file.is_file())
-
-
-def _files(folder):
-    return [file.name for file in folder.iterdir()]

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
-from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, trajectory_of, turning_of
@@ -16,6 +15,7 @@ from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, numb
 from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_grid_path, shortest_path

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.runs.entrants import Entrant, entrant
 from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
@@ -19,6 +18,7 @@ from experiments.statistics import compare, holm, mean_interval, rank_sum
 from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, MEAN_BEST, Function
 from experiments.tables.cell import Entry, number, number_in, verdict
 from experiments.tables.table import Table
+from swarm_gym.comparing.entrants import Entrant, entrant
 
 # Number of runs in table 2 of the IAFSA paper; its table 3 has more.
 MEAN_RUNS = 50

@@ -6,7 +6,6 @@ compares their lengths.
 
 import numpy as np
 
-from experiments.runs.entrants import entrant
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
@@ -16,6 +15,7 @@ from experiments.studies.iafsa.routes import A_STAR, Route, make_route
 from experiments.tables.cell import MISSING, Entry, number, number_in, share
 from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.table import Table
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.papers.iafsa import SITES
 

@@ -12,17 +12,17 @@ from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import DISTILLED
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OPEN_LOOPS
+from swarm_gym.controllers.packaged import find_json
 from swarm_gym.controllers.tuned import TUNED
 
-FOLDERS = {"distilled": DISTILLED, "open-loop": OPEN_LOOPS, "reacting-loop": OPEN_LOOPS, "tuned": TUNED}
+FILES = {"distilled": DISTILLED, "open-loop": OPEN_LOOPS, "reacting-loop": OPEN_LOOPS, "tuned": TUNED}
 
 
 def origins_table(controllers: Sequence[str]) -> Table:
     """Return a row for each group of packaged controllers: how, on which scenarios and for how long fitted.
 
     Raises:
-        OSError: if a file is missing.
-        ValueError: if a file does not state its origin.
+        ValueError: if a file is missing, or does not state its origin.
     """
     rows: list[tuple[Entry, ...]] = []
     for group, members in group_controllers(controllers).items():
@@ -42,8 +42,8 @@ def origins_table(controllers: Sequence[str]) -> Table:
 
 def _manifest(controller: str) -> Mapping[str, Any]:
     name = ControllerName.parse(controller)
-    if name.family in FOLDERS:
-        path = FOLDERS[name.family] / f"{name.argument}.json"
+    if name.family in FILES:
+        path = find_json("controller", name.argument, FILES[name.family], ValueError)
         return json.loads(path.read_text(encoding="utf-8"))["manifest"]
     return make_controller(controller).manifest  # type: ignore[attr-defined]
 

@@ -132,7 +132,7 @@ SINGLE_CASE_FAMILIES = (
 )
 SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, 200, "open-loop:three-cases")
 
-# Policies that were trained alike but for what their name says; `agents/training/presets/ablation-*.toml`.
+# Policies that were trained alike but for what their name says; `data/presets/ablation-*.toml`.
 CHANGED = (
     "group-1", "group-4", "group-16", "step-noise", "critic", "lambda", "branching", "from-start",
     "imitation", "scratch", "steps-1M", "steps-3M", "steps-10M", "dqn",

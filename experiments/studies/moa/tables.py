@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import ttest_ind
 
-from experiments.runs.entrants import entrant
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run
@@ -14,6 +13,7 @@ from experiments.studies.moa.suites import PUBLISHED, THRESHOLDS
 from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario

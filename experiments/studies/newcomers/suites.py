@@ -5,10 +5,10 @@ The second argument of `training_seeds` is the number of tuning or training seed
 
 from pathlib import Path
 
-from agents.runs.seeds import VALIDATION
 from experiments.runs.claims import claims_of
 from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
+from swarm_gym.runs.seeds import VALIDATION
 from swarm_gym.scenarios import expand_name
 
 CLAIMS = Path(__file__).parent / "claims.toml"

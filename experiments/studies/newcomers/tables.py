@@ -6,7 +6,6 @@ To add a block, write the pair of marks into the document and a line into `BLOCK
 from functools import partial
 from pathlib import Path
 
-from experiments.runs.entrants import entrant
 from experiments.runs.groups import group_controllers
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.measures import NEAR
@@ -38,6 +37,7 @@ from experiments.tables.cell import Entry, number, share, share_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.table import Table, wrapped
+from swarm_gym.comparing.entrants import entrant
 
 FIGURES = "results/newcomers"  # seen from the document
 GAP_COLUMNS = (

@@ -16,16 +16,14 @@ from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
 from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
-from swarm_gym.controllers.names import ControllerName
-from swarm_gym.controllers.packaged import find_file, packaged_names, read_bytes
-from swarm_gym.errors import listed, shown
+from swarm_gym.controllers.packaged import DATA, Packaged, read_bytes
+from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
 
 __all__ = ["PolicyFileError", "Weights", "decode_policy", "encode_policy", "load_policy", "save_policy"]
 
 FORMAT = "swarm_gym policy 1"
-POLICIES = Path(__file__).parents[1] / "data" / "policies"
-SUFFIX = ".safetensors"
+POLICIES = Packaged(DATA / "policies", ".safetensors")
 
 Weights = dict[str, NDArray[np.float32]]
 
@@ -39,7 +37,7 @@ MAX_WEIGHT = 1e6
 
 def packaged_policies() -> list[str]:
     """Return the names of the policies in the package, e.g. `three-cases/0`."""
-    return packaged_names(POLICIES, SUFFIX)
+    return POLICIES.names()
 
 
 def resolve(name: str) -> Path:
@@ -48,13 +46,10 @@ def resolve(name: str) -> Path:
     Raises:
         PolicyFileError: if neither exists.
     """
-    path = find_file(name, POLICIES, SUFFIX)
+    path = POLICIES.find(name)
     if path is not None:
         return path
-    names = [ControllerName.of("learned", packaged) for packaged in packaged_policies()]
-    forms = sorted({one.argument if one.seed is None else f"{one.recipe}/<seed>" for one in names})
-    packaged = listed(forms, name, "docs/scores.md") or "none"
-    raise PolicyFileError(f"policy {shown(name)}: neither a packaged policy ({packaged}) nor a file")
+    raise PolicyFileError(POLICIES.missing("policy", name))
 
 
 def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:

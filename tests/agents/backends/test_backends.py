@@ -17,13 +17,13 @@ import pytest
 from agents.backends import BackendError, BackendOptions, Task, WorkLostError, ray_backend, slurm
 from agents.backends.backend import Outcome
 from agents.backends.packing import files_of, pack
-from agents.runs.provenance import git_commit
 from experiments.runs.suite import Suite
 from helpers.small_commands import CONTROLLERS, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.runs.provenance import git_commit
 
 OPTIONS = {
     "one process": BackendOptions(jobs=1),

@@ -10,10 +10,10 @@ from filelock import FileLock
 from agents.backends import many_runs
 from agents.backends.local import LocalBackend
 from agents.backends.many_runs import Finished, RunOutcome, carry_out, configs_of_seeds, train, tune
-from agents.runs.folder import prepare_folder
-from agents.training.run import TrainingRun
-from agents.tuning.config import TuneConfig
 from helpers.trainings import STEPS, assert_same_weights, tiny_config
+from swarm_gym.runs.folder import prepare_folder
+from swarm_gym.training.run import TrainingRun
+from swarm_gym.tuning.config import TuneConfig
 
 SHORT = {"warm_start": "none", "total_steps": STEPS}
 

@@ -16,7 +16,6 @@ from agents.backends.local import LocalBackend
 from agents.backends.many_runs import carry_out, configs_of_seeds, train
 from agents.backends.packing import files_of
 from agents.backends.ray_backend import RayBackend
-from agents.training.run import TrainingRun
 from experiments.runs.configuration import configuration
 from experiments.runs.database import Results
 from experiments.runs.runner import missing_runs, run_missing
@@ -27,6 +26,7 @@ from helpers.small_commands import CONTROLLERS, IMITATION, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import STEPS, TINY, assert_same_weights, make_policy, tiny_config
 from swarm_gym.controllers.learned.policy_file import load_policy
+from swarm_gym.training.run import TrainingRun
 
 if not sys.platform.startswith("linux"):
     pytest.skip("needs Linux: it looks at processes", allow_module_level=True)

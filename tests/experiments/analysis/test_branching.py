@@ -5,8 +5,6 @@ import pytest
 from scipy import stats
 
 from agents import make_controller
-from agents.evaluation.rollout import run_episodes
-from agents.runs.seeds import ANALYSIS
 from experiments.analysis.branching import (
     CHANGES,
     WINDOWS,
@@ -18,6 +16,8 @@ from experiments.analysis.branching import (
 )
 from experiments.runs.database import ResultsError
 from helpers.stored_runs import printed_rows
+from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.seeds import ANALYSIS
 
 NAME = "open-loop:three-cases-extended"
 SEEDS = ANALYSIS[:3]

@@ -6,14 +6,14 @@ import pytest
 from agents import make_controller
 from agents.evaluation.masking import CLOCKS, Masked, clock_columns, input_names, mean_courses
 from agents.evaluation.observers import decision_names, watch
-from agents.evaluation.rollout import run_episodes
-from agents.runs.seeds import ANALYSIS
-from agents.training.config import TrainConfig
 from experiments.analysis.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.analysis.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.seeds import ANALYSIS
+from swarm_gym.training.config import TrainConfig
 
 TRAINING = TrainConfig(scenarios=("case3",), initial_population_size=20)
 SEEDS = ANALYSIS[:4]

@@ -5,9 +5,7 @@ from dataclasses import replace
 import pytest
 
 from agents import make_controller
-from agents.runs.seeds import TEST, VALIDATION
 from experiments.catalogue import COLLECTIONS, SUITES, TABLES, figures
-from experiments.runs.entrants import entrant
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.groups import group_controllers, scenario_sets
 from experiments.runs.suite import ControllerFamily, Suite
@@ -18,9 +16,11 @@ from experiments.studies.newcomers.suites import NEVER_USED
 from experiments.studies.optimizers.suites import LATER_SEEDS as LATER_OF_OPTIMIZERS
 from experiments.studies.optimizers.suites import NEVER_USED as OF_OPTIMIZERS
 from helpers.adapted import ADAPTED, missing
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.controllers.open_loop import packaged_open_loops
+from swarm_gym.runs.seeds import TEST, VALIDATION
 from swarm_gym.scenarios import expand_name
 
 LEARNED = {"headline", "generalisation", "out-of-distribution", "single-cases", "ablation"}

@@ -7,7 +7,6 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from agents.evaluation.rollout import run_swarms, swarms_for
 from experiments import verify as command
 from experiments.catalogue import SUITES
 from experiments.runs.database import Results, ResultsError
@@ -23,6 +22,7 @@ from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve, save_policy
 from swarm_gym.errors import UnknownNameError
+from swarm_gym.rollout import run_swarms, swarms_for
 
 POLICY = "learned:three-cases/0"
 SOURCED = "learned:three-cases-evolution/0"
@@ -275,7 +275,7 @@ def test_scores_come_back_bit_for_bit(tmp_path, rows):
     [
         ("no-such.safetensors", "headline", PolicyFileError, "'no-such.safetensors': no such file"),
         ("fixed:61", "headline", PolicyFileError, "'fixed:61': no policy, and no controller of the suite"),
-        ("learned:three-cases/99", "headline", PolicyFileError, "neither a packaged policy"),
+        ("learned:three-cases/99", "headline", PolicyFileError, "neither a packaged one"),
         (
             PARTICLES,
             "headline",

@@ -9,7 +9,6 @@ from pathlib import Path
 import gymnasium
 import pytest
 
-from agents.training.presets import preset_names
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.scoring.files import ScoreFileError, write_scores
 from experiments.scoring.score import ScoreRow, digest_of_runs
@@ -26,6 +25,7 @@ from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS
 from swarm_gym.settings import Settings
+from swarm_gym.training.presets import preset_names
 
 pytest.importorskip("tyro", reason="needs the extra `study`")
 

@@ -22,7 +22,7 @@ from experiments.statistics import (
     superiority,
     trimmed_means,
 )
-from experiments.statistics.bootstrap import RESAMPLES, shares_within
+from swarm_gym.comparing.bootstrap import RESAMPLES, shares_within
 
 # Training seeds, sizes of the sets, seeds.
 DESIGNS = [(1, (1,), 9), (4, (1,), 7), (1, (6,), 1), (3, (4, 2), 2), (2, (1, 1, 1), 5)]
@@ -67,7 +67,7 @@ def test_resampled_statistics_are_those_of_the_resamples(design):
 def test_large_samples_are_resampled_in_parts(monkeypatch):
     values, draws = sample(DESIGNS[3]), draw(*DESIGNS[3])
     whole = trimmed_means(values, draws)
-    monkeypatch.setattr("experiments.statistics.bootstrap.MOST_COUNTS", 1000)
+    monkeypatch.setattr("swarm_gym.comparing.bootstrap.MOST_COUNTS", 1000)
     np.testing.assert_allclose(trimmed_means(values, draws), whole, rtol=1e-12)
 
 

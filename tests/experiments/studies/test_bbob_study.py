@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from experiments.runs.entrants import entrant
 from experiments.runs.measures import MEASURES, log_precision
 from experiments.runs.outcomes import Outcomes
 from experiments.studies.bbob.suites import BBOB, BUDGET, CONTROLLERS, OPTIMIZERS, name_of
 from experiments.studies.bbob.tables import GROUPS, group_tables, rule_tables
 from helpers.stored_runs import cells_of, part_of
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.population import POPULATION_COLLISION

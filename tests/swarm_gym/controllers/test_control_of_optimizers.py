@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 from agents import make_controller
-from agents.evaluation.rollout import run_episodes
-from agents.training.config import TrainConfig
-from agents.training.run import TrainingRun
 from helpers.builders import options_for
 from helpers.trainings import make_policy
 from swarm_gym.action import make_action
@@ -17,7 +14,10 @@ from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.rollout import run_episodes
 from swarm_gym.settings import Settings
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.run import TrainingRun
 from swarm_gym.vector_env import SwarmVectorEnv
 
 MAPS = {"analytic": {"scenario": "case3"}, "grid": {"scenario": "rooms:0", "encoding": "bezier"}}

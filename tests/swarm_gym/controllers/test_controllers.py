@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
-from agents.evaluation.rollout import run_episodes
 from helpers.trainings import assert_decides_alike_at_any_width, make_policy, random_observations
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import packaged_rules
@@ -18,10 +17,12 @@ from swarm_gym.controllers.learned.policy_file import (
     packaged_policies,
 )
 from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
+from swarm_gym.controllers.packaged import Packaged
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.controllers.tuned import FORMAT, TunedFileError, load_tuned, packaged_tuned, save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.rollout import run_episodes
 from swarm_gym.settings import Settings
 
 ARGUMENTS = {
@@ -101,7 +102,7 @@ def test_random_covers_the_action_space_and_is_seeded():
         ("fixed:10001", ValueError, "10001"),
         ("fixed:-5", ValueError, "-5"),
         ("spsfa:3", ValueError, "3"),
-        ("learned:nowhere", PolicyFileError, "nowhere.*packaged policy"),
+        ("learned:nowhere", PolicyFileError, "nowhere.*neither a packaged one"),
         ("learned", PolicyFileError, "neither"),
         ("open-loop:nowhere", OpenLoopFileError, "nowhere.*neither a packaged one"),
         ("tuned:nowhere", TunedFileError, "nowhere.*neither a packaged one"),
@@ -158,7 +159,7 @@ def test_policy_equals_the_network_it_was_saved_from(policy):
 
 
 def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(policy_file, "POLICIES", tmp_path)
+    monkeypatch.setattr(policy_file, "POLICIES", Packaged(tmp_path, ".safetensors"))
     rng = np.random.default_rng(0)
     for name in ("alone", "recipe/0", "recipe/1"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -167,7 +168,7 @@ def test_policies_of_a_recipe_ship_in_a_folder(tmp_path, monkeypatch):
     digests = {make_controller(f"learned:{name}").manifest["weights_sha256"] for name in packaged_policies()}
     assert len(digests) == 3
     for name in ("recipe", "recipe/2"):
-        with pytest.raises(PolicyFileError, match=r"packaged policy \(alone, recipe/<seed>\)"):
+        with pytest.raises(PolicyFileError, match=r"packaged one \(alone, recipe/\*\)"):
             make_controller(f"learned:{name}")
 
 

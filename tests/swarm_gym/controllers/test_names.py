@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from agents import CONTROLLERS, make_controller
 from experiments.catalogue import SUITES
-from experiments.runs.entrants import entrant
 from helpers.mutations import fuzzed
+from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.distilled import packaged_rules
 from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, FITTED, ControllerName
@@ -38,7 +38,7 @@ OTHER_NAMES = {
     "swarm_gym/compiler": "files of the compiler",
     "swarm_gym/observation.py": "observation layouts joined by +",
     "swarm_gym/own_code.py": "modules and attributes of own code",
-    "agents/training/own_names.py": "observation layouts joined by +",
+    "swarm_gym/training/own_names.py": "observation layouts joined by +",
     "swarm_gym/controllers/learned/manifest.py": "observation layouts joined by +",
     "agents/backends/ray_backend.py": "addresses of clusters",
     "experiments/runs/groups.py": "scenarios",
@@ -132,7 +132,7 @@ def test_what_follows_the_last_at_is_the_price(name, recipe, seed, price):
 
 
 def test_a_wrong_name_says_which_part_is_wrong():
-    with pytest.raises(ValueError, match=r"'learned:x/0@1'|neither a packaged policy"):
+    with pytest.raises(ValueError, match=r"'learned:x/0@1'|neither a packaged one"):
         make_controller("learned:x/0@1")
     with pytest.raises(ValueError, match="'cheap' is not a price"):
         make_controller("learned:three-cases/0@cheap")

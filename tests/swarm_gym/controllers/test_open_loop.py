@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits
-from agents.evaluation.rollout import run_episodes
 from swarm_gym.controllers.open_loop import (
     OpenLoop,
     OpenLoopFileError,
@@ -16,6 +15,7 @@ from swarm_gym.controllers.open_loop import (
 )
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.rollout import run_episodes
 from swarm_gym.sources import Source
 
 KNOTS, SIZES, DEGREES = [0, 3, 8], [70.0, 30.0, 9.0], [0.0, 0.36, 0.04]

@@ -7,9 +7,6 @@ from gymnasium.vector import AutoresetMode
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 
 from agents import make_controller
-from agents.training.imitation import _cut, demonstrate, imitate
-from agents.training.learners import make_learner
-from agents.training.learners.recurrent import SequencePolicy
 from helpers.trainings import (
     STEPS,
     add_memory,
@@ -24,6 +21,9 @@ from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardControll
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import ITERATION, OBSERVATIONS
+from swarm_gym.training.imitation import _cut, demonstrate, imitate
+from swarm_gym.training.learners import make_learner
+from swarm_gym.training.learners.recurrent import SequencePolicy
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -126,7 +126,7 @@ def test_the_file_tells_which_class_it_is_of_and_is_read_once(policy, tmp_path, 
 
 
 def test_a_memory_imitates_a_schedule_from_what_the_paper_observes(tmp_path, monkeypatch):
-    monkeypatch.setattr("agents.training.imitation.GRADIENT_STEPS", 150)
+    monkeypatch.setattr("swarm_gym.training.imitation.GRADIENT_STEPS", 150)
     learner = make_learner(tiny_config(tmp_path, **{**RECURRENT, "observation": "scaled"}))
     shown = demonstrate(make_controller("spsfa", learner.config.limits), learner.env, 0.1, 1.0, 5)
     assert shown.there.all()

@@ -5,8 +5,6 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from agents import Controller, SizeLimits, make_controller
-from agents.evaluation.rollout import run_episodes
-from agents.training.sb3_vec_env import SB3VecEnv
 from helpers.trainings import make_rule, untrained_manifest
 from swarm_gym.action import make_action
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy
@@ -15,7 +13,9 @@ from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers.firefly import Firefly
+from swarm_gym.rollout import run_episodes
 from swarm_gym.settings import Settings
+from swarm_gym.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.vector_env import SwarmVectorEnv
 
 LIMITS = SizeLimits(2, 20)

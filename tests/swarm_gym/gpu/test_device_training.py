@@ -9,8 +9,8 @@ import pytest
 
 @pytest.mark.slow
 def test_a_training_on_the_device_learns_what_one_on_the_cpu_learns():
-    from agents.training.config import TrainConfig
-    from agents.training.learners import make_learner
+    from swarm_gym.training.config import TrainConfig
+    from swarm_gym.training.learners import make_learner
 
     config = TrainConfig(
         algorithm="device-ppo", warm_start="none", scenarios=("function:rastrigin-10",),

@@ -1,1 +1,0 @@
-"""Training of policies: options, runs, learners and TensorBoard events."""

@@ -1,0 +1,79 @@
+"""Compare controllers on the same scenarios and seeds: `swarm-gym compare spsfa-tip learned:three-cases/0@1`.
+
+The table has a row for each controller. The objective is the optimality gap in per cent plus the price of the
+evaluations; smaller is better. Brackets are 95 % bootstrap intervals over scenarios of a set and seeds. The
+column of a scenario has the mean gap and the mean number of evaluations. Feasible is the share of runs whose
+best path by fitness is free; such a path may graze obstacles.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.command import command
+from swarm_gym.comparing.comparison import CASES, compare
+from swarm_gym.errors import MissingExtraError, SwarmGymError
+from swarm_gym.files import write_atomically
+
+MOST_SEEDS = 100_000  # validation and training take their seeds above
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Compare as the command line says, and print the table."""
+    given = _parser().parse_args(arguments)
+    with command(SwarmGymError, MissingExtraError):
+        require_number("--price", given.price, 0.0, float("inf"))
+        require_integer("--first-seed", given.first_seed, 0, MOST_SEEDS - 2)
+        require_integer("--seeds", given.seeds, 1, MOST_SEEDS - given.first_seed)
+        runs = compare(
+            given.controllers,
+            given.scenarios,
+            range(given.first_seed, given.first_seed + given.seeds),
+            given.optimizer,
+            lambda name: print(f"running {name}", file=sys.stderr, flush=True),
+        )
+        print(runs.table(given.price))
+        if given.output is not None:
+            write_atomically(given.output, runs.as_csv())
+            print(f"all runs: {given.output}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
+    )
+    parser.add_argument(
+        "controllers",
+        nargs="+",
+        metavar="CONTROLLER",
+        help="names of controllers, e.g. spsfa-tip learned:runs/mine/best.safetensors@1; differences are to "
+        "the first",
+    )
+    parser.add_argument(
+        "--scenarios",
+        nargs="+",
+        default=list(CASES),
+        metavar="NAME",
+        help="names of scenarios, e.g. case1 rooms:0-9; default: %(default)s",
+    )
+    parser.add_argument("--seeds", type=int, default=20, help="number of seeds; default: %(default)s")
+    parser.add_argument("--first-seed", type=int, default=0, help="the first seed; default: %(default)s")
+    parser.add_argument(
+        "--optimizer", default="firefly", metavar="NAME", help="optimizer to control; default: %(default)s"
+    )
+    parser.add_argument(
+        "--price",
+        type=float,
+        default=1.0,
+        help="price of 100,000 evaluations, in per cent of the optimum; default: %(default)s",
+    )
+    parser.add_argument(
+        "--output", type=Path, metavar="FILE", help="CSV file for all runs; by default none is written"
+    )
+    return parser
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,152 @@
+"""The runs of controllers on the same scenarios and seeds, and their table."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.comparing.bootstrap import Interval, draw, interval, means
+from swarm_gym.comparing.optima import refuse_unknown_optima
+from swarm_gym.reference import gap_to_optimum
+
+Floats = NDArray[np.float64]
+
+MOST_COLUMNS = 6  # sets of scenarios that have a column each in the table
+COLUMNS = ("controller", "scenario", "seed", "fitness", "gap", "collision", "evaluations")
+
+
+@dataclass(frozen=True)
+class ComparedRuns:
+    """Numbers of the runs of controllers, arrays (controllers, scenarios, seeds).
+
+    Attributes:
+        controllers: names of the controllers, in the order of the first axis.
+        sets: names of the scenarios of each set, by the name of the set; sets follow each other along the
+            second axis.
+        seeds: seeds of each scenario.
+        fitness: best fitness of the run, in map units.
+        collision: degree of collision of the best path; 0 is feasible.
+        feasible: True where the best path is feasible.
+        evaluations: number of calls of the cost function.
+        optima: fitness of the optimum of each scenario, (scenarios,), NaN where it is unknown.
+    """
+
+    controllers: tuple[str, ...]
+    sets: dict[str, tuple[str, ...]]
+    seeds: tuple[int, ...]
+    fitness: Floats
+    collision: Floats
+    feasible: NDArray[np.bool_]
+    evaluations: Floats
+    optima: Floats
+
+    @property
+    def scenarios(self) -> tuple[str, ...]:
+        """Names of the scenarios, in the order of the second axis."""
+        return tuple(name for names in self.sets.values() for name in names)
+
+    @cached_property
+    def gap(self) -> Floats:
+        """Optimality gap, (fitness - optimum) / optimum; NaN where the optimum is unknown."""
+        return gap_to_optimum(self.fitness, self.optima[:, None])
+
+    def objective(self, price: float = 1.0) -> Floats:
+        """Return the gap in per cent plus the price times evaluations / 100,000 of every run.
+
+        Raises:
+            ScenarioError: if the optimum of a scenario is unknown.
+        """
+        refuse_unknown_optima(self.scenarios, self.optima)
+        return 100.0 * self.gap + price * self.evaluations / 100_000.0
+
+    def mean(self, values: Floats) -> list[tuple[float, Interval]]:
+        """Return the mean of each controller and its 95 % bootstrap interval over scenarios and seeds.
+
+        Args:
+            values: a number of every run, e.g. `objective()`.
+        """
+        return [_mean(of_one, self._set_sizes) for of_one in values]
+
+    def difference(self, values: Floats) -> list[tuple[float, Interval]]:
+        """Return the mean of each controller minus that of the first, paired by scenario and seed.
+
+        Args:
+            values: a number of every run, e.g. `objective()`.
+        """
+        return self.mean(values - values[0])
+
+    def table(self, price: float = 1.0) -> str:
+        """Return a table as text, a row for each controller.
+
+        Scenarios whose optimum is unknown have no gap, so that fitness takes the place of the objective.
+
+        Args:
+            price: price of 100,000 evaluations, in per cent of the optimum.
+        """
+        known = not np.isnan(self.optima).any()
+        judged = self.objective(price) if known else self.fitness
+        said = f"objective at price {price:g}" if known else "best fitness"
+        names = list(self.sets) if 1 < len(self.sets) <= MOST_COLUMNS else []
+        rows = [("controller", said, f"minus {self.controllers[0]}", "feasible", "evaluations", *names)]
+        means_and_differences = zip(self.mean(judged), self.difference(judged), strict=True)
+        for k, (mean, difference) in enumerate(means_and_differences):
+            rows.append(
+                (
+                    self.controllers[k],
+                    _in_interval(*mean, ".3f"),
+                    _in_interval(*difference, "+.3f") if k else "",
+                    f"{100.0 * self.feasible[k].mean():.0f} %",
+                    f"{self.evaluations[k].mean():,.0f}",
+                    *(self._of_set(k, name, known) for name in names),
+                )
+            )
+        return "\n".join(_aligned(rows))
+
+    def as_csv(self) -> str:
+        """Return all runs as CSV, one in each line, with the columns `COLUMNS`."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for k, j, i in np.ndindex(*self.fitness.shape):
+            numbers = (array[k, j, i] for array in (self.fitness, self.gap, self.collision, self.evaluations))
+            names = self.controllers[k], self.scenarios[j], self.seeds[i]
+            writer.writerow((*names, *(repr(float(number)) for number in numbers)))
+        return text.getvalue()
+
+    @property
+    def _set_sizes(self) -> tuple[int, ...]:
+        return tuple(map(len, self.sets.values()))
+
+    def _of_set(self, controller: int, name: str, known: bool) -> str:
+        """Return the mean gap, or fitness, of a controller on a set of scenarios, and its evaluations."""
+        places = [self.scenarios.index(scenario) for scenario in self.sets[name]]
+        cost = f"at {self.evaluations[controller, places].mean() / 1000.0:.0f}k"
+        if known:
+            return f"{100.0 * self.gap[controller, places].mean():.2f} % {cost}"
+        return f"{self.fitness[controller, places].mean():.2f} {cost}"
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+def _mean(values: Floats, set_sizes: tuple[int, ...]) -> tuple[float, Interval]:
+    """Return the mean of values (scenarios, seeds) and its interval; each set of scenarios is a stratum."""
+    return float(values.mean()), interval(means(values[None], draw(1, set_sizes, values.shape[1])))
+
+
+def _in_interval(mean: float, ends: Interval, form: str) -> str:
+    low, high = ends
+    return f"{mean:{form}} [{low:{form}}, {high:{form}}]"
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> Iterable[str]:
+    """Yield the rows of a table as lines; the first column is aligned to the left, others to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for first, *others in rows:
+        cells = [first.ljust(widths[0])]
+        cells += [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        yield "  ".join(cells)

@@ -1,0 +1,94 @@
+"""Episodes of several controllers on the same scenarios and seeds."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from swarm_gym.checks import require_integer
+from swarm_gym.comparing.compared_runs import ComparedRuns
+from swarm_gym.comparing.entrants import Entrant, entrant
+from swarm_gym.comparing.episode import environment_of, iterate
+from swarm_gym.comparing.optima import optima_of
+from swarm_gym.controllers import Controller, make_controller
+from swarm_gym.errors import SettingError, shown
+from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.scenarios import expand_name
+
+CASES = ("case1", "case2", "case3")
+
+
+def say_nothing(_: str) -> None:
+    """Ignore a report of progress."""
+
+
+def compare(
+    controllers: Sequence[str] | Mapping[str, Controller],
+    scenarios: Sequence[str] = CASES,
+    seeds: Sequence[int] = range(20),
+    optimizer: str = "firefly",
+    report: Callable[[str], None] = say_nothing,
+    **options: Any,
+) -> ComparedRuns:
+    """Run every controller on every scenario with every seed, and return the runs.
+
+    `print` shows them as a table:
+
+        print(compare(["spsfa-tip", "learned:three-cases/0@1"], ["case1", "rooms:0-9"]))
+
+    Args:
+        controllers: names of controllers, or controllers by any name. Differences are to the first. A name
+            may begin with an optimizer, as in `multivariate+fixed:65`.
+        scenarios: names of scenarios. One of several scenarios, such as `rooms:0-9`, is a set: its scenarios
+            are taken as drawn from many, and intervals account for the draw.
+        seeds: seeds of the environments and controllers. Training never uses seeds below 100,000.
+        optimizer: optimizer of controllers whose name has none.
+        report: function that is called with the name of each controller before it runs.
+        options: options of all environments, e.g. `encoding="bezier"`.
+
+    Raises:
+        SettingError: for a name that is given twice, a seed that is none, or too few runs for an interval.
+        UnknownNameError: for a name of a controller, optimizer or scenario that does not exist.
+        ValueError: for a controller or an option that cannot be.
+    """
+    for kind, given in (("controllers", controllers), ("scenarios", scenarios)):
+        if isinstance(given, str):
+            raise SettingError(
+                f"{kind}: expected a list of names, got {shown(given)}; write [{shown(given)}]"
+            )
+    sets = {name: expand_name(name) for name in scenarios}
+    names = [name for of_one in sets.values() for name in of_one]
+    _check(list(controllers), names, seeds)
+    if min(map(len, sets.values())) * len(seeds) < 2:
+        raise SettingError(f"seeds: an interval needs 2 where a scenario stands alone, got {list(seeds)}")
+    if isinstance(controllers, Mapping):
+        runners = [(Entrant(optimizer, name), one) for name, one in controllers.items()]
+    else:
+        entrants = [entrant(name, optimizer) for name in controllers]
+        runners = [(runs, make_controller(runs.controller)) for runs in entrants]
+    optima = optima_of(names, options)
+    found = np.empty((3, len(runners), len(names), len(seeds)))
+    for k, (label, (runs, controller)) in enumerate(zip(controllers, runners, strict=True)):
+        report(label)
+        for j, scenario in enumerate(names):
+            env = environment_of(runs, controller, scenario, options)
+            for i, seed in enumerate(seeds):
+                *_, info = iterate(env, controller, seed)
+                found[:, k, j, i] = info["best_fitness"], info["best_collision"], info["evaluations"]
+            env.close()
+    fitness, collision, evaluations = found
+    feasible = collision <= FEASIBILITY_TOLERANCE
+    return ComparedRuns(
+        tuple(controllers), sets, tuple(seeds), fitness, collision, feasible, evaluations, optima
+    )
+
+
+def _check(controllers: Sequence[str], scenarios: Sequence[str], seeds: Sequence[int]) -> None:
+    """Raise an error for input that gives no comparison."""
+    for kind, given in (("controllers", controllers), ("scenarios", scenarios), ("seeds", seeds)):
+        if not len(given):
+            raise SettingError(f"{kind}: expected a list with at least one entry, got {shown(given)}")
+        if len(set(given)) < len(given):
+            raise SettingError(f"{kind}: each one once, got {shown(list(given))}")
+    for seed in seeds:
+        require_integer("seed", seed, 0, 2**31 - 1)

@@ -1,0 +1,147 @@
+"""Evolution strategies on the weights of the actor.
+
+Sources: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv 1604.00772 (2016); for many weights its
+separable form, R. Ros and N. Hansen, PPSN X (2008); T. Salimans et al., "Evolution strategies as a scalable
+alternative to reinforcement learning", arXiv 1703.03864 (2017). The objective is the mean return of a policy
+without noise in its actions, as it is used later.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from cmaes import CMA, SepCMA
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from swarm_gym.controllers.learned.networks import affine, tanh_of_layer
+from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.controllers.learned.residual import carried_out
+from swarm_gym.runs.checkpoints import load_strategy, strategy_state
+from swarm_gym.training.beginnings import begin_together
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.learners.environments import feature_names, make_swarms
+from swarm_gym.training.learners.learner import Learner
+from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
+
+Floats = NDArray[np.float64]
+
+MOST_WEIGHTS_WITH_COVARIANCE = 200
+
+
+class EvolutionLearner(Learner):
+    """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes."""
+
+    def __init__(self, config: TrainConfig):
+        self.config = config
+        if config.num_swarms % config.candidates:
+            raise ValueError(
+                f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
+                f"{config.candidates}"
+            )
+        if config.reward == PAIRED:
+            raise ValueError(
+                "evolution: all candidates have the same starts, so a paired reward changes nothing; "
+                f"use reward {ENV_REWARD!r}"
+            )
+        self.num_steps = 0
+        self.env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
+        self.features = feature_names(config, self._base)
+        self.num_decisions = int(np.prod(self.env.single_action_space.shape or ()))
+        sizes = (len(self.features), *config.hidden_layers, self.num_decisions)
+        self._shapes = [(into, out) for into, out in pairwise(sizes)]
+        begin = self._first_weights(np.random.default_rng(config.seed))
+        strategy = CMA if len(begin) <= MOST_WEIGHTS_WITH_COVARIANCE else SepCMA
+        self._strategy = strategy(
+            mean=begin, sigma=config.sigma, seed=config.seed, population_size=config.candidates
+        )
+
+    def begin(self) -> None:
+        """Do nothing: the last layer is zero at first, so that a policy with a base decides as its base."""
+
+    def learn(self, seed: int) -> dict[str, float]:
+        """Run `rollouts_per_chunk` generations; return means of their returns, and the step size."""
+        best = []
+        for generation in range(self.config.rollouts_per_chunk):
+            candidates = np.stack([self._strategy.ask() for _ in range(self.config.candidates)])
+            earned = self._earn(candidates, seed + generation * self.config.num_swarms)
+            self._strategy.tell(list(zip(candidates, -earned, strict=True)))
+            best.append([earned.max(), earned.mean()])
+        largest, mean = np.mean(best, axis=0)
+        return {
+            "evolution/best return": float(largest),
+            "evolution/mean return": float(mean),
+            "evolution/sigma": float(self._strategy._sigma),
+        }
+
+    def weights(self) -> Weights:
+        """Return the mean of the search distribution."""
+        weights = {}
+        for number, layer in enumerate(self._layers(self._strategy.mean[None])):
+            weight, bias = _rounded(*layer)
+            weights[f"{number}.weight"], weights[f"{number}.bias"] = weight[0], bias[0]
+        return weights
+
+    def state(self) -> dict[str, Any]:
+        """Return the numbers of the strategy, with those of its random generator."""
+        arrays = strategy_state(self._strategy)
+        # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
+        tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
+        return {"num_steps": self.num_steps, "strategy": tensors}
+
+    def load(self, state: dict[str, Any]) -> None:
+        """Continue from a state."""
+        self.num_steps = state["num_steps"]
+        arrays = {name: tensor.numpy().copy() for name, tensor in state["strategy"].items()}
+        load_strategy(self._strategy, arrays)
+
+    def _earn(self, candidates: Floats, seed: int) -> Floats:
+        """Return the (n,) mean returns of n candidates (n, number of weights), each on the same episodes."""
+        episodes = self.config.num_swarms // len(candidates)
+        layers = [_rounded(*layer) for layer in self._layers(candidates)]
+        swarms: Any = self.env.unwrapped
+        rows = np.tile(np.arange(episodes), len(candidates))
+        # In the first iterations, which all candidates share, the base decides alone.
+        observations, returns, ended, num_steps = begin_together(
+            self.env, self._base, rows, seed, self.config.corrected_from
+        )
+        self.num_steps += num_steps
+        while not ended.all():
+            proposal = None
+            if self._base is not None:
+                proposal = self._base.propose(observations)
+                observations = proposal.seen
+            hidden = observations.astype(np.float32).reshape(len(candidates), episodes, -1)
+            for number, (weight, bias) in enumerate(layers):
+                hidden = affine(hidden, weight[:, None], bias[:, None])
+                if number < len(layers) - 1:
+                    hidden = tanh_of_layer(hidden)
+            actions = carried_out(hidden.reshape(self.env.num_envs, -1), proposal)
+            self.num_steps += int((~ended).sum())
+            observations, rewards, ended = swarms.step_running(actions)
+            returns += rewards
+        return returns.reshape(len(candidates), episodes).mean(axis=1)
+
+    def _layers(self, candidates: Floats) -> Iterator[tuple[Floats, Floats]]:
+        """Yield weights (n, inputs, outputs) and biases (n, outputs) of every layer, as views."""
+        place = 0
+        for into, out in self._shapes:
+            weight = candidates[:, place : place + into * out].reshape(-1, into, out)
+            place += into * out
+            yield weight, candidates[:, place : place + out]
+            place += out
+
+    def _first_weights(self, generator: np.random.Generator) -> Floats:
+        """Draw the weights of hidden layers; those of the last layer are zero."""
+        parts = []
+        for number, (into, out) in enumerate(self._shapes):
+            scale = 0.0 if number == len(self._shapes) - 1 else 1.0 / np.sqrt(into)
+            parts += [scale * generator.standard_normal(into * out), np.zeros(out)]
+        return np.concatenate(parts)
+
+
+def _rounded(weight: Floats, bias: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return a layer as in policy files: (n, outputs, inputs) and (n, outputs), float32."""
+    return np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32), bias.astype(np.float32)

@@ -1,0 +1,52 @@
+"""The interface of learning algorithms, which a training run uses."""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.training.config import TrainConfig
+
+
+class Learner(ABC):
+    """A policy in training. All random numbers of a chunk follow from the chunk's seed.
+
+    Attributes:
+        config: configuration of the training.
+        num_steps: environment steps so far, summed over all swarms.
+        features: names of the policy's observation features.
+        num_decisions: number of decisions in an action.
+        network: kind of the actor, a name in `swarm_gym.controllers.learned.networks.NETWORKS`.
+    """
+
+    config: TrainConfig
+    num_steps: int
+    features: list[str]
+    num_decisions: int
+    network: str = "feedforward"
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Prepare the first chunk, for example by imitation."""
+
+    @abstractmethod
+    def learn(self, seed: int) -> dict[str, float]:
+        """Train for one chunk; return scalars to plot, by name."""
+
+    @abstractmethod
+    def weights(self) -> Weights:
+        """Return the actor: `<layer>.weight` (outputs, inputs) and `<layer>.bias`, tanh between layers.
+
+        Networks that are not feedforward have further tensors, see `learned.networks`.
+        """
+
+    def shape(self) -> dict[str, int]:
+        """Return further entries of the manifest that the shapes of tensors follow from."""
+        return {}
+
+    @abstractmethod
+    def state(self) -> dict[str, Any]:
+        """Return the state for the next chunk: tensors, numbers, strings and containers of these."""
+
+    @abstractmethod
+    def load(self, state: dict[str, Any]) -> None:
+        """Continue from a state."""

@@ -1,0 +1,246 @@
+"""Proximal policy optimization, by stable-baselines3.
+
+Source: J. Schulman et al., "Proximal policy optimization algorithms", arXiv 1707.06347 (2017). One rollout is
+one episode of every swarm.
+"""
+
+import warnings
+from typing import Any, ClassVar
+
+import numpy as np
+import torch
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from stable_baselines3 import PPO
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.utils import set_random_seed
+
+from swarm_gym.action import includes
+from swarm_gym.controllers import make_controller
+from swarm_gym.controllers.controller import require_fitting
+from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.runs.seeds import TRAINING_START
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.grouped_vec_env import GroupedVecEnv
+from swarm_gym.training.imitation import Demonstration, demonstrate, imitate
+from swarm_gym.training.joined_vec_env import JoinedVecEnv
+from swarm_gym.training.learners.algorithm_options import has_groups
+from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
+from swarm_gym.training.learners.group_advantages import GroupBuffer
+from swarm_gym.training.learners.learner import Learner
+from swarm_gym.training.sb3_vec_env import SB3VecEnv
+
+
+class PPOLearner(Learner):
+    """PPO with separate hidden layers for actor and critic."""
+
+    algorithm: ClassVar[type] = PPO
+    policy: ClassVar[str | type] = "MlpPolicy"
+
+    def __init__(self, config: TrainConfig):
+        self.config = config
+        self._teacher = None
+        if config.warm_start != "none":
+            self._teacher = make_controller(config.warm_start, config.limits)
+        # One thread for the whole process, environments included: torch's threads spin between its parallel
+        # regions, and networks of this size do not get faster with more of them.
+        torch.set_num_threads(1)
+        set_random_seed(config.seed)
+        grouped = has_groups(config)
+        mode = AutoresetMode.DISABLED if grouped else AutoresetMode.SAME_STEP
+        made = [make_swarms(part, part.num_swarms, mode) for part in parts_of(config)]
+        env, base = made[0]
+        if self._teacher is not None:
+            if not includes(config.action, self._teacher.action):
+                raise ValueError(
+                    f"warm_start {config.warm_start!r}: a controller with actions {self._teacher.action!r} "
+                    f"cannot be imitated in the layout {config.action!r}"
+                )
+            try:
+                require_fitting(self._teacher, config.max_evaluations or None)
+            except ValueError as error:
+                raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
+        if grouped:
+            firsts = config.branches or (config.corrected_from,)
+            parts = [
+                GroupedVecEnv(*one, config.group_size, firsts, self._mean_actions, config.branch_at_events)
+                for one in made
+            ]
+            self.env: SB3VecEnv | JoinedVecEnv = parts[0] if len(parts) == 1 else JoinedVecEnv(parts)
+        else:
+            self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
+        self.features = feature_names(config, base)
+        self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
+        self._mean_weights: Weights = {}
+        self._iterations = self.env.get_attr("settings")[0].iterations
+        self.model = self._make_model()
+        if config.decay_steps:
+            self.model.lr_schedule = self._decayed
+        self.model.set_logger(Logger(folder=None, output_formats=[]))
+
+    @property
+    def num_steps(self) -> int:  # type: ignore[override]
+        """Environment steps so far."""
+        return self.model.num_timesteps + self.env.num_common_steps
+
+    def begin(self) -> None:
+        """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base.
+
+        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero.
+        """
+        if self._teacher is None and not self.config.critic and self.env.base is not None:
+            with torch.no_grad():
+                for parameter in self.model.policy.action_net.parameters():
+                    parameter.zero_()
+        elif self._teacher is not None or self.env.base is not None:
+            seed = TRAINING_START + self.config.seed
+            assert isinstance(self.env, SB3VecEnv)  # several optimizers have neither a teacher nor a critic
+            shown = demonstrate(self._teacher, self.env, self._noise(), self.config.discount, seed)
+            imitate(self.model.policy, self._lessons(shown), self._predict, seed)
+            self.env.num_common_steps = 0  # steps of demonstrations are not counted
+
+    def learn(self, seed: int) -> dict[str, float]:
+        """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
+        config = self.config
+        set_random_seed(seed)
+        self.env.seed(seed)
+        # New episodes and averages, so that any chunk can be the first of a resumed run.
+        self.model._last_obs = None
+        self.model.ep_info_buffer = None
+        for _ in range(config.rollouts_per_chunk):
+            self._begin_rollout()
+            steps = self.model.n_steps * config.num_swarms
+            self.model.learn(steps, reset_num_timesteps=False, log_interval=10**9)
+            self._average_weights()
+        found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
+        ended: Any = self.model.ep_info_buffer
+        found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
+        return found
+
+    def weights(self) -> Weights:
+        """Return the layers that compute the mean action, or their running mean where there is one."""
+        return self._mean_weights or self._last_weights()
+
+    def _average_weights(self) -> None:
+        """Move the running mean of the weights towards the last ones."""
+        if share := self.config.averaging:
+            last = self._last_weights()
+            mean = self._mean_weights or last
+            self._mean_weights = {name: share * mean[name] + (1.0 - share) * last[name] for name in last}
+
+    def _last_weights(self) -> Weights:
+        return {name: tensor.numpy() for name, tensor in actor_layers(self.model.policy).items()}
+
+    def state(self) -> dict[str, Any]:
+        """Return networks, optimizer and counters."""
+        return {
+            "mean_weights": {name: torch.as_tensor(array) for name, array in self._mean_weights.items()},
+            "policy": self.model.policy.state_dict(),
+            "optimizer": self.model.policy.optimizer.state_dict(),
+            "num_timesteps": self.model.num_timesteps,
+            "num_common_steps": self.env.num_common_steps,
+            "updates": self.model._n_updates,
+        }
+
+    def load(self, state: dict[str, Any]) -> None:
+        """Continue from a state."""
+        self._mean_weights = {name: tensor.numpy() for name, tensor in state["mean_weights"].items()}
+        self.model.policy.load_state_dict(state["policy"])
+        self.model.policy.optimizer.load_state_dict(state["optimizer"])
+        self.model.num_timesteps = state["num_timesteps"]
+        self.env.num_common_steps = state["num_common_steps"]
+        self.model._n_updates = state["updates"]
+
+    def _lessons(self, shown: Demonstration) -> Demonstration:
+        """Return the sequences of an imitation: single steps."""
+        return shown.one_by_one()
+
+    def _predict(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Return mean actions (N, k) and values (N,) of observations (sequences, length, features)."""
+        flat = seen.flatten(0, 1)
+        policy = self.model.policy
+        return policy.get_distribution(flat).mode(), policy.predict_values(flat).flatten()
+
+    def _mean_actions(self, seen: NDArray) -> NDArray:
+        """Return the actions (B, k) of the policy without noise."""
+        with torch.no_grad():
+            return self._predict(torch.as_tensor(seen)[:, None])[0].numpy()
+
+    def _noise(self) -> float:
+        """Return the standard deviation of actions; where noise is held, that at the begin of episodes."""
+        if self.config.noise_steps == 1:
+            return float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
+        self.env.seed(TRAINING_START + self.config.seed)
+        observations = torch.as_tensor(self.env.reset())
+        with torch.no_grad():
+            return float(self.model.policy.get_distribution(observations).distribution.stddev.mean())
+
+    def _begin_rollout(self) -> None:
+        """Make the next rollout one episode: groups of swarms begin to differ at different iterations."""
+        if self.model._last_obs is None:
+            self.model._last_obs = self.env.reset()
+            self.model._last_episode_starts = np.ones(self.env.num_envs, dtype=bool)
+        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._iterations - self.env.first
+
+    def _decayed(self, _: float) -> float:
+        """Return the step size of Adam after the steps so far; the library's share is of one call only."""
+        return step_size(self.config, self.num_steps)
+
+    def _policy_options(self) -> dict[str, Any]:
+        return policy_options(self.config)
+
+    def _buffer_options(self) -> dict[str, Any]:
+        """Return the options of the model about its rollouts."""
+        config = self.config
+        if config.group_size == 1 and config.critic and config.noise_steps == 1:
+            return {}
+        buffer = {name: getattr(config, name) for name in ("group_size", "critic", "noise_steps")}
+        buffer["num_optimizers"] = len(config.optimizers)
+        return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
+
+    def _make_model(self) -> Any:
+        """Return the library's model; a last minibatch may be smaller than the others, which it warns of."""
+        config = self.config
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "You have specified a mini-batch size", UserWarning)
+            return self.algorithm(
+                self.policy,
+                self.env,
+                learning_rate=config.learning_rate,
+                n_steps=self._iterations - self.env.first,
+                batch_size=config.batch_size,
+                n_epochs=config.epochs,
+                gamma=config.discount,
+                gae_lambda=config.gae_lambda,
+                clip_range=config.clip_range,
+                ent_coef=config.entropy_weight,
+                vf_coef=0.5 if config.critic else 0.0,
+                target_kl=config.target_kl,
+                policy_kwargs=self._policy_options(),
+                seed=config.seed,
+                device="cpu",
+                use_sde=config.noise_steps != 1,
+                sde_sample_freq=config.noise_steps or -1,
+                **self._buffer_options(),
+            )
+
+
+def policy_options(config: TrainConfig) -> dict[str, Any]:
+    """Return the options of the library's policy without a memory."""
+    return {"net_arch": list(config.hidden_layers), "log_std_init": config.log_std}
+
+
+def step_size(config: TrainConfig, num_steps: int) -> float:
+    """Return the step size of Adam after some environment steps."""
+    share = 1.0 - num_steps / config.decay_steps if config.decay_steps else 1.0
+    return config.learning_rate * max(share, 0.0)
+
+
+def actor_layers(policy: Any) -> dict[str, torch.Tensor]:
+    """Return copies of the layers of a policy that compute the mean action, named as in policy files."""
+    layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
+    weights = {}
+    for number, layer in enumerate([*layers, policy.action_net]):
+        weights[f"{number}.weight"] = layer.weight.detach().clone()
+        weights[f"{number}.bias"] = layer.bias.detach().clone()
+    return weights

@@ -1,0 +1,94 @@
+"""Kinds of controllers that can be tuned, by name."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from swarm_gym.checks import look_up
+from swarm_gym.errors import SettingError
+from swarm_gym.tuning.config import TuneConfig
+from swarm_gym.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
+from swarm_gym.tuning.parameter_spaces import (
+    DIVERSITY_LADDER,
+    LINEAR_REDUCTION,
+    PERIODIC,
+    REACTION,
+    RESTART,
+    SCHEDULE,
+    STATUS_MONITOR,
+    ParameterSpace,
+)
+from swarm_gym.tuning.study import ParameterTuner
+from swarm_gym.tuning.tuner import Tuner
+
+# Options that only some kinds have.
+SPECIAL = (
+    "action",
+    "initial_population_size",
+    "initial_smooth_share",
+    "initial_amplitude",
+    "start",
+    "held",
+    "knots",
+    "candidates",
+    "sigma",
+)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of controller that can be tuned.
+
+    Attributes:
+        make: function that makes the tuner of a configuration.
+        options: names of the `SPECIAL` options that the kind has.
+        defaults: options with other defaults than those of `TuneConfig`.
+    """
+
+    make: Callable[[TuneConfig], Tuner]
+    options: tuple[str, ...] = ()
+    defaults: dict[str, Any] = field(default_factory=dict)
+
+
+def _parameters(space: ParameterSpace) -> Kind:
+    return Kind(partial(ParameterTuner, space=space), (), {"episodes": 48})
+
+
+TUNERS: dict[str, Kind] = {
+    "open-loop": Kind(OpenLoopTuner, SPECIAL),
+    "reacting-loop": Kind(ReactingLoopTuner, SPECIAL),
+    "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
+    "schedule": _parameters(SCHEDULE),
+    "linear-reduction": _parameters(LINEAR_REDUCTION),
+    "diversity-ladder": _parameters(DIVERSITY_LADDER),
+    "restart": _parameters(RESTART),
+    "periodic": _parameters(PERIODIC),
+    "reaction": _parameters(REACTION),
+    "status-monitor": _parameters(STATUS_MONITOR),
+}
+
+
+def kind_defaults(what: str) -> dict[str, Any]:
+    """Return the options of a kind that have other defaults than those of `TuneConfig`.
+
+    Raises:
+        UnknownNameError: if there is no such kind.
+    """
+    return {"what": what, **look_up("kind to tune", what, TUNERS).defaults}
+
+
+def make_tuner(config: TuneConfig) -> Tuner:
+    """Return the tuner of a configuration.
+
+    Raises:
+        UnknownNameError: for a kind, scenario or optimizer that does not exist.
+        SettingError: for an option that the kind does not have, or an invalid value.
+    """
+    kind = look_up("kind to tune", config.what, TUNERS)
+    defaults = TuneConfig(**kind_defaults(config.what))
+    for name in SPECIAL:
+        given, default = getattr(config, name), getattr(defaults, name)
+        if name not in kind.options and given != default:
+            raise SettingError(f"{name}: not an option of what {config.what!r}, got {given!r}")
+    return kind.make(config)
