@@ -110,12 +110,16 @@ PAGES = {
             "agents.backends", "agents.backends.options",
         ),
     ),
+    "comparing": ReferencePage(
+        "Comparing",
+        "Controllers on the same scenarios and seeds: gaps, evaluations, intervals and a table.",
+        ("swarm_gym.comparing", "swarm_gym.comparing.entrants"),
+    ),
     "experiments": ReferencePage(
         "Experiments",
         "Suites, their results, and the statistics and tables that are made of these.",
         (
             "experiments.catalogue", "experiments.runs.experiment", "experiments.runs.suite",
-            "swarm_gym.comparing.entrants",
             "experiments.runs.database", "experiments.runs.outcomes", "experiments.statistics",
             "experiments.tables.table", "experiments.tables.cell",
         ),
