@@ -48,11 +48,12 @@ class Frame:
         """Return a scenario in the frame.
 
         An end that is inside an obstacle by the tolerance of the scenario, at most, is moved to its outline.
-        So what touches on a map that is far from its origin touches in the frame, too.
+        So what touches on a map that is far from its origin touches in the frame, too. For the same reason
+        the seams between obstacles are made on the map, and are obstacles of the frame.
         """
         (x_min, y_min), (x_max, y_max) = self.to_frame(np.reshape(scenario.workspace, (2, 2))).tolist()
         low_high = scenario.initial_range
-        obstacles = tuple(self._obstacle(obstacle) for obstacle in scenario.obstacles)
+        obstacles = tuple(self._obstacle(obstacle) for obstacle in scenario.solids)
         deepest = 2.0 * self.factor * scenario.tolerance
         return Scenario(
             scenario.name,

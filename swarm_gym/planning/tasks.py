@@ -1,6 +1,6 @@
 """Tasks of planning: a map with start and goal as it is given, and as the planner works on it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -65,8 +65,12 @@ class Task:
         """
         if self.margin == 0.0:
             return self.bare
+        bare = self.bare
+        if isinstance(bare, Scenario) and isinstance(self.given, Scenario):
+            # Obstacles that share an edge overlap when they have grown, so seams need not grow.
+            bare = replace(bare, obstacles=bare.obstacles[: len(self.given.obstacles)])
         try:
-            return grown(self.bare, self.frame.factor * self.margin)
+            return grown(bare, self.frame.factor * self.margin)
         except NoPathError as error:
             if self.shortest is None:
                 raise NoPathError(
