@@ -32,6 +32,8 @@ KERNEL_SOURCES = (
     "optimizers",
     "reference/a_star.py",
     "reference/any_angle.py",
+    "reference/disc_arcs.py",
+    "reference/disc_tangents.py",
     "reference/free_arcs.py",
     "reference/grid_sight.py",
     "reference/priority_queue.py",
