@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents import make_controller
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 from swarm_gym.env import SwarmEnv
 from swarm_gym.runs.seeds import TRAINING_START
@@ -44,7 +45,7 @@ def sourced_file(tmp_path):
     path = tmp_path / "sourced.json"
     knobs = {"noise": [2.0] * 6, "attractiveness": [0.1] * 6}
     sizes, degrees = [70.0, 40.0, 30.0, 20.0, 10.0, 9.0], [0.5, 0.4, 0.3, 0.2, 0.1, 0.05]
-    save_open_loop(path, 33, list(KNOTS), sizes, degrees, knobs, {}, SOURCES, Source(0.5, 0.2))
+    save_open_loop(path, Knots(33, list(KNOTS), sizes, degrees, knobs, SOURCES, Source(0.5, 0.2)), {})
     return f"open-loop:{path}"
 
 
