@@ -10,15 +10,16 @@ import warnings
 from typing import Any
 
 import numpy as np
+import stable_baselines3
 import torch
 from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3 import DQN
 from stable_baselines3.common.logger import Logger
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.training.algorithms import DQN
 from swarm_gym.training.choice_vec_env import ChoiceVecEnv, make_choices
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms
@@ -36,7 +37,7 @@ PREFERENCE = 0.01
 REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones")
 
 
-class ExploringDQN(DQN):
+class ExploringDQN(stable_baselines3.DQN):
     """The library's DQN, in which every swarm draws for itself whether its next choice is random."""
 
     action_space: Discrete
@@ -63,9 +64,9 @@ class DQNLearner(Learner):
 
     network = "choices"
 
-    def __init__(self, config: TrainConfig):
-        self.config = config
-        _require_usable(config)
+    def __init__(self, config: TrainConfig, options: DQN):
+        self.config, self.options = config, options
+        _require_usable(config, options)
         torch.set_num_threads(1)  # as for PPO
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
         self.features = feature_names(config, base)
@@ -76,7 +77,7 @@ class DQNLearner(Learner):
                 f"{self.num_decisions} decisions"
             )
         swarms = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
-        self.choices = make_choices(config.size_choices, config.degree_choices)
+        self.choices = make_choices(options.size_choices, options.degree_choices)
         self.env = ChoiceVecEnv(swarms, self.choices)
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
@@ -157,32 +158,32 @@ class DQNLearner(Learner):
 
     def _exploration(self, _: float) -> float:
         """Return the share of random choices after the steps so far; the library's is of one call only."""
-        gone = self.num_steps / max(self.config.exploration_steps, 1)
+        gone = self.num_steps / max(self.options.exploration_steps, 1)
         return max(1.0 - gone * (1.0 - LEAST_EXPLORATION), LEAST_EXPLORATION)
 
     def _make_model(self) -> ExploringDQN:
-        config = self.config
+        config, options = self.config, self.options
         with warnings.catch_warnings():
             # The target network may follow at every step of many swarms.
             warnings.filterwarnings("ignore", "The number of environments used is greater", UserWarning)
             model = ExploringDQN(
                 "MlpPolicy",
                 self.env,
-                learning_rate=config.learning_rate,
-                buffer_size=config.replay_size,
+                learning_rate=options.learning_rate,
+                buffer_size=options.replay_size,
                 learning_starts=_steps_of_rollout(config),
-                batch_size=config.batch_size,
-                gamma=config.discount,
+                batch_size=options.batch_size,
+                gamma=options.discount,
                 train_freq=1,
-                gradient_steps=config.gradient_steps,
-                n_steps=config.return_steps,
-                target_update_interval=config.target_steps,
+                gradient_steps=options.gradient_steps,
+                n_steps=options.return_steps,
+                target_update_interval=options.target_steps,
                 stats_window_size=config.rollouts_per_chunk * config.num_swarms,
                 policy_kwargs={"net_arch": list(config.hidden_layers), "activation_fn": torch.nn.Tanh},
                 seed=config.seed,
                 device="cpu",
             )
-        model.lr_schedule = lambda _: step_size(config, self.num_steps)
+        model.lr_schedule = lambda _: step_size(options, self.num_steps)
         model.exploration_schedule = self._exploration
         return model
 
@@ -192,19 +193,19 @@ def _steps_of_rollout(config: TrainConfig) -> int:
     return config.iterations * config.num_swarms
 
 
-def _require_usable(config: TrainConfig) -> None:
+def _require_usable(config: TrainConfig, options: DQN) -> None:
     """Raise an error for options that DQN cannot use."""
     for name in ("size_choices", "degree_choices"):
-        numbers = getattr(config, name)
+        numbers = getattr(options, name)
         if len(set(numbers)) < max(len(numbers), 1):
             raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
         for number in numbers:
             require_number(name, number, -1.0, 1.0)
     for name in ("batch_size", "gradient_steps", "target_steps"):
-        require_integer(name, getattr(config, name), 1)
-    require_integer("return_steps", config.return_steps, 1, config.iterations)
-    require_integer("exploration_steps", config.exploration_steps, 0)
-    require_integer("replay_size", config.replay_size, _steps_of_rollout(config))
+        require_integer(name, getattr(options, name), 1)
+    require_integer("return_steps", options.return_steps, 1, config.iterations)
+    require_integer("exploration_steps", options.exploration_steps, 0)
+    require_integer("replay_size", options.replay_size, _steps_of_rollout(config))
     if config.max_evaluations:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"

@@ -113,8 +113,7 @@ def loop_for(optimizer, folder):
 @pytest.mark.slow
 def test_short_trainings_by_ppo_beat_a_fixed_size_at_fewer_evaluations(tmp_path):
     """On average; one may end below it."""
-    config = TrainConfig(
-        runs=tmp_path,
+    config = TrainConfig(runs=tmp_path).changed(
         algorithm="ppo",
         optimizer="particle-swarm",
         scenarios=("case1",),
