@@ -15,7 +15,7 @@ from typing import Any, TypedDict, cast
 import tyro
 
 from swarm_gym.checks import look_up
-from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.size_limits import SizeLimits
 from swarm_gym.training.algorithms import (
     ALGORITHMS,
     EVERY_OPTION,

@@ -308,7 +308,7 @@ def test_an_update_moves_towards_praised_actions(tmp_path):
         log_probs = distribution.log_prob(actions)
         before = distribution.mode()
     advantages = actions[:, 0] - before[:, 0]
-    update(policy, Steps(observations, actions, log_probs, advantages, advantages), learner.config)
+    update(policy, Steps(observations, actions, log_probs, advantages, advantages), learner.options)
     with torch.no_grad():
         after = policy.get_distribution(observations).mode()
     assert (after - before)[:, 0].mean() > 0.0
