@@ -4,6 +4,7 @@ Policies, initial weights and the meaning of options are those of `PPOLearner`. 
 always is one new episode of all swarms, which begins after the update before it; and torch draws minibatches.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -106,7 +107,7 @@ class DevicePPOLearner(Learner):
         layers = self._mean_layers or actor_layers(self.policy)
         return {name: tensor.cpu().numpy() for name, tensor in layers.items()}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer and counters, with all tensors on the CPU."""
         return {
             "mean_layers": _on_cpu(self._mean_layers),
@@ -116,13 +117,14 @@ class DevicePPOLearner(Learner):
             "passes": self._passes,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self._mean_layers = {name: tensor.to(self._device) for name, tensor in state["mean_layers"].items()}
-        self.policy.load_state_dict(state["policy"])
-        self.policy.optimizer.load_state_dict(state["optimizer"])
-        self.num_steps = state["num_steps"]
-        self._passes = state["passes"]
+        stored: Any = state
+        self._mean_layers = {name: tensor.to(self._device) for name, tensor in stored["mean_layers"].items()}
+        self.policy.load_state_dict(stored["policy"])
+        self.policy.optimizer.load_state_dict(stored["optimizer"])
+        self.num_steps = stored["num_steps"]
+        self._passes = stored["passes"]
 
     def _roll(self, generator: np.random.Generator) -> Rollout:
         options = self.options

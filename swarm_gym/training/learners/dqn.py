@@ -7,6 +7,7 @@ choice; the policy takes the choice with the largest estimate.
 """
 
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -44,11 +45,11 @@ class ExploringDQN(stable_baselines3.DQN):
 
     def predict(
         self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
+        observation: NDArray | dict[str, NDArray],
+        state: tuple[NDArray, ...] | None = None,
+        episode_start: NDArray | None = None,
         deterministic: bool = False,
-    ) -> tuple[NDArray, Any]:
+    ) -> tuple[NDArray, tuple[NDArray, ...] | None]:
         """Return the numbers of the choices of B swarms, some of them random unless `deterministic`."""
         chosen, state = super().predict(observation, state, episode_start, deterministic=True)
         if not deterministic:
@@ -122,7 +123,7 @@ class DQNLearner(Learner):
         """Return the number of choices."""
         return {"num_choices": len(self.choices)}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer, counters and the steps that are replayed."""
         model, replay = self.model, self._replay
         filled = replay.size()
@@ -137,16 +138,17 @@ class DQNLearner(Learner):
             "full": replay.full,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
+        stored: Any = state
         model, replay = self.model, self._replay
-        model.policy.load_state_dict(state["policy"])
-        model.policy.optimizer.load_state_dict(state["optimizer"])
-        model.num_timesteps, model._n_updates = state["num_timesteps"], state["updates"]
-        model._n_calls = state["calls"]
-        for name, steps in state["replay"].items():
+        model.policy.load_state_dict(stored["policy"])
+        model.policy.optimizer.load_state_dict(stored["optimizer"])
+        model.num_timesteps, model._n_updates = stored["num_timesteps"], stored["updates"]
+        model._n_calls = stored["calls"]
+        for name, steps in stored["replay"].items():
             getattr(replay, name)[: len(steps)] = steps.numpy()
-        replay.pos, replay.full = state["place"], state["full"]
+        replay.pos, replay.full = stored["place"], stored["full"]
 
     @property
     def _replay(self) -> Any:

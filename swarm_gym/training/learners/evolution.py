@@ -6,7 +6,7 @@ alternative to reinforcement learning", arXiv 1703.03864 (2017). The objective i
 without noise in its actions, as it is used later.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -85,17 +85,18 @@ class EvolutionLearner(Learner):
             weights[f"{number}.weight"], weights[f"{number}.bias"] = weight[0], bias[0]
         return weights
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return the numbers of the strategy, with those of its random generator."""
         arrays = strategy_state(self._strategy)
         # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
         tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
         return {"num_steps": self.num_steps, "strategy": tensors}
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self.num_steps = state["num_steps"]
-        arrays = {name: tensor.numpy().copy() for name, tensor in state["strategy"].items()}
+        stored: Any = state
+        self.num_steps = stored["num_steps"]
+        arrays = {name: tensor.numpy().copy() for name, tensor in stored["strategy"].items()}
         load_strategy(self._strategy, arrays)
 
     def _earn(self, candidates: Floats, seed: int) -> Floats:

@@ -5,7 +5,8 @@ one episode of every swarm.
 """
 
 import warnings
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, TypedDict
 
 import numpy as np
 import stable_baselines3
@@ -13,6 +14,7 @@ import torch
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import set_random_seed
 
 from swarm_gym.action import includes
@@ -30,6 +32,13 @@ from swarm_gym.training.learners.environments import feature_names, make_referen
 from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
+
+
+class PolicyOptions(TypedDict):
+    """Options of the library's policy without a memory."""
+
+    net_arch: list[int]
+    log_std_init: float
 
 
 class PPOLearner(Learner):
@@ -74,7 +83,8 @@ class PPOLearner(Learner):
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self._mean_weights: Weights = {}
-        self._iterations = self.env.get_attr("settings")[0].iterations
+        settings: Any = self.env.get_attr("settings")[0]
+        self._iterations = settings.iterations
         self.model = self._make_model()
         if options.decay_steps:
             self.model.lr_schedule = self._decayed
@@ -133,7 +143,7 @@ class PPOLearner(Learner):
     def _last_weights(self) -> Weights:
         return {name: tensor.numpy() for name, tensor in actor_layers(self.model.policy).items()}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer and counters."""
         return {
             "mean_weights": {name: torch.as_tensor(array) for name, array in self._mean_weights.items()},
@@ -144,14 +154,15 @@ class PPOLearner(Learner):
             "updates": self.model._n_updates,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self._mean_weights = {name: tensor.numpy() for name, tensor in state["mean_weights"].items()}
-        self.model.policy.load_state_dict(state["policy"])
-        self.model.policy.optimizer.load_state_dict(state["optimizer"])
-        self.model.num_timesteps = state["num_timesteps"]
-        self.env.num_common_steps = state["num_common_steps"]
-        self.model._n_updates = state["updates"]
+        stored: Any = state
+        self._mean_weights = {name: tensor.numpy() for name, tensor in stored["mean_weights"].items()}
+        self.model.policy.load_state_dict(stored["policy"])
+        self.model.policy.optimizer.load_state_dict(stored["optimizer"])
+        self.model.num_timesteps = stored["num_timesteps"]
+        self.env.num_common_steps = stored["num_common_steps"]
+        self.model._n_updates = stored["updates"]
 
     def _lessons(self, shown: Demonstration) -> Demonstration:
         """Return the sequences of an imitation: single steps."""
@@ -189,7 +200,7 @@ class PPOLearner(Learner):
         return step_size(self.options, self.num_steps)
 
     def _policy_options(self) -> dict[str, Any]:
-        return policy_options(self.config, self.options)
+        return {**policy_options(self.config, self.options)}
 
     def _buffer_options(self) -> dict[str, Any]:
         """Return the options of the model about its rollouts."""
@@ -227,7 +238,7 @@ class PPOLearner(Learner):
             )
 
 
-def policy_options(config: TrainConfig, options: ClippedOptions) -> dict[str, Any]:
+def policy_options(config: TrainConfig, options: ClippedOptions) -> PolicyOptions:
     """Return the options of the library's policy without a memory."""
     return {"net_arch": list(config.hidden_layers), "log_std_init": options.log_std}
 
@@ -238,11 +249,13 @@ def step_size(options: GradientOptions, num_steps: int) -> float:
     return options.learning_rate * max(share, 0.0)
 
 
-def actor_layers(policy: Any) -> dict[str, torch.Tensor]:
+def actor_layers(policy: ActorCriticPolicy) -> dict[str, torch.Tensor]:
     """Return copies of the layers of a policy that compute the mean action, named as in policy files."""
-    layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
+    modules: Any = policy.mlp_extractor.policy_net
+    layers = [module for module in modules if isinstance(module, torch.nn.Linear)]
+    last: Any = policy.action_net
     weights = {}
-    for number, layer in enumerate([*layers, policy.action_net]):
+    for number, layer in enumerate([*layers, last]):
         weights[f"{number}.weight"] = layer.weight.detach().clone()
         weights[f"{number}.bias"] = layer.bias.detach().clone()
     return weights

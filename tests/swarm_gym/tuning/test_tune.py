@@ -38,7 +38,13 @@ def short_estimate(monkeypatch):
 
 def tune(folder, what="open-loop", rounds=3, **options):
     small = SMALL_KIND if "candidates" in TUNERS[what].options else {}
-    options = {**kind_defaults(what), **TINY, **small, "total_steps": rounds * ROUND[what], **options}
+    options = {
+        **dataclasses.asdict(kind_defaults(what)),
+        **TINY,
+        **small,
+        "total_steps": rounds * ROUND[what],
+        **options,
+    }
     return TuningRun(TuneConfig(**{"runs": folder, "name": "it", **options}))
 
 
@@ -150,7 +156,7 @@ def test_a_point_decides_at_its_knots_what_the_controller_does():
 
 
 def test_a_constant_is_one_decision():
-    space = KnotSpace(TuneConfig(**kind_defaults("constant")))
+    space = KnotSpace(kind_defaults("constant"))
     actions = space.controller(space.start).act(np.array([[0.0, 0.0, 0.0, t] for t in (0, 50, 99)]))
     assert (actions == actions[0]).all()
     assert 10 < actions[0, 0] < 165

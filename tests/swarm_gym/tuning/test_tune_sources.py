@@ -1,5 +1,6 @@
 """Tuning of decisions on new members: where the search starts, first populations, files, resuming."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -33,7 +34,7 @@ def short_estimate(monkeypatch):
 
 
 def tune(folder, rounds=2, **options):
-    defaults = kind_defaults(options.pop("what", "open-loop"))
+    defaults = dataclasses.asdict(kind_defaults(options.pop("what", "open-loop")))
     small = {"candidates": 4, "initial_population_size": 6, "total_steps": rounds * STEPS, "name": "it"}
     given = {"action": "sourced", "runs": folder, **options}
     return TuningRun(TuneConfig(**{**defaults, **TINY, **small, **given}))
