@@ -38,14 +38,9 @@ def short_estimate(monkeypatch):
 
 def tune(folder, what="open-loop", rounds=3, **options):
     small = SMALL_KIND if "candidates" in TUNERS[what].options else {}
-    options = {
-        **dataclasses.asdict(kind_defaults(what)),
-        **TINY,
-        **small,
-        "total_steps": rounds * ROUND[what],
-        **options,
-    }
-    return TuningRun(TuneConfig(**{"runs": folder, "name": "it", **options}))
+    options = {**TINY, **small, "total_steps": rounds * ROUND[what], **options}
+    changes = {"runs": folder, "name": "it", **options}
+    return TuningRun(dataclasses.replace(kind_defaults(what), **changes))
 
 
 def stored(path):

@@ -34,10 +34,10 @@ def short_estimate(monkeypatch):
 
 
 def tune(folder, rounds=2, **options):
-    defaults = dataclasses.asdict(kind_defaults(options.pop("what", "open-loop")))
+    defaults = kind_defaults(options.pop("what", "open-loop"))
     small = {"candidates": 4, "initial_population_size": 6, "total_steps": rounds * STEPS, "name": "it"}
     given = {"action": "sourced", "runs": folder, **options}
-    return TuningRun(TuneConfig(**{**defaults, **TINY, **small, **given}))
+    return TuningRun(dataclasses.replace(defaults, **{**TINY, **small, **given}))
 
 
 @pytest.fixture
