@@ -159,7 +159,9 @@ def test_a_file_never_imports_code(folder):
     tuned = folder / "tuned.json"
     tuned.write_text(json.dumps({"format": FORMAT, "controller": "mine.rule:ByThirds", "manifest": {}}))
     loop = folder / "loop.json"
-    save_open_loop(loop, Knots(6, [0], [6.0], [0.1], {"step": [0.1]}, optimizer="mine.swarm:HillClimber"), {})
+    save_open_loop(loop, Knots(6, [0], [6.0], [0.1]), {})
+    another = {"knobs": {"step": [0.1]}, "optimizer": "mine.swarm:HillClimber"}
+    loop.write_text(json.dumps({**json.loads(loop.read_text()), **another}))
     preset = folder / "preset.toml"
     preset.write_text('like = "three-cases"\nscenarios = ["case1", "mine.hall:HALL"]\n')
     readings = [
