@@ -15,15 +15,18 @@ features, and `action` is the correction that is added to them. The metadata of 
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from swarm_gym.command import command
 from swarm_gym.controllers.learned.manifest import CHOICES, LSTM
 from swarm_gym.controllers.learned.policy_file import Weights, load_policy, resolve
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.files import write_atomically
+
+if TYPE_CHECKING:
+    from onnx import ModelProto
 
 # Supported by runtimes since 2022; the graph needs nothing newer.
 OPSET = 17
@@ -33,7 +36,7 @@ SEEN, ACTION = "observation", "action"
 STATE = ("hidden", "cell")
 
 
-def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
+def to_onnx(weights: Weights, manifest: Mapping[str, object]) -> "ModelProto":
     """Return the `onnx.ModelProto` of a policy's network.
 
     Raises:
@@ -46,8 +49,9 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
 
     import numpy as np
 
+    stated: Any = manifest
     constants = {**weights, "low": np.float32(-1.0), "high": np.float32(1.0)}
-    num_layers, memory = len(manifest["hidden_layers"]) + 1, manifest["network"] == LSTM
+    num_layers, memory = len(stated["hidden_layers"]) + 1, stated["network"] == LSTM
     nodes, entry = [], SEEN
     if memory:
         nodes, entry = _memory(helper), "next_hidden"
@@ -58,7 +62,7 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
             entry = f"layer {number}"
             nodes.append(helper.make_node("Tanh", [affine], [entry]))
     decided = affine
-    if manifest["network"] == CHOICES:
+    if stated["network"] == CHOICES:
         decided = "decided"
         nodes.append(helper.make_node("ArgMax", [affine], ["best"], axis=1, keepdims=0))
         nodes.append(helper.make_node("Gather", ["choices", "best"], [decided], axis=0))
@@ -67,12 +71,12 @@ def to_onnx(weights: Weights, manifest: dict[str, Any]) -> Any:
     def described(names: Sequence[str], width: int) -> list[Any]:
         return [helper.make_tensor_value_info(name, TensorProto.FLOAT, ["N", width]) for name in names]
 
-    size = manifest["lstm_size"] or 0
+    size = stated["lstm_size"] or 0
     graph = helper.make_graph(
         nodes,
         "policy",
-        described([SEEN], len(manifest["features"])) + (described(STATE, size) if memory else []),
-        described([ACTION], manifest["num_decisions"])
+        described([SEEN], len(stated["features"])) + (described(STATE, size) if memory else []),
+        described([ACTION], stated["num_decisions"])
         + (described([f"next_{name}" for name in STATE], size) if memory else []),
         [numpy_helper.from_array(np.asarray(array), name) for name, array in constants.items()],
     )

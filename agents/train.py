@@ -18,9 +18,9 @@ from agents.backends.many_runs import train as train_quietly
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.folder import RunFolderError
-from swarm_gym.training.command_line import KEPT, named_preset, train
+from swarm_gym.training.command_line import KEPT, train
 from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.presets import load_preset
+from swarm_gym.training.given_options import named_options, without_foreign
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,11 @@ def read_command_line(arguments: Sequence[str] | None = None, preset: str | None
     Raises:
         PresetError: for a preset that is missing or invalid.
     """
-    loaded = load_preset(preset or named_preset(arguments))
-    given = tyro.cli(CommandLine, default=CommandLine(loaded), description=__doc__, args=arguments)
+    named = named_options(arguments, preset)
+    left = without_foreign(arguments, named.algorithm.name)
+    given = tyro.cli(CommandLine, default=CommandLine(named), description=__doc__, args=left)
     # The name of a preset that is given as a file is the file's name.
-    return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=loaded.preset))
+    return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=named.preset))
 
 
 def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> list[TrainConfig]:
@@ -76,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         given.where.check()
         configs = read_configs(given, arguments)
         if given.presets or given.seeds or given.where.elsewhere:
-            controllers = [name for c in configs for name in (c.base, c.reference, c.warm_start)]
+            controllers = [name for c in configs for name in (c.base, c.reference, c.algorithm.warm_start)]
             run_all(train_quietly, configs, given.where, controllers)
         else:
             train(given.config)

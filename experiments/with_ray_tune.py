@@ -57,7 +57,7 @@ def train_in_rungs(values: Mapping[str, Any], preset: TrainConfig, config: Searc
     name = tune.get_context().get_trial_id()
     for rung in range(1, config.rungs + 1):
         steps = config.total_steps * rung // config.rungs
-        trained = replace(preset, **values, runs=config.runs, name=name, total_steps=steps)
+        trained = preset.changed(**values, runs=config.runs, name=name, total_steps=steps)
         run = TrainingRun(replace(trained, resume=is_begun(trained.folder)))
         with contextlib.redirect_stderr(io.StringIO()):  # progress bars of several runs are unreadable
             run.run()
@@ -81,7 +81,7 @@ def search(config: SearchConfig) -> tuple[Path, dict[str, Any]]:
     except ImportError as error:
         raise MissingExtraError("this example", "Ray Tune", "ray-tune") from error
     preset = load_preset(config.preset)
-    controllers = (preset.base, preset.reference, preset.warm_start)
+    controllers = (preset.base, preset.reference, preset.algorithm.warm_start)
     where = BackendOptions("ray", config.address, config.jobs)
     runs = config.runs.absolute()
     space = {

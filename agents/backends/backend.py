@@ -2,9 +2,11 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple, TypeVar, cast
 
 from swarm_gym.own_code import allow
+
+Result = TypeVar("Result")
 
 MOST_LOSSES = 3  # number of times that a unit of work may be lost before it is given up
 
@@ -63,13 +65,13 @@ class GivenUp:
             raise WorkLostError
 
 
-class Outcome(NamedTuple):
+class Outcome(NamedTuple, Generic[Result]):
     """The outcome of a unit of work: a result, or the error that it raised."""
 
-    result: Any
+    result: Result | None
     error: Exception | None = None
 
-    def get(self) -> Any:
+    def get(self) -> Result:
         """Return the result.
 
         Raises:
@@ -77,10 +79,10 @@ class Outcome(NamedTuple):
         """
         if self.error is not None:
             raise self.error
-        return self.result
+        return cast(Result, self.result)
 
 
-class Task(NamedTuple):
+class Task(NamedTuple, Generic[Result]):
     """A function that is called for each unit of work.
 
     Attributes:
@@ -89,18 +91,18 @@ class Task(NamedTuple):
         own_code: names of own code that files of the task may name in workers, too.
     """
 
-    function: Callable[..., Any]
-    common: tuple[Any, ...] = ()
+    function: Callable[..., Result]
+    common: tuple[object, ...] = ()
     own_code: tuple[str, ...] = ()
 
-    def __call__(self, unit: Any) -> Any:
+    def __call__(self, unit: object) -> Result:
         """Return the result of a unit."""
         allow(*self.own_code)
         return self.function(unit, *self.common)
 
-    def outcomes(self, units: Sequence[Any]) -> list[Outcome]:
+    def outcomes(self, units: Sequence[object]) -> list[Outcome[Result]]:
         """Run several units one after the other and return their outcomes, up to the first error."""
-        found = []
+        found: list[Outcome[Result]] = []
         for unit in units:
             try:
                 found.append(Outcome(self(unit)))
@@ -131,7 +133,7 @@ class Backend(ABC):
         """
 
     @abstractmethod
-    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(self, task: Task[Result], units: Sequence[object]) -> Iterator[tuple[int, Result]]:
         """Run a task for each unit.
 
         Yields:

@@ -5,13 +5,12 @@ import multiprocessing
 import signal
 from collections.abc import Iterator, Sequence
 from functools import cache
-from typing import Any
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
-from agents.backends.backend import MOST_LOSSES, Backend, Task, WorkLostError
+from agents.backends.backend import MOST_LOSSES, Backend, Result, Task, WorkLostError
 
 
 class LocalBackend(Backend):
@@ -30,7 +29,7 @@ class LocalBackend(Backend):
         """Return the number of processes."""
         return self._jobs
 
-    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(self, task: Task[Result], units: Sequence[object]) -> Iterator[tuple[int, Result]]:
         """Run units as described in `Backend`; if a process is killed, all running units are retried."""
         left = dict(enumerate(units))
         losses = 0
@@ -56,7 +55,7 @@ class LocalBackend(Backend):
             )
 
 
-def _numbered(number: int, task: Task, unit: Any) -> tuple[int, Any]:
+def _numbered(number: int, task: Task[Result], unit: object) -> tuple[int, Result]:
     _begin_worker()
     return number, task(unit)
 

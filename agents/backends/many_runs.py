@@ -11,9 +11,7 @@ from typing import NamedTuple, TypeVar
 from agents.backends import Backend, BackendOptions, Task, WorkLostError
 from swarm_gym.runs.folder import RunFolderError, RunTakenError, is_begun
 from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.run import TrainingRun
 from swarm_gym.tuning.config import TuneConfig
-from swarm_gym.tuning.run import TuningRun
 
 LOCK_TIMEOUT = 180.0  # seconds; file servers may hold the locks of a lost machine for a while, NFS for 90
 
@@ -129,12 +127,16 @@ def carry_out(
 
 def train(config: TrainConfig) -> Finished:
     """Run a training and return its result."""
+    from swarm_gym.training.run import TrainingRun  # imports torch, which takes seconds
+
     run = TrainingRun(config)
     return Finished(run.run(), run.verdict)
 
 
 def tune(config: TuneConfig) -> Finished:
     """Run a tuning and return its result."""
+    from swarm_gym.tuning.run import TuningRun
+
     run = TuningRun(config)
     return Finished(run.run(), f"{run.num_steps} steps")
 

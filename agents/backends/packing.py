@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from agents.backends.backend import BackendError
-from swarm_gym.controllers.learned.policy_file import POLICIES, load_policy
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.own_code import source_files
 from swarm_gym.runs.provenance import COMMIT, git_commit
@@ -76,6 +75,8 @@ def files_of(controllers: Iterable[str]) -> Iterator[Path]:
     Raises:
         PolicyFileError: if a policy is damaged.
     """
+    from swarm_gym.controllers.learned.policy_file import POLICIES, load_policy
+
     for controller in controllers:
         name = ControllerName.parse(controller)
         for path in dict.fromkeys((name.argument, name.without_price.argument)):

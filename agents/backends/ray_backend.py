@@ -22,6 +22,7 @@ from agents.backends.backend import (
     BackendError,
     GivenUp,
     Outcome,
+    Result,
     Task,
     WorkLostError,
 )
@@ -71,7 +72,7 @@ class RayBackend(Backend):
         self._connect()
         return self._jobs or max(1, self._processors())
 
-    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(self, task: Task[Result], units: Sequence[object]) -> Iterator[tuple[int, Result]]:
         """Run units as described in `Backend`."""
         tasks = TASKS_PER_WORKER * self.workers()  # connects to Ray
         ray = self._ray

@@ -19,6 +19,7 @@ from agents.backends.backend import (
     BackendError,
     GivenUp,
     Outcome,
+    Result,
     Task,
 )
 from swarm_gym.errors import MissingExtraError
@@ -82,7 +83,7 @@ class SlurmBackend(Backend):
         """Return the number of jobs at a time."""
         return self._jobs
 
-    def run(self, task: Task, units: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def run(self, task: Task[Result], units: Sequence[object]) -> Iterator[tuple[int, Result]]:
         """Run units as described in `Backend`; a job has several units, whose results come when it ends."""
         size = math.ceil(len(units) / (ROUNDS * self._jobs)) or 1
         numbers = range(len(units))

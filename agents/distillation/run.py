@@ -7,7 +7,7 @@ no-regret online learning", AISTATS 2011. `agents.distil` describes the method.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import tyro
@@ -30,7 +30,7 @@ from swarm_gym.controllers.distilled import (
 )
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import ANALYSIS, VALIDATION, training_seed
-from swarm_gym.training.config import TrainConfig, stored_config
+from swarm_gym.training.config import EnvOptions, TrainConfig, stored_config
 
 Floats = NDArray[np.float64]
 
@@ -286,6 +286,6 @@ def _scaled_bounds(name: str, training: TrainConfig) -> tuple[float, float]:
     return (low, high) if name == LINEAR else (float(np.log(low)), float(np.log(high)))
 
 
-def _options(training: TrainConfig, price: float | None) -> dict[str, Any]:
+def _options(training: TrainConfig, price: float | None) -> EnvOptions:
     options = training.env_options()
     return options if price is None else {**options, "price": price}

@@ -48,7 +48,7 @@ def watch(
     observation: str = "rich",
     optimizer: str = "firefly",
     num_threads: int = 1,
-    **options: Any,
+    **options: object,
 ) -> Watched:
     """Run one episode per seed, side by side, with a controller, and record what observers would decide.
 
@@ -63,8 +63,8 @@ def watch(
         num_threads: number of threads; results do not depend on it.
         options: further options of the environment.
     """
-    options = {**options, "scenario": list(scenarios), "num_threads": num_threads}
-    swarms = swarms_for(controller, len(seeds), optimizer, **options)
+    given: dict[str, Any] = {**options, "scenario": list(scenarios), "num_threads": num_threads}
+    swarms = swarms_for(controller, len(seeds), optimizer, **given)
     simulation = swarms.simulation
     eyes = [_Eye(observer, simulation) for observer in observers]
     recorded = _View(observation, simulation)

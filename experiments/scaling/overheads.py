@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, cast
 
 from agents.backends import Backend, Task
 from agents.backends.local import LocalBackend
@@ -107,7 +107,7 @@ def logical_cluster(nodes: int, processors: int) -> Iterator[tuple[RayBackend, A
 
 def time_units(backend: Backend, name: str, task: Task, units: int) -> Timed:
     """Measure units of a task, whose last argument is their length; workers are started before."""
-    workers, seconds = backend.workers(), task.common[-1]
+    workers, seconds = backend.workers(), cast(float, task.common[-1])
     list(backend.run(Task(task.function, (0.5,)), range(2 * workers)))
     wall = seconds_of(lambda: list(backend.run(task, range(units))))
     return Timed(name, task.function.__name__, workers, units, seconds, wall)

@@ -104,7 +104,8 @@ PAGES = {
         "Training",
         "How controllers come about: training, presets, rollouts and backends.",
         (
-            "agents", "swarm_gym.training.config", "swarm_gym.training.presets",
+            "agents", "swarm_gym.training.config", "swarm_gym.training.algorithms",
+            "swarm_gym.training.presets",
             "swarm_gym.training.learners",
             "swarm_gym.training.learners.learner", "swarm_gym.rollout", "swarm_gym.tuning.config",
             "agents.backends", "agents.backends.options",

@@ -132,7 +132,7 @@ def presets_page() -> str:
             (
                 code(name),
                 _comment(name),
-                code(config.algorithm),
+                code(config.algorithm.name),
                 listed(scenarios[:3]) + (f" and {len(scenarios) - 3} more" if len(scenarios) > 3 else ""),
                 code(config.action),
                 code(config.observation),

@@ -229,18 +229,17 @@ def _training_rate() -> float:
 
     Minibatches grow with the number of swarms, so that an update has as many of them as in the preset.
     """
-    import dataclasses
-
+    from swarm_gym.training.algorithms import PPO
     from swarm_gym.training.learners import make_learner
     from swarm_gym.training.presets import load_preset
 
     preset = load_preset("three-cases")
-    config = dataclasses.replace(
-        preset,
+    assert isinstance(preset.algorithm, PPO)
+    config = preset.changed(
         algorithm="device-ppo",
         device="cuda",
         num_swarms=COMPARED[0],
-        batch_size=preset.batch_size * COMPARED[0] // preset.num_swarms,
+        batch_size=preset.algorithm.batch_size * COMPARED[0] // preset.num_swarms,
         rollouts_per_chunk=1,
     )
     learner = make_learner(config)

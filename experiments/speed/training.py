@@ -59,12 +59,14 @@ def _shares() -> tuple[float, tuple[float, ...]]:
     """Return steps per second, and the share of each of `PARTS` in per cent, over a few rollouts."""
     import torch
 
+    from swarm_gym.training.algorithms import PPO
     from swarm_gym.training.learners.ppo import PPOLearner
     from swarm_gym.training.presets import load_preset
 
     torch.set_num_threads(1)
     config = load_preset("three-cases")
-    learner = PPOLearner(config)
+    assert isinstance(config.algorithm, PPO)
+    learner = PPOLearner(config, config.algorithm)
     env: Any = learner.env
     model = learner.model
     learner.begin()

@@ -28,7 +28,7 @@ def compare(
     seeds: Sequence[int] = range(20),
     optimizer: str = "firefly",
     report: Callable[[str], None] = say_nothing,
-    **options: Any,
+    **options: object,
 ) -> ComparedRuns:
     """Run every controller on every scenario with every seed, and return the runs.
 
@@ -73,7 +73,8 @@ def compare(
         for j, scenario in enumerate(names):
             env = environment_of(runs, controller, scenario, options)
             for i, seed in enumerate(seeds):
-                *_, info = iterate(env, controller, seed)
+                *_, last = iterate(env, controller, seed)
+                info: Mapping[str, Any] = last
                 found[:, k, j, i] = info["best_fitness"], info["best_collision"], info["evaluations"]
             env.close()
     fitness, collision, evaluations = found

@@ -14,7 +14,7 @@ from swarm_gym.settings import make_problem
 Floats = NDArray[np.float64]
 
 
-def optima_of(scenarios: Sequence[str], options: Mapping[str, Any]) -> Floats:
+def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats:
     """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
 
     Unknown ones of grid maps are computed if that is quick.
@@ -23,7 +23,8 @@ def optima_of(scenarios: Sequence[str], options: Mapping[str, Any]) -> Floats:
         scenarios: names of the scenarios.
         options: options of their environments.
     """
-    problems = [make_problem(name, **options) for name in scenarios]
+    given: Mapping[str, Any] = options
+    problems = [make_problem(name, **given) for name in scenarios]
     found = np.array([known_optimum(problem) for problem in problems])
     on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
     unknown = np.flatnonzero(np.isnan(found) & on_grids)

@@ -1,8 +1,7 @@
 """The folder of a run: its configuration is stored once, and a run is resumed only with the same one."""
 
-import dataclasses
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +27,14 @@ def is_begun(folder: Path) -> bool:
     return (folder / CONFIG).exists()
 
 
-def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> FileLock:
+def prepare_folder(
+    folder: Path, options: Mapping[str, object], resume: bool, not_compared: Collection[str]
+) -> FileLock:
     """Store the configuration of a new run, or compare that of a resumed run and delete its partial files.
 
     Args:
         folder: folder of the run.
-        config: configuration, a dataclass.
+        options: the configuration, its entries by name.
         resume: whether the run exists already.
         not_compared: entries that may have changed when a run is resumed.
 
@@ -56,16 +57,18 @@ def prepare_folder(folder: Path, config: Any, resume: bool, not_compared: Collec
     except NotImplementedError:  # a file system without locks
         pass
     try:
-        _prepare(folder, config, resume, not_compared)
+        _prepare(folder, options, resume, not_compared)
     except BaseException:
         lock.release()
         raise
     return lock
 
 
-def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[str]) -> None:
+def _prepare(
+    folder: Path, options: Mapping[str, object], resume: bool, not_compared: Collection[str]
+) -> None:
     stored = folder / CONFIG
-    mine = as_json(config)
+    mine = as_json(options)
     if not resume:
         if stored.exists():
             raise RunFolderError(f"{folder} holds a run already; use --resume, another --name, or delete it")
@@ -86,6 +89,6 @@ def _prepare(folder: Path, config: Any, resume: bool, not_compared: Collection[s
     remove_partials(folder)
 
 
-def as_json(config: Any) -> dict[str, Any]:
-    """Return the entries of a dataclass as JSON values, by name."""
-    return json.loads(json.dumps(dataclasses.asdict(config), default=str))
+def as_json(options: Mapping[str, object]) -> dict[str, Any]:
+    """Return the entries of a configuration as JSON values, by name."""
+    return json.loads(json.dumps(dict(options), default=str))

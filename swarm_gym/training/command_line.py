@@ -6,32 +6,31 @@ into chunks. All random numbers of a chunk are seeded with (run seed, chunk), so
 and resumed equals one that was not. Example: `swarm-gym train --preset three-cases --seed 0`.
 """
 
-import argparse
 import dataclasses
 from collections.abc import Sequence
 
 import tyro
 
 from swarm_gym.command import command
-from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.presets import load_preset
-from swarm_gym.training.run import TrainingRun
+from swarm_gym.training.given_options import named_options, without_foreign
 
 KEPT = "--resume continues from the last checkpoint, if there is one"
 
 
-def named_preset(arguments: Sequence[str] | None) -> str:
-    """Return the preset that a command line names, which gives the defaults of all other options."""
-    finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    finder.add_argument("--preset", default=TrainConfig.preset)
-    return finder.parse_known_args(arguments)[0].preset
-
-
 def train(config: TrainConfig) -> None:
     """Train a controller and print the file of its best policy."""
+    # Imported only now, since torch takes seconds: the help is shown, and options are read, without it.
+    try:
+        from swarm_gym.controllers.names import ControllerName
+        from swarm_gym.training.run import TrainingRun
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("swarm_gym"):
+            raise
+        raise MissingExtraError("a training", str(error.name), "train") from error
+
     run = TrainingRun(config)
     best = run.run()
     name = ControllerName.of("learned", str(best))
@@ -41,10 +40,11 @@ def train(config: TrainConfig) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Train with the options of the command line."""
     with command(RunFolderError, MissingExtraError, kept=KEPT):
-        loaded = load_preset(named_preset(arguments))
-        given = tyro.cli(TrainConfig, default=loaded, description=__doc__, args=arguments)
+        named = named_options(arguments)
+        left = without_foreign(arguments, named.algorithm.name)
+        given = tyro.cli(TrainConfig, default=named, description=__doc__, args=left)
         # The name of a preset that is given as a file is the file's name.
-        train(dataclasses.replace(given, preset=loaded.preset))
+        train(dataclasses.replace(given, preset=named.preset))
 
 
 if __name__ == "__main__":

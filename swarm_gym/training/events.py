@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +62,7 @@ class TrainingEvents:
         self._add_picture("validation/replay", picture, step)
 
     def add_hyperparameters(
-        self, options: Mapping[str, Any], metrics: Mapping[str, float], step: int
+        self, options: Mapping[str, object], metrics: Mapping[str, float], step: int
     ) -> None:
         """Add an entry of the HParams tab: options as JSON values, and the metrics of a run with these.
 
@@ -135,5 +134,5 @@ def _second(name: str) -> int:
     return int(name.removeprefix(FILES[:-1]).partition(".")[0])
 
 
-def _as_scalar(value: Any) -> int | float | str:
+def _as_scalar(value: object) -> int | float | str:
     return value if isinstance(value, int | float | str) else json.dumps(value)

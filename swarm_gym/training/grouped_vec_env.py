@@ -69,7 +69,7 @@ class GroupedVecEnv(SB3VecEnv):
             self._reset_seeds()
         return self._begin()
 
-    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, object]]]:
         """Advance all swarms, as `SB3VecEnv` does."""
         inner: Any = self.env.unwrapped
         observations, rewards, dones = inner.step_running(self._actions)

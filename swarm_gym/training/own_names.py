@@ -1,16 +1,8 @@
 """Names of own code among training options that stand in a file: a file never imports code."""
 
 from collections.abc import Mapping
-from typing import Any
 
-from swarm_gym.action import ACTIONS
-from swarm_gym.controllers import CONTROLLERS
-from swarm_gym.controllers.names import ControllerName
-from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.own_code import refuse_unless_given
-from swarm_gym.reward import REWARDS
-from swarm_gym.scenarios.registry import is_known
 
 # Kind of the names that an option has.
 _KINDS = {
@@ -25,15 +17,9 @@ _KINDS = {
     "validation_scenarios": "scenario",
     "warm_start": "controller",
 }
-_REGISTRIES: dict[str, Mapping[str, Any]] = {
-    "action layout": ACTIONS,
-    "observation layout": OBSERVATIONS,
-    "optimizer": OPTIMIZERS,
-    "reward": REWARDS,
-}
 
 
-def refuse_own_code(options: Mapping[str, Any], where: str) -> None:
+def refuse_own_code(options: Mapping[str, object], where: str) -> None:
     """Raise an error if options of a training that stand in a file name own code.
 
     Args:
@@ -53,6 +39,23 @@ def refuse_own_code(options: Mapping[str, Any], where: str) -> None:
 
 def _is_ours(kind: str, name: object) -> bool:
     """Return whether a name is in the registry of its kind."""
+    # Imported only now, since the registries import the whole simulation.
+    from swarm_gym.action import ACTIONS
+    from swarm_gym.controllers import CONTROLLERS
+    from swarm_gym.controllers.names import ControllerName
+    from swarm_gym.observation import OBSERVATIONS
+    from swarm_gym.optimizers import OPTIMIZERS
+    from swarm_gym.reward import REWARDS
+    from swarm_gym.scenarios.registry import is_known
+
     if kind == "controller":
         return ControllerName.parse(str(name)).family in CONTROLLERS
-    return is_known(name) if kind == "scenario" else name in _REGISTRIES[kind]
+    if kind == "scenario":
+        return is_known(name)
+    registries: dict[str, Mapping[str, object]] = {
+        "action layout": ACTIONS,
+        "observation layout": OBSERVATIONS,
+        "optimizer": OPTIMIZERS,
+        "reward": REWARDS,
+    }
+    return name in registries[kind]

@@ -6,12 +6,14 @@ rewards of easy and hard scenarios have one scale. The gap is that of `swarm_gym
 """
 
 from collections import deque
+from typing import TYPE_CHECKING
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller
+if TYPE_CHECKING:
+    from swarm_gym.controllers.controller import Controller
 
 PAIRED = "paired"  # name of this reward in a training configuration
 ENV_REWARD = "final-gap"  # reward of the environments from which it is computed
@@ -29,7 +31,7 @@ class Reference:
         env: twin environment with autoreset mode SAME_STEP, the reward `ENV_REWARD` and no price.
     """
 
-    def __init__(self, controller: Controller, env: VectorEnv):
+    def __init__(self, controller: "Controller", env: VectorEnv):
         if env.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
             raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
         self.controller = controller

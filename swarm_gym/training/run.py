@@ -20,7 +20,8 @@ from swarm_gym.runs.folder import as_json, prepare_folder
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.runs.seeds import VALIDATION, training_seed
 from swarm_gym.simulation import Simulation
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.algorithms import foreign_options
+from swarm_gym.training.config import EnvOptions, TrainConfig
 from swarm_gym.training.events import TrainingEvents
 from swarm_gym.training.learners import make_learner
 from swarm_gym.training.learners.environments import first_population, make_base, reference_controller
@@ -49,7 +50,13 @@ class TrainingRun:
         self.learner = make_learner(config)
         self._first_size, self._first_source = first_population(config, make_base(config))
         # Created only now, so that an invalid configuration leaves no folder.
-        self._lock = prepare_folder(self.folder, config, config.resume, _NOT_COMPARED)
+        self._lock = prepare_folder(
+            self.folder,
+            config.options(),
+            config.resume,
+            # Earlier versions stored the options of all algorithms.
+            (*_NOT_COMPARED, *foreign_options(config.algorithm.name)),
+        )
         self._goes_on = config.resume and self._load_checkpoint()
         if not self._goes_on:
             self.events = TrainingEvents(self.folder, {} if config.resume else None)
@@ -136,7 +143,7 @@ class TrainingRun:
     def _run_validation(
         self,
         controller: Controller,
-        options: dict[str, Any],
+        options: EnvOptions,
         look: Callable[[Simulation], None] = look_away,
     ) -> dict[str, Episodes]:
         """Run episodes on the validation seeds of each scenario; `look` sees those of the first scenario.
@@ -148,7 +155,7 @@ class TrainingRun:
         seeds, threads = VALIDATION[: config.validation_seeds], config.threads
         found = {}
         for optimizer, scenario in product(config.optimizers, scenarios):
-            name = f"{optimizer}/{scenario}" if config.also_on else scenario
+            name = f"{optimizer}/{scenario}" if config.algorithm.also_on else scenario
             found[name] = run_episodes(
                 controller, scenario, seeds, optimizer, look, num_threads=threads, **options
             )
@@ -157,27 +164,28 @@ class TrainingRun:
 
     def _write_hyperparameters(self) -> None:
         """Write the options of the run and the validation of its best policy."""
-        options = {name: v for name, v in as_json(self.config).items() if name not in _NOT_COMPARED}
+        options = {name: v for name, v in as_json(self.config.options()).items() if name not in _NOT_COMPARED}
         validation = load_policy(self.best)[1]["validation"]
         metrics = {"hparam/best_return": self.best_return, **_by_name("hparam", validation)}
         self.events.add_hyperparameters(options, metrics, self.learner.num_steps)
 
     def _save_policy(self, path: Path, validation: dict[str, Any]) -> None:
         config, source = self.config, self._first_source
+        also_on = config.algorithm.also_on
         manifest = {
             "action": config.action,
             "base": config.base,
             "corrected_from": config.corrected_from,
-            "config": {k: v for k, v in as_json(config).items() if k not in _LOCATION},
+            "config": {k: v for k, v in as_json(config.options()).items() if k not in _LOCATION},
             "features": self.learner.features,
             "max_evaluations": config.max_evaluations or None,
             "num_decisions": self.learner.num_decisions,
             **self.learner.shape(),
             "optimizer": config.optimizer,
-            **({"also_on": list(config.also_on)} if config.also_on else {}),
+            **({"also_on": list(also_on)} if also_on else {}),
             "price": list(config.price),
             "hidden_layers": list(config.hidden_layers),
-            "lstm_size": config.lstm_size,
+            "lstm_size": config.algorithm.lstm_size,
             "network": self.learner.network,
             "initial_population_size": self._first_size,
             **({} if source is None else {"first_source": dataclasses.asdict(source)}),

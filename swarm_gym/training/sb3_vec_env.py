@@ -51,7 +51,7 @@ class SB3VecEnv(NativeVecEnv):
         """Keep the actions for `step_wait`, as corrections of what the base has proposed."""
         super().step_async(actions if self._proposal is None else self._proposal.corrected(actions))
 
-    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, object]]]:
         """Advance all swarms; infos of ended episodes have `episode` and `terminal_observation`."""
         observations, rewards, dones, infos = super().step_wait()
         return self._see(observations), rewards, dones, infos

@@ -41,7 +41,7 @@ def defaults_of(arguments: Sequence[str] | None) -> TuneConfig:
     found = finder.parse_known_args(arguments)[0]
     preset = load_preset(found.preset)
     shared = {name: getattr(preset, name) for name in FROM_PRESET}
-    return dataclasses.replace(TuneConfig(**kind_defaults(found.what)), **shared)
+    return dataclasses.replace(kind_defaults(found.what), **shared)
 
 
 def tune(config: TuneConfig) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from swarm_gym.controllers import SizeLimits
+from swarm_gym.controllers.size_limits import SizeLimits
 
 
 @dataclass(frozen=True)

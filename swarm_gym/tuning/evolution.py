@@ -89,21 +89,9 @@ class OpenLoopTuner(Tuner):
     def _controller(self, point: NDArray) -> Controller:
         return self._space.controller(point)
 
-    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+    def write(self, path: Path, manifest: Mapping[str, object]) -> None:
         """Write the open loop that `open-loop:<path>` reads."""
-        decided = self._space.decode(self._strategy.mean)
-        save_open_loop(
-            path,
-            decided.initial_population_size,
-            list(self._config.knots),
-            decided.sizes,
-            decided.repair_degrees,
-            decided.knobs,
-            manifest,
-            decided.sources,
-            decided.first_source,
-            self._config.optimizer,
-        )
+        save_open_loop(path, self._space.decode(self._strategy.mean), manifest)
 
 
 class ReactingLoopTuner(OpenLoopTuner):

@@ -8,7 +8,6 @@ open loop of one knot.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import require_integer
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.parameters import Number, Range, parse_parameters
 from swarm_gym.errors import SettingError
@@ -54,26 +54,6 @@ START: dict[str, dict[str, list[float]]] = {
 # Names of the decisions about the first population.
 FIRST_SIZE, FIRST_SHARE, FIRST_AMPLITUDE = "first size", "first smooth share", "first amplitude"
 BESIDE_THE_WALLS = 0.02  # CMA-ES samples badly from a mean on a bound
-
-
-class Decided(NamedTuple):
-    """Decisions of an open loop at its knots.
-
-    Attributes:
-        sizes: population sizes.
-        repair_degrees: phi.
-        knobs: parameters of the optimizer by name.
-        sources: decisions on new members by name; empty if the action does not have them.
-        initial_population_size: PS(0).
-        first_source: source of the first population; None if the action does not decide sources.
-    """
-
-    sizes: list[float]
-    repair_degrees: list[float]
-    knobs: dict[str, list[float]]
-    sources: dict[str, list[float]]
-    initial_population_size: int
-    first_source: Source | None
 
 
 @dataclass(frozen=True)
@@ -191,8 +171,8 @@ class KnotSpace:
         rows = np.minimum(np.arange(Settings.iterations), len(controller.decisions) - 1)
         return dict(zip(controller.names, controller.decisions[rows].T, strict=True))
 
-    def decode(self, point: Floats) -> Decided:
-        """Return the decisions of a point."""
+    def decode(self, point: Floats) -> Knots:
+        """Return the decisions of a point at the knots."""
         point = np.clip(point, 0.0, 1.0)
         axes, first_axes = self._searched(self._axes), self._searched(self._first_axes)
         rows = point[: len(axes) * len(self._knots)].reshape(-1, len(self._knots))
@@ -207,7 +187,7 @@ class KnotSpace:
         first = {**self._held, **{name: float(axis.decode(place)) for (name, axis), place in places}}
         size = int(np.floor(first.get(FIRST_SIZE, self.config.initial_population_size) + 0.5))
         source = Source(first[FIRST_SHARE], first[FIRST_AMPLITUDE]) if self._first_axes else None
-        return Decided(sizes, repair_degrees, values, sources, size, source)
+        return Knots(size, self._knots, sizes, repair_degrees, values, sources, source, self.config.optimizer)
 
     def _searched(self, axes: dict[str, Axis]) -> dict[str, Axis]:
         """Return the axes of the decisions that are not held."""
@@ -215,18 +195,7 @@ class KnotSpace:
 
     def controller(self, point: Floats) -> OpenLoop:
         """Return the open loop of a point."""
-        decided = self.decode(point)
-        return OpenLoop(
-            decided.initial_population_size,
-            self._knots,
-            decided.sizes,
-            decided.repair_degrees,
-            decided.knobs,
-            self.config.limits,
-            self.config.optimizer,
-            decided.sources,
-            decided.first_source,
-        )
+        return OpenLoop(self.decode(point), self.config.limits)
 
 
 def _axes_of(action: str, limits: SizeLimits, optimizer: type[Optimizer]) -> dict[str, Axis]:

@@ -40,7 +40,9 @@ class TuningRun:
         if config.output and config.output.exists() and not config.resume:
             raise RunFolderError(f"--output {config.output} exists already; name another file or delete it")
         # Created only now, so that an invalid configuration leaves no folder.
-        self._lock = prepare_folder(config.folder, config, config.resume, (*_LOCATION, "total_steps"))
+        self._lock = prepare_folder(
+            config.folder, dataclasses.asdict(config), config.resume, (*_LOCATION, "total_steps")
+        )
         self.tuner.open(config.folder)
 
     @property
@@ -79,7 +81,7 @@ class TuningRun:
         config = self.config
         first = training_seed(config.seed, ESTIMATE)
         return {
-            "config": {k: v for k, v in as_json(config).items() if k not in _LOCATION},
+            "config": {k: v for k, v in as_json(dataclasses.asdict(config)).items() if k not in _LOCATION},
             "rounds": self.tuner.rounds,
             "steps": self.num_steps,
             "round_seeds": self.tuner.seeds(),

@@ -48,7 +48,7 @@ class Kind:
 
     make: Callable[[TuneConfig], Tuner]
     options: tuple[str, ...] = ()
-    defaults: dict[str, Any] = field(default_factory=dict)
+    defaults: dict[str, object] = field(default_factory=dict)
 
 
 def _parameters(space: ParameterSpace) -> Kind:
@@ -69,13 +69,14 @@ TUNERS: dict[str, Kind] = {
 }
 
 
-def kind_defaults(what: str) -> dict[str, Any]:
-    """Return the options of a kind that have other defaults than those of `TuneConfig`.
+def kind_defaults(what: str) -> TuneConfig:
+    """Return the options of a kind with their defaults.
 
     Raises:
         UnknownNameError: if there is no such kind.
     """
-    return {"what": what, **look_up("kind to tune", what, TUNERS).defaults}
+    defaults: dict[str, Any] = {"what": what, **look_up("kind to tune", what, TUNERS).defaults}
+    return TuneConfig(**defaults)
 
 
 def make_tuner(config: TuneConfig) -> Tuner:
@@ -86,7 +87,7 @@ def make_tuner(config: TuneConfig) -> Tuner:
         SettingError: for an option that the kind does not have, or an invalid value.
     """
     kind = look_up("kind to tune", config.what, TUNERS)
-    defaults = TuneConfig(**kind_defaults(config.what))
+    defaults = kind_defaults(config.what)
     for name in SPECIAL:
         given, default = getattr(config, name), getattr(defaults, name)
         if name not in kind.options and given != default:

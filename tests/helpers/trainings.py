@@ -25,7 +25,7 @@ DQN = {
 
 
 def tiny_config(folder, **options):
-    return TrainConfig(runs=folder, **{**TINY, "name": "ppo", "total_steps": 3 * STEPS, **options})
+    return TrainConfig(runs=folder).changed(**{**TINY, "name": "ppo", "total_steps": 3 * STEPS, **options})
 
 
 def train(folder, **options):

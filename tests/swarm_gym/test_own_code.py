@@ -17,6 +17,7 @@ from helpers.trainings import make_policy
 from swarm_gym import own_code
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers import CONTROLLERS, make_controller
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OpenLoopFileError, save_open_loop
@@ -158,7 +159,9 @@ def test_a_file_never_imports_code(folder):
     tuned = folder / "tuned.json"
     tuned.write_text(json.dumps({"format": FORMAT, "controller": "mine.rule:ByThirds", "manifest": {}}))
     loop = folder / "loop.json"
-    save_open_loop(loop, 6, [0], [6.0], [0.1], {"step": [0.1]}, {}, optimizer="mine.swarm:HillClimber")
+    save_open_loop(loop, Knots(6, [0], [6.0], [0.1]), {})
+    another = {"knobs": {"step": [0.1]}, "optimizer": "mine.swarm:HillClimber"}
+    loop.write_text(json.dumps({**json.loads(loop.read_text()), **another}))
     preset = folder / "preset.toml"
     preset.write_text('like = "three-cases"\nscenarios = ["case1", "mine.hall:HALL"]\n')
     readings = [

@@ -31,6 +31,7 @@ from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.reset_options import RESET_OPTIONS
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS, make_scenarios
+from swarm_gym.training.algorithms import EVERY_OPTION
 from swarm_gym.training.presets import preset_names
 
 ROOT = Path(__file__).parents[2]
@@ -471,7 +472,10 @@ def _fields(tree, name):
     for field in definition.body:
         if isinstance(field, ast.AnnAssign):
             kind = ast.unparse(field.annotation)
-            if inner := re.fullmatch(r"tyro\.conf\.OmitArgPrefixes\[(\w+)\]", kind):
+            if "AvoidSubcommands[AnyAlgorithm]" in kind:
+                yield "--algorithm"
+                yield from (f"--{option.replace('_', '-')}" for option in EVERY_OPTION)
+            elif inner := re.fullmatch(r"tyro\.conf\.OmitArgPrefixes\[(\w+)\]", kind):
                 yield from _fields(tree, inner[1])
             else:
                 option = field.target.id.replace("_", "-")

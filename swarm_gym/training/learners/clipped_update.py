@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import torch
 from stable_baselines3.common.policies import ActorCriticPolicy
 
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.algorithms import GroupedOptions
 
 VALUE_WEIGHT = 0.5  # of the critic's error in the loss
 LARGEST_GRADIENT = 0.5  # norm to which gradients are clipped
@@ -36,7 +36,7 @@ class Steps(NamedTuple):
     returns: torch.Tensor
 
 
-def update(policy: ActorCriticPolicy, steps: Steps, config: TrainConfig) -> dict[str, float]:
+def update(policy: ActorCriticPolicy, steps: Steps, options: GroupedOptions) -> dict[str, float]:
     """Pass over the steps `epochs` times, or until the policy has moved too far, and change the policy.
 
     Minibatches are drawn by torch's generator of the device. The step size is that of the policy's optimizer.
@@ -44,7 +44,7 @@ def update(policy: ActorCriticPolicy, steps: Steps, config: TrainConfig) -> dict
     Args:
         policy: policy on the device of the steps.
         steps: steps of a rollout of this policy.
-        config: has the options of the update.
+        options: options of the update.
 
     Returns:
         Scalars to plot, by name; `train/epochs` is the number of passes, counting one that was stopped.
@@ -53,13 +53,13 @@ def update(policy: ActorCriticPolicy, steps: Steps, config: TrainConfig) -> dict
     number = len(steps.log_probs)
     found: list[dict[str, torch.Tensor]] = []
     passes, moved_too_far = 0, False
-    while passes < config.epochs and not moved_too_far:
+    while passes < options.epochs and not moved_too_far:
         order = torch.randperm(number, device=steps.log_probs.device)
-        for rows in order.split(config.batch_size):
-            loss, scalars = _loss(policy, Steps(*(column[rows] for column in steps)), config)
+        for rows in order.split(options.batch_size):
+            loss, scalars = _loss(policy, Steps(*(column[rows] for column in steps)), options)
             found.append(scalars)
             # The only number of a minibatch that the host has to wait for.
-            moved_too_far = scalars["train/approx_kl"].item() > KL_MARGIN * config.target_kl
+            moved_too_far = scalars["train/approx_kl"].item() > KL_MARGIN * options.target_kl
             if moved_too_far:
                 break
             policy.optimizer.zero_grad()
@@ -72,7 +72,7 @@ def update(policy: ActorCriticPolicy, steps: Steps, config: TrainConfig) -> dict
 
 
 def _loss(
-    policy: ActorCriticPolicy, batch: Steps, config: TrainConfig
+    policy: ActorCriticPolicy, batch: Steps, options: GroupedOptions
 ) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
     """Return the loss of a minibatch, and its parts by name without their gradients."""
     distribution: Any = policy.get_distribution(batch.observations)
@@ -81,19 +81,19 @@ def _loss(
     advantages = batch.advantages
     if len(advantages) > 1:
         advantages = (advantages - advantages.mean()) / (advantages.std() + SMALLEST_DEVIATION)
-    clipped = ratio.clamp(1.0 - config.clip_range, 1.0 + config.clip_range)
+    clipped = ratio.clamp(1.0 - options.clip_range, 1.0 + options.clip_range)
     parts = {
         "train/policy_gradient_loss": -torch.minimum(advantages * ratio, advantages * clipped).mean(),
         "train/entropy_loss": -distribution.entropy().mean(),
     }
-    loss = parts["train/policy_gradient_loss"] + config.entropy_weight * parts["train/entropy_loss"]
-    if config.critic:
+    loss = parts["train/policy_gradient_loss"] + options.entropy_weight * parts["train/entropy_loss"]
+    if options.critic:
         values = policy.predict_values(batch.observations).flatten()
         parts["train/value_loss"] = torch.nn.functional.mse_loss(values, batch.returns)
         loss = loss + VALUE_WEIGHT * parts["train/value_loss"]
     parts |= {
         "train/loss": loss,
-        "train/clip_fraction": ((ratio - 1.0).abs() > config.clip_range).float().mean(),
+        "train/clip_fraction": ((ratio - 1.0).abs() > options.clip_range).float().mean(),
         "train/approx_kl": (ratio - 1.0 - log_ratio).mean(),
     }
     return loss, {name: part.detach() for name, part in parts.items()}

@@ -4,6 +4,7 @@ Policies, initial weights and the meaning of options are those of `PPOLearner`. 
 always is one new episode of all swarms, which begins after the update before it; and torch draws minibatches.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,10 @@ from stable_baselines3.common.utils import set_random_seed
 
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.runs.seeds import TRAINING_START
+from swarm_gym.training.algorithms import DevicePPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.imitation import ROLLOUTS, Demonstration, imitate
-from swarm_gym.training.learners.algorithm_options import has_groups
+from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.training.learners.clipped_update import Steps, update
 from swarm_gym.training.learners.device_base import TensorBase
 from swarm_gym.training.learners.device_rollout import DeviceSwarms, Rollout, run_episode
@@ -34,17 +36,17 @@ class DevicePPOLearner(Learner):
         ValueError: for an option that this algorithm does not have, or a device that cannot be used.
     """
 
-    def __init__(self, config: TrainConfig):
-        self.config = config
+    def __init__(self, config: TrainConfig, options: DevicePPO):
+        self.config, self.options = config, options
         _refuse(config)
-        self._device = usable_device(config.device)
+        self._device = usable_device(options.device)
         # One thread, as in `PPOLearner`.
         torch.set_num_threads(1)
         set_random_seed(config.seed)
         env, self._base = make_swarms(config, config.num_swarms, AutoresetMode.DISABLED)
-        firsts = config.branches or ((config.corrected_from,) if has_groups(config) else (0,))
+        firsts = options.branches or ((config.corrected_from,) if has_groups(config) else (0,))
         base = None if self._base is None else TensorBase(self._base, self._device)
-        self.swarms = DeviceSwarms(env, base, config.group_size, firsts, self._device)
+        self.swarms = DeviceSwarms(env, base, options.group_size, firsts, self._device)
         self.features = feature_names(config, self._base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self.num_steps = 0
@@ -57,9 +59,9 @@ class DevicePPOLearner(Learner):
         self.policy: Any = ActorCriticPolicy(
             space,
             acted,
-            lambda _: config.learning_rate,
-            use_sde=config.noise_steps != 1,
-            **policy_options(config),
+            lambda _: options.learning_rate,
+            use_sde=options.noise_steps != 1,
+            **policy_options(config, options),
         ).to(self._device)
 
     def begin(self) -> None:
@@ -69,7 +71,7 @@ class DevicePPOLearner(Learner):
         with torch.no_grad():
             for parameter in self.policy.action_net.parameters():
                 parameter.zero_()
-        if self.config.critic:
+        if self.options.critic:
             seed = TRAINING_START + self.config.seed
             set_random_seed(seed)
             generator = np.random.default_rng(seed)
@@ -79,18 +81,18 @@ class DevicePPOLearner(Learner):
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
-        config = self.config
+        config, options = self.config, self.options
         set_random_seed(seed)
         generator = np.random.default_rng(seed)
-        scalars, earned, rate = {}, [], config.learning_rate
+        scalars, earned, rate = {}, [], options.learning_rate
         for _ in range(config.rollouts_per_chunk):
             rollout = self._roll(generator)
             self.num_steps += rollout.num_steps
             earned.append(rollout.returns.mean())
-            rate = step_size(config, self.num_steps)
+            rate = step_size(options, self.num_steps)
             for group in self.policy.optimizer.param_groups:
                 group["lr"] = rate
-            scalars = update(self.policy, self._steps(rollout), config)
+            scalars = update(self.policy, self._steps(rollout), options)
             self._passes += int(scalars["train/epochs"])
             self._average_weights()
         return {
@@ -105,7 +107,7 @@ class DevicePPOLearner(Learner):
         layers = self._mean_layers or actor_layers(self.policy)
         return {name: tensor.cpu().numpy() for name, tensor in layers.items()}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer and counters, with all tensors on the CPU."""
         return {
             "mean_layers": _on_cpu(self._mean_layers),
@@ -115,30 +117,31 @@ class DevicePPOLearner(Learner):
             "passes": self._passes,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self._mean_layers = {name: tensor.to(self._device) for name, tensor in state["mean_layers"].items()}
-        self.policy.load_state_dict(state["policy"])
-        self.policy.optimizer.load_state_dict(state["optimizer"])
-        self.num_steps = state["num_steps"]
-        self._passes = state["passes"]
+        stored: Any = state
+        self._mean_layers = {name: tensor.to(self._device) for name, tensor in stored["mean_layers"].items()}
+        self.policy.load_state_dict(stored["policy"])
+        self.policy.optimizer.load_state_dict(stored["optimizer"])
+        self.num_steps = stored["num_steps"]
+        self._passes = stored["passes"]
 
     def _roll(self, generator: np.random.Generator) -> Rollout:
-        config = self.config
+        options = self.options
         return run_episode(
-            self.policy, self.swarms, generator, critic=config.critic, noise_steps=config.noise_steps
+            self.policy, self.swarms, generator, critic=options.critic, noise_steps=options.noise_steps
         )
 
     def _steps(self, rollout: Rollout) -> Steps:
         """Return the steps of a rollout with their advantages and returns."""
-        config = self.config
+        options = self.options
         advantages, returns = advantages_and_returns(
             rollout.rewards,
             rollout.values,
-            discount=config.discount,
-            gae_lambda=config.gae_lambda,
-            group_size=config.group_size,
-            noise_steps=config.noise_steps,
+            discount=options.discount,
+            gae_lambda=options.gae_lambda,
+            group_size=options.group_size,
+            noise_steps=options.noise_steps,
         )
         columns = rollout.observations, rollout.actions, rollout.log_probs, advantages, returns
         return Steps(*(column.flatten(0, 1) for column in columns))
@@ -146,7 +149,7 @@ class DevicePPOLearner(Learner):
     def _as_lesson(self, rollout: Rollout) -> Demonstration:
         """Return the steps of a rollout as sequences of one step, with actions of zero, on the host."""
         _, returns = advantages_and_returns(
-            rollout.rewards, None, discount=self.config.discount, gae_lambda=1.0, group_size=1, noise_steps=1
+            rollout.rewards, None, discount=self.options.discount, gae_lambda=1.0, group_size=1, noise_steps=1
         )
         there = torch.ones_like(returns)
         columns = rollout.observations, torch.zeros_like(rollout.actions), returns, there
@@ -159,7 +162,7 @@ class DevicePPOLearner(Learner):
 
     def _average_weights(self) -> None:
         """Move the running mean of the weights towards the last ones."""
-        if share := self.config.averaging:
+        if share := self.options.averaging:
             last = actor_layers(self.policy)
             mean = self._mean_layers or last
             self._mean_layers = {name: share * mean[name] + (1.0 - share) * last[name] for name in last}

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from gymnasium.vector import VectorEnv
+from stable_baselines3.common.policies import ActorCriticPolicy
 
 from swarm_gym.runs.seeds import TRAINING_START, TRAINING_STOP
 from swarm_gym.training.learners.device_base import TensorBase, TensorProposal, carried_out
@@ -155,7 +156,7 @@ class DeviceSwarms:
 
 @torch.no_grad()
 def run_episode(
-    policy: Any,
+    policy: ActorCriticPolicy,
     swarms: DeviceSwarms,
     generator: np.random.Generator,
     *,
@@ -181,7 +182,7 @@ def run_episode(
 
     rollout = Rollout(
         column(seen.shape[1]),
-        column(*policy.action_space.shape),
+        column(*(policy.action_space.shape or ())),
         column(),
         column() if critic else None,
         column(),

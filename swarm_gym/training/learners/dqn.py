@@ -7,18 +7,20 @@ choice; the policy takes the choice with the largest estimate.
 """
 
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import stable_baselines3
 import torch
 from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3 import DQN
 from stable_baselines3.common.logger import Logger
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.training.algorithms import DQN
 from swarm_gym.training.choice_vec_env import ChoiceVecEnv, make_choices
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms
@@ -36,18 +38,18 @@ PREFERENCE = 0.01
 REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones")
 
 
-class ExploringDQN(DQN):
+class ExploringDQN(stable_baselines3.DQN):
     """The library's DQN, in which every swarm draws for itself whether its next choice is random."""
 
     action_space: Discrete
 
     def predict(
         self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
+        observation: NDArray | dict[str, NDArray],
+        state: tuple[NDArray, ...] | None = None,
+        episode_start: NDArray | None = None,
         deterministic: bool = False,
-    ) -> tuple[NDArray, Any]:
+    ) -> tuple[NDArray, tuple[NDArray, ...] | None]:
         """Return the numbers of the choices of B swarms, some of them random unless `deterministic`."""
         chosen, state = super().predict(observation, state, episode_start, deterministic=True)
         if not deterministic:
@@ -63,9 +65,9 @@ class DQNLearner(Learner):
 
     network = "choices"
 
-    def __init__(self, config: TrainConfig):
-        self.config = config
-        _require_usable(config)
+    def __init__(self, config: TrainConfig, options: DQN):
+        self.config, self.options = config, options
+        _require_usable(config, options)
         torch.set_num_threads(1)  # as for PPO
         env, base = make_swarms(config, config.num_swarms, AutoresetMode.SAME_STEP)
         self.features = feature_names(config, base)
@@ -76,7 +78,7 @@ class DQNLearner(Learner):
                 f"{self.num_decisions} decisions"
             )
         swarms = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
-        self.choices = make_choices(config.size_choices, config.degree_choices)
+        self.choices = make_choices(options.size_choices, options.degree_choices)
         self.env = ChoiceVecEnv(swarms, self.choices)
         self.model = self._make_model()
         self.model.set_logger(Logger(folder=None, output_formats=[]))
@@ -121,7 +123,7 @@ class DQNLearner(Learner):
         """Return the number of choices."""
         return {"num_choices": len(self.choices)}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer, counters and the steps that are replayed."""
         model, replay = self.model, self._replay
         filled = replay.size()
@@ -136,16 +138,17 @@ class DQNLearner(Learner):
             "full": replay.full,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
+        stored: Any = state
         model, replay = self.model, self._replay
-        model.policy.load_state_dict(state["policy"])
-        model.policy.optimizer.load_state_dict(state["optimizer"])
-        model.num_timesteps, model._n_updates = state["num_timesteps"], state["updates"]
-        model._n_calls = state["calls"]
-        for name, steps in state["replay"].items():
+        model.policy.load_state_dict(stored["policy"])
+        model.policy.optimizer.load_state_dict(stored["optimizer"])
+        model.num_timesteps, model._n_updates = stored["num_timesteps"], stored["updates"]
+        model._n_calls = stored["calls"]
+        for name, steps in stored["replay"].items():
             getattr(replay, name)[: len(steps)] = steps.numpy()
-        replay.pos, replay.full = state["place"], state["full"]
+        replay.pos, replay.full = stored["place"], stored["full"]
 
     @property
     def _replay(self) -> Any:
@@ -157,32 +160,32 @@ class DQNLearner(Learner):
 
     def _exploration(self, _: float) -> float:
         """Return the share of random choices after the steps so far; the library's is of one call only."""
-        gone = self.num_steps / max(self.config.exploration_steps, 1)
+        gone = self.num_steps / max(self.options.exploration_steps, 1)
         return max(1.0 - gone * (1.0 - LEAST_EXPLORATION), LEAST_EXPLORATION)
 
     def _make_model(self) -> ExploringDQN:
-        config = self.config
+        config, options = self.config, self.options
         with warnings.catch_warnings():
             # The target network may follow at every step of many swarms.
             warnings.filterwarnings("ignore", "The number of environments used is greater", UserWarning)
             model = ExploringDQN(
                 "MlpPolicy",
                 self.env,
-                learning_rate=config.learning_rate,
-                buffer_size=config.replay_size,
+                learning_rate=options.learning_rate,
+                buffer_size=options.replay_size,
                 learning_starts=_steps_of_rollout(config),
-                batch_size=config.batch_size,
-                gamma=config.discount,
+                batch_size=options.batch_size,
+                gamma=options.discount,
                 train_freq=1,
-                gradient_steps=config.gradient_steps,
-                n_steps=config.return_steps,
-                target_update_interval=config.target_steps,
+                gradient_steps=options.gradient_steps,
+                n_steps=options.return_steps,
+                target_update_interval=options.target_steps,
                 stats_window_size=config.rollouts_per_chunk * config.num_swarms,
                 policy_kwargs={"net_arch": list(config.hidden_layers), "activation_fn": torch.nn.Tanh},
                 seed=config.seed,
                 device="cpu",
             )
-        model.lr_schedule = lambda _: step_size(config, self.num_steps)
+        model.lr_schedule = lambda _: step_size(options, self.num_steps)
         model.exploration_schedule = self._exploration
         return model
 
@@ -192,19 +195,19 @@ def _steps_of_rollout(config: TrainConfig) -> int:
     return config.iterations * config.num_swarms
 
 
-def _require_usable(config: TrainConfig) -> None:
+def _require_usable(config: TrainConfig, options: DQN) -> None:
     """Raise an error for options that DQN cannot use."""
     for name in ("size_choices", "degree_choices"):
-        numbers = getattr(config, name)
+        numbers = getattr(options, name)
         if len(set(numbers)) < max(len(numbers), 1):
             raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
         for number in numbers:
             require_number(name, number, -1.0, 1.0)
     for name in ("batch_size", "gradient_steps", "target_steps"):
-        require_integer(name, getattr(config, name), 1)
-    require_integer("return_steps", config.return_steps, 1, config.iterations)
-    require_integer("exploration_steps", config.exploration_steps, 0)
-    require_integer("replay_size", config.replay_size, _steps_of_rollout(config))
+        require_integer(name, getattr(options, name), 1)
+    require_integer("return_steps", options.return_steps, 1, config.iterations)
+    require_integer("exploration_steps", options.exploration_steps, 0)
+    require_integer("replay_size", options.replay_size, _steps_of_rollout(config))
     if config.max_evaluations:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"

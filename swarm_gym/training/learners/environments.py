@@ -1,6 +1,5 @@
 """Environments of a training: the swarms of the policy, and those of the reference of a paired reward."""
 
-import dataclasses
 from typing import Any
 
 import gymnasium
@@ -14,7 +13,7 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.sources import Source
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.config import EnvOptions, TrainConfig
 from swarm_gym.training.paired_reward import PAIRED, Reference
 
 
@@ -69,10 +68,11 @@ def make_swarms(
 
 def parts_of(config: TrainConfig) -> list[TrainConfig]:
     """Return a configuration for each optimizer of a training, with its share of the swarms."""
+    if not config.algorithm.also_on:
+        return [config]
     share = config.num_swarms // len(config.optimizers)
     return [
-        dataclasses.replace(config, optimizer=optimizer, also_on=(), num_swarms=share)
-        for optimizer in config.optimizers
+        config.changed(optimizer=optimizer, also_on=(), num_swarms=share) for optimizer in config.optimizers
     ]
 
 
@@ -105,11 +105,11 @@ def make_reference(config: TrainConfig, num_swarms: int) -> Reference | None:
         return None
     controller, options = reference_controller(config)
     _require_equal_starts(config, controller)
-    options = {**options, **controller.env_options()}
-    return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options))
+    options_of_both = {**options, **controller.env_options()}
+    return Reference(controller, _make_env(config, num_swarms, AutoresetMode.SAME_STEP, options_of_both))
 
 
-def reference_controller(config: TrainConfig) -> tuple[Controller, dict[str, Any]]:
+def reference_controller(config: TrainConfig) -> tuple[Controller, EnvOptions]:
     """Return the reference controller, and the options of its environments beside the controller's own.
 
     The reference has neither a price nor the policy's budget, so that it does not depend on these.
@@ -145,7 +145,7 @@ def _make_env(
         scenario=list(config.scenarios),
         autoreset_mode=autoreset_mode,
         num_threads=config.threads,
-        device=config.device,
+        device=config.algorithm.device,
         **options,
     )
 

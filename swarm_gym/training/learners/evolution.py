@@ -6,7 +6,7 @@ alternative to reinforcement learning", arXiv 1703.03864 (2017). The objective i
 without noise in its actions, as it is used later.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +20,7 @@ from swarm_gym.controllers.learned.networks import affine, tanh_of_layer
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out
 from swarm_gym.runs.checkpoints import load_strategy, strategy_state
+from swarm_gym.training.algorithms import Evolution
 from swarm_gym.training.beginnings import begin_together
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_swarms
@@ -34,12 +35,12 @@ MOST_WEIGHTS_WITH_COVARIANCE = 200
 class EvolutionLearner(Learner):
     """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes."""
 
-    def __init__(self, config: TrainConfig):
-        self.config = config
-        if config.num_swarms % config.candidates:
+    def __init__(self, config: TrainConfig, options: Evolution):
+        self.config, self.options = config, options
+        if config.num_swarms % options.candidates:
             raise ValueError(
                 f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
-                f"{config.candidates}"
+                f"{options.candidates}"
             )
         if config.reward == PAIRED:
             raise ValueError(
@@ -55,7 +56,7 @@ class EvolutionLearner(Learner):
         begin = self._first_weights(np.random.default_rng(config.seed))
         strategy = CMA if len(begin) <= MOST_WEIGHTS_WITH_COVARIANCE else SepCMA
         self._strategy = strategy(
-            mean=begin, sigma=config.sigma, seed=config.seed, population_size=config.candidates
+            mean=begin, sigma=options.sigma, seed=config.seed, population_size=options.candidates
         )
 
     def begin(self) -> None:
@@ -65,7 +66,7 @@ class EvolutionLearner(Learner):
         """Run `rollouts_per_chunk` generations; return means of their returns, and the step size."""
         best = []
         for generation in range(self.config.rollouts_per_chunk):
-            candidates = np.stack([self._strategy.ask() for _ in range(self.config.candidates)])
+            candidates = np.stack([self._strategy.ask() for _ in range(self.options.candidates)])
             earned = self._earn(candidates, seed + generation * self.config.num_swarms)
             self._strategy.tell(list(zip(candidates, -earned, strict=True)))
             best.append([earned.max(), earned.mean()])
@@ -84,17 +85,18 @@ class EvolutionLearner(Learner):
             weights[f"{number}.weight"], weights[f"{number}.bias"] = weight[0], bias[0]
         return weights
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return the numbers of the strategy, with those of its random generator."""
         arrays = strategy_state(self._strategy)
         # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
         tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
         return {"num_steps": self.num_steps, "strategy": tensors}
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self.num_steps = state["num_steps"]
-        arrays = {name: tensor.numpy().copy() for name, tensor in state["strategy"].items()}
+        stored: Any = state
+        self.num_steps = stored["num_steps"]
+        arrays = {name: tensor.numpy().copy() for name, tensor in stored["strategy"].items()}
         load_strategy(self._strategy, arrays)
 
     def _earn(self, candidates: Floats, seed: int) -> Floats:

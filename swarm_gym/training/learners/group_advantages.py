@@ -9,12 +9,15 @@ the later steps of the same noise would be praised for what it earns to the end,
 has cost before; policies learned so ended with too large populations.
 """
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
+from gymnasium import Space
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
+
+Array = TypeVar("Array", NDArray[np.floating], torch.Tensor)
 
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 
@@ -23,6 +26,13 @@ class GroupBuffer(RolloutBuffer):
     """A rollout buffer of whole episodes in groups.
 
     Args:
+        buffer_size: number of steps; this and the following ones are those of the library's buffer.
+        observation_space: space of observations.
+        action_space: space of actions.
+        device: device of the tensors of minibatches.
+        gae_lambda: parameter lambda of generalised advantage estimation.
+        gamma: discount factor of rewards.
+        n_envs: number of swarms.
         group_size: number of swarms in a group, neighbours; advantages of a step are those beyond their mean.
         critic: whether the values of the critic are used; otherwise they count as zero.
         noise_steps: number of steps that share their noise; 0 is a whole episode.
@@ -32,14 +42,20 @@ class GroupBuffer(RolloutBuffer):
 
     def __init__(
         self,
-        *args: Any,
+        buffer_size: int,
+        observation_space: Space,
+        action_space: Space,
+        device: torch.device | str = "auto",
+        gae_lambda: float = 1.0,
+        gamma: float = 0.99,
+        n_envs: int = 1,
+        *,
         group_size: int,
         critic: bool,
         noise_steps: int,
         num_optimizers: int = 1,
-        **kwargs: Any,
     ):
-        super().__init__(*args, **kwargs)
+        super().__init__(buffer_size, observation_space, action_space, device, gae_lambda, gamma, n_envs)
         self.noise_steps = noise_steps
         self.num_optimizers = num_optimizers
         self.group_size = group_size
@@ -58,7 +74,7 @@ class GroupBuffer(RolloutBuffer):
             self.advantages = (parts / deviations).reshape(self.advantages.shape)
 
 
-def beyond_the_group(advantages: Any, group_size: int, noise_steps: int) -> Any:
+def beyond_the_group(advantages: Array, group_size: int, noise_steps: int) -> Array:
     """Return advantages of the steps in which the noise was drawn, minus their mean over the group.
 
     Args:
@@ -67,11 +83,11 @@ def beyond_the_group(advantages: Any, group_size: int, noise_steps: int) -> Any:
         noise_steps: number of steps that share their noise; 0 is a whole episode.
     """
     held = noise_steps or len(advantages)
-    advantages = advantages[[step // held * held for step in range(len(advantages))]]
+    drawn: Any = advantages[[step // held * held for step in range(len(advantages))]]
     if group_size == 1:
-        return advantages
-    groups = advantages.reshape(len(advantages), -1, group_size)
-    return (groups - groups.mean(axis=2, keepdims=True)).reshape(advantages.shape)
+        return drawn
+    groups = drawn.reshape(len(drawn), -1, group_size)
+    return (groups - groups.mean(axis=2, keepdims=True)).reshape(drawn.shape)
 
 
 def advantages_and_returns(

@@ -1,7 +1,7 @@
 """The interface of learning algorithms, which a training run uses."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from collections.abc import Mapping
 
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.training.config import TrainConfig
@@ -44,9 +44,9 @@ class Learner(ABC):
         return {}
 
     @abstractmethod
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return the state for the next chunk: tensors, numbers, strings and containers of these."""
 
     @abstractmethod
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""

@@ -5,14 +5,16 @@ one episode of every swarm.
 """
 
 import warnings
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, TypedDict
 
 import numpy as np
+import stable_baselines3
 import torch
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3 import PPO
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import set_random_seed
 
 from swarm_gym.action import includes
@@ -20,28 +22,37 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.runs.seeds import TRAINING_START
+from swarm_gym.training.algorithms import PPO, ClippedOptions, GradientOptions, RecurrentPPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.grouped_vec_env import GroupedVecEnv
 from swarm_gym.training.imitation import Demonstration, demonstrate, imitate
 from swarm_gym.training.joined_vec_env import JoinedVecEnv
-from swarm_gym.training.learners.algorithm_options import has_groups
+from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
 from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 
 
+class PolicyOptions(TypedDict):
+    """Options of the library's policy without a memory."""
+
+    net_arch: list[int]
+    log_std_init: float
+
+
 class PPOLearner(Learner):
     """PPO with separate hidden layers for actor and critic."""
 
-    algorithm: ClassVar[type] = PPO
+    algorithm: ClassVar[type] = stable_baselines3.PPO
     policy: ClassVar[str | type] = "MlpPolicy"
+    options: PPO | RecurrentPPO
 
-    def __init__(self, config: TrainConfig):
-        self.config = config
+    def __init__(self, config: TrainConfig, options: PPO | RecurrentPPO):
+        self.config, self.options = config, options
         self._teacher = None
-        if config.warm_start != "none":
-            self._teacher = make_controller(config.warm_start, config.limits)
+        if options.warm_start != "none":
+            self._teacher = make_controller(options.warm_start, config.limits)
         # One thread for the whole process, environments included: torch's threads spin between its parallel
         # regions, and networks of this size do not get faster with more of them.
         torch.set_num_threads(1)
@@ -53,17 +64,17 @@ class PPOLearner(Learner):
         if self._teacher is not None:
             if not includes(config.action, self._teacher.action):
                 raise ValueError(
-                    f"warm_start {config.warm_start!r}: a controller with actions {self._teacher.action!r} "
+                    f"warm_start {options.warm_start!r}: a controller with actions {self._teacher.action!r} "
                     f"cannot be imitated in the layout {config.action!r}"
                 )
             try:
                 require_fitting(self._teacher, config.max_evaluations or None)
             except ValueError as error:
-                raise ValueError(f"warm_start {config.warm_start!r}: {error}") from error
+                raise ValueError(f"warm_start {options.warm_start!r}: {error}") from error
         if grouped:
-            firsts = config.branches or (config.corrected_from,)
+            firsts = options.branches or (config.corrected_from,)
             parts = [
-                GroupedVecEnv(*one, config.group_size, firsts, self._mean_actions, config.branch_at_events)
+                GroupedVecEnv(*one, options.group_size, firsts, self._mean_actions, options.branch_at_events)
                 for one in made
             ]
             self.env: SB3VecEnv | JoinedVecEnv = parts[0] if len(parts) == 1 else JoinedVecEnv(parts)
@@ -72,9 +83,10 @@ class PPOLearner(Learner):
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self._mean_weights: Weights = {}
-        self._iterations = self.env.get_attr("settings")[0].iterations
+        settings: Any = self.env.get_attr("settings")[0]
+        self._iterations = settings.iterations
         self.model = self._make_model()
-        if config.decay_steps:
+        if options.decay_steps:
             self.model.lr_schedule = self._decayed
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
@@ -88,14 +100,14 @@ class PPOLearner(Learner):
 
         Without a critic, a policy with a base needs no imitation: it begins with corrections of zero.
         """
-        if self._teacher is None and not self.config.critic and self.env.base is not None:
+        if self._teacher is None and not self.options.critic and self.env.base is not None:
             with torch.no_grad():
                 for parameter in self.model.policy.action_net.parameters():
                     parameter.zero_()
         elif self._teacher is not None or self.env.base is not None:
             seed = TRAINING_START + self.config.seed
             assert isinstance(self.env, SB3VecEnv)  # several optimizers have neither a teacher nor a critic
-            shown = demonstrate(self._teacher, self.env, self._noise(), self.config.discount, seed)
+            shown = demonstrate(self._teacher, self.env, self._noise(), self.options.discount, seed)
             imitate(self.model.policy, self._lessons(shown), self._predict, seed)
             self.env.num_common_steps = 0  # steps of demonstrations are not counted
 
@@ -123,7 +135,7 @@ class PPOLearner(Learner):
 
     def _average_weights(self) -> None:
         """Move the running mean of the weights towards the last ones."""
-        if share := self.config.averaging:
+        if share := self.options.averaging:
             last = self._last_weights()
             mean = self._mean_weights or last
             self._mean_weights = {name: share * mean[name] + (1.0 - share) * last[name] for name in last}
@@ -131,7 +143,7 @@ class PPOLearner(Learner):
     def _last_weights(self) -> Weights:
         return {name: tensor.numpy() for name, tensor in actor_layers(self.model.policy).items()}
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> dict[str, object]:
         """Return networks, optimizer and counters."""
         return {
             "mean_weights": {name: torch.as_tensor(array) for name, array in self._mean_weights.items()},
@@ -142,14 +154,15 @@ class PPOLearner(Learner):
             "updates": self.model._n_updates,
         }
 
-    def load(self, state: dict[str, Any]) -> None:
+    def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
-        self._mean_weights = {name: tensor.numpy() for name, tensor in state["mean_weights"].items()}
-        self.model.policy.load_state_dict(state["policy"])
-        self.model.policy.optimizer.load_state_dict(state["optimizer"])
-        self.model.num_timesteps = state["num_timesteps"]
-        self.env.num_common_steps = state["num_common_steps"]
-        self.model._n_updates = state["updates"]
+        stored: Any = state
+        self._mean_weights = {name: tensor.numpy() for name, tensor in stored["mean_weights"].items()}
+        self.model.policy.load_state_dict(stored["policy"])
+        self.model.policy.optimizer.load_state_dict(stored["optimizer"])
+        self.model.num_timesteps = stored["num_timesteps"]
+        self.env.num_common_steps = stored["num_common_steps"]
+        self.model._n_updates = stored["updates"]
 
     def _lessons(self, shown: Demonstration) -> Demonstration:
         """Return the sequences of an imitation: single steps."""
@@ -168,7 +181,7 @@ class PPOLearner(Learner):
 
     def _noise(self) -> float:
         """Return the standard deviation of actions; where noise is held, that at the begin of episodes."""
-        if self.config.noise_steps == 1:
+        if self.options.noise_steps == 1:
             return float(np.exp(self.model.policy.log_std.detach().numpy().mean()))
         self.env.seed(TRAINING_START + self.config.seed)
         observations = torch.as_tensor(self.env.reset())
@@ -184,63 +197,65 @@ class PPOLearner(Learner):
 
     def _decayed(self, _: float) -> float:
         """Return the step size of Adam after the steps so far; the library's share is of one call only."""
-        return step_size(self.config, self.num_steps)
+        return step_size(self.options, self.num_steps)
 
     def _policy_options(self) -> dict[str, Any]:
-        return policy_options(self.config)
+        return {**policy_options(self.config, self.options)}
 
     def _buffer_options(self) -> dict[str, Any]:
         """Return the options of the model about its rollouts."""
-        config = self.config
-        if config.group_size == 1 and config.critic and config.noise_steps == 1:
+        options = self.options
+        if options.group_size == 1 and options.critic and options.noise_steps == 1:
             return {}
-        buffer = {name: getattr(config, name) for name in ("group_size", "critic", "noise_steps")}
-        buffer["num_optimizers"] = len(config.optimizers)
+        buffer = {name: getattr(options, name) for name in ("group_size", "critic", "noise_steps")}
+        buffer["num_optimizers"] = len(self.config.optimizers)
         return {"rollout_buffer_class": GroupBuffer, "rollout_buffer_kwargs": buffer}
 
     def _make_model(self) -> Any:
         """Return the library's model; a last minibatch may be smaller than the others, which it warns of."""
-        config = self.config
+        config, options = self.config, self.options
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "You have specified a mini-batch size", UserWarning)
             return self.algorithm(
                 self.policy,
                 self.env,
-                learning_rate=config.learning_rate,
+                learning_rate=options.learning_rate,
                 n_steps=self._iterations - self.env.first,
-                batch_size=config.batch_size,
-                n_epochs=config.epochs,
-                gamma=config.discount,
-                gae_lambda=config.gae_lambda,
-                clip_range=config.clip_range,
-                ent_coef=config.entropy_weight,
-                vf_coef=0.5 if config.critic else 0.0,
-                target_kl=config.target_kl,
+                batch_size=options.batch_size,
+                n_epochs=options.epochs,
+                gamma=options.discount,
+                gae_lambda=options.gae_lambda,
+                clip_range=options.clip_range,
+                ent_coef=options.entropy_weight,
+                vf_coef=0.5 if options.critic else 0.0,
+                target_kl=options.target_kl,
                 policy_kwargs=self._policy_options(),
                 seed=config.seed,
                 device="cpu",
-                use_sde=config.noise_steps != 1,
-                sde_sample_freq=config.noise_steps or -1,
+                use_sde=options.noise_steps != 1,
+                sde_sample_freq=options.noise_steps or -1,
                 **self._buffer_options(),
             )
 
 
-def policy_options(config: TrainConfig) -> dict[str, Any]:
+def policy_options(config: TrainConfig, options: ClippedOptions) -> PolicyOptions:
     """Return the options of the library's policy without a memory."""
-    return {"net_arch": list(config.hidden_layers), "log_std_init": config.log_std}
+    return {"net_arch": list(config.hidden_layers), "log_std_init": options.log_std}
 
 
-def step_size(config: TrainConfig, num_steps: int) -> float:
+def step_size(options: GradientOptions, num_steps: int) -> float:
     """Return the step size of Adam after some environment steps."""
-    share = 1.0 - num_steps / config.decay_steps if config.decay_steps else 1.0
-    return config.learning_rate * max(share, 0.0)
+    share = 1.0 - num_steps / options.decay_steps if options.decay_steps else 1.0
+    return options.learning_rate * max(share, 0.0)
 
 
-def actor_layers(policy: Any) -> dict[str, torch.Tensor]:
+def actor_layers(policy: ActorCriticPolicy) -> dict[str, torch.Tensor]:
     """Return copies of the layers of a policy that compute the mean action, named as in policy files."""
-    layers = [m for m in policy.mlp_extractor.policy_net if isinstance(m, torch.nn.Linear)]
+    modules: Any = policy.mlp_extractor.policy_net
+    layers = [module for module in modules if isinstance(module, torch.nn.Linear)]
+    last: Any = policy.action_net
     weights = {}
-    for number, layer in enumerate([*layers, policy.action_net]):
+    for number, layer in enumerate([*layers, last]):
         weights[f"{number}.weight"] = layer.weight.detach().clone()
         weights[f"{number}.bias"] = layer.bias.detach().clone()
     return weights

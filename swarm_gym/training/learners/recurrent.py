@@ -7,11 +7,12 @@ in a minibatch.
 
 from typing import Any, ClassVar
 
+import sb3_contrib
 import torch
-from sb3_contrib import RecurrentPPO
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.training.algorithms import RecurrentPPO
 from swarm_gym.training.imitation import Demonstration
 from swarm_gym.training.learners.ppo import PPOLearner
 
@@ -44,8 +45,9 @@ class SequencePolicy(MlpLstmPolicy):
 class RecurrentPPOLearner(PPOLearner):
     """PPO with an LSTM of `lstm_size` before the hidden layers."""
 
+    options: RecurrentPPO
     network = "lstm"
-    algorithm: ClassVar[type] = RecurrentPPO
+    algorithm: ClassVar[type] = sb3_contrib.RecurrentPPO
     policy: ClassVar[str | type] = SequencePolicy
 
     def weights(self) -> Weights:
@@ -62,11 +64,11 @@ class RecurrentPPOLearner(PPOLearner):
     def _predict(self, seen: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         policy, (number, length) = self.model.policy, seen.shape[:2]
         # Sequences are whole episodes: the memory is empty at first, and no other episode begins inside.
-        empty = torch.zeros(1, number, self.config.lstm_size)
+        empty = torch.zeros(1, number, self.options.lstm_size)
         goes_on = torch.zeros(number * length)
         flat = seen.flatten(0, 1)
         decided, _ = policy.get_distribution(flat, (empty, empty), goes_on)
         return decided.mode(), policy.predict_values(flat, (empty, empty), goes_on).flatten()
 
     def _policy_options(self) -> dict[str, Any]:
-        return {**super()._policy_options(), "lstm_hidden_size": self.config.lstm_size}
+        return {**super()._policy_options(), "lstm_hidden_size": self.options.lstm_size}

@@ -21,6 +21,7 @@ from experiments.runs.suite import Suite
 from helpers.small_commands import CONTROLLERS, rows
 from helpers.stored_runs import make_database
 from helpers.trainings import make_policy
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.provenance import git_commit
@@ -275,7 +276,7 @@ def test_workers_on_other_machines_get_code_maps_and_the_files_of_controllers(tm
     there.mkdir()
     monkeypatch.chdir(here)
     monkeypatch.setenv("SWARM_GYM_DATA", str(here))
-    save_open_loop(Path("runs/base.json"), 60, [0], [30.0], [0.2], {}, {})
+    save_open_loop(Path("runs/base.json"), Knots(60, [0], [30.0], [0.2]), {})
     make_policy(Path("runs/mine.safetensors"), rng, base="open-loop:runs/base.json")
     make_policy(here / "far.safetensors", rng)
     names = ["spsfa", "fixed:3", "learned:three-cases/0", f"learned:{here / 'far.safetensors'}"]

@@ -59,7 +59,7 @@ def test_a_lock_that_a_lost_machine_may_have_left_is_waited_for(tmp_path, monkey
     config.folder.mkdir(parents=True)
 
     def work(config):
-        return Finished(prepare_folder(config.folder, config, config.resume, ()).lock_file, "")
+        return Finished(prepare_folder(config.folder, config.options(), config.resume, ()).lock_file, "")
 
     lock = FileLock(config.folder / "lock", thread_local=False)
     lock.acquire()

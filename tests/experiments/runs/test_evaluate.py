@@ -23,6 +23,7 @@ from experiments.runs.suite import Suite
 from experiments.tables.document import Document
 from helpers.stored_runs import filled_database, make_database, stored_run
 from helpers.trainings import make_correction
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.errors import UnknownNameError
@@ -168,13 +169,13 @@ def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
         return configuration(dataclasses.replace(SUITE, controllers=(name,)))[f"controller {name}"]
 
     loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"
-    save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
+    save_open_loop(loop, Knots(6, [0, 9], [6.0, 9.0], [0.1, 0.7]), {})
     save_tuned(tuned, "spsfa:growth=500", {})
     policy = make_correction(tmp_path / "p.safetensors", np.random.default_rng(0), f"open-loop:{loop}")
     names = (f"open-loop:{loop}", f"tuned:{tuned}", f"learned:{policy}")
     before = [identity(name) for name in names]
     assert before == [identity(name) for name in names]
-    save_open_loop(loop, 6, [0, 9], [6.0, 9.5], [0.1, 0.7], {}, {})
+    save_open_loop(loop, Knots(6, [0, 9], [6.0, 9.5], [0.1, 0.7]), {})
     save_tuned(tuned, "spsfa:growth=501", {})
     assert all(old != identity(name) for old, name in zip(before, names, strict=True))
 

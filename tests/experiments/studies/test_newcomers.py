@@ -47,6 +47,7 @@ from helpers.stored_runs import (
     part_of,
     stored_run,
 )
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.history import HISTORY
 from swarm_gym.optimizers import OPTIMIZERS as ALL_OPTIMIZERS
@@ -108,7 +109,9 @@ def test_runs_have_the_kind_of_bends_of_their_suite_and_the_source_of_their_cont
 
 def test_open_loops_with_other_first_populations_are_not_taken_for_each_other():
     same = (60, [0], [60.0], [0.0])
-    found = [identity("open-loop:a", OpenLoop(*same, first_source=s)) for s in (None, Source(), Source(1.0))]
+    found = [
+        identity("open-loop:a", OpenLoop(Knots(*same, first_source=s))) for s in (None, Source(), Source(1.0))
+    ]
     assert len(set(map(repr, found))) == 3
 
 

@@ -9,6 +9,7 @@ from agents import make_controller
 from helpers.builders import options_for
 from helpers.trainings import make_policy
 from swarm_gym.action import make_action
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.controllers.open_loop import save_open_loop
 from swarm_gym.env import SwarmEnv
@@ -105,15 +106,14 @@ def loop_for(optimizer, folder):
     decided = get_optimizer(optimizer).decided_parameters()
     knobs = {name: [parameter.decided[0]] for name, parameter in decided.items()}
     path = folder / f"{optimizer}.json"
-    save_open_loop(path, 6, [0], [6.0], [0.1], knobs, {}, optimizer=optimizer)
+    save_open_loop(path, Knots(6, [0], [6.0], [0.1], knobs, optimizer=optimizer), {})
     return f"open-loop:{path}"
 
 
 @pytest.mark.slow
 def test_short_trainings_by_ppo_beat_a_fixed_size_at_fewer_evaluations(tmp_path):
     """On average; one may end below it."""
-    config = TrainConfig(
-        runs=tmp_path,
+    config = TrainConfig(runs=tmp_path).changed(
         algorithm="ppo",
         optimizer="particle-swarm",
         scenarios=("case1",),

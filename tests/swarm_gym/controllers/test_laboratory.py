@@ -50,7 +50,7 @@ def test_everything_in_the_package_works_without_the_laboratory(without_laborato
             make_controller(f"{family}:{name}")
     for name in PRESETS.names():
         config = load_preset(name)
-        for controller in (config.base, config.reference, config.warm_start):
+        for controller in (config.base, config.reference, config.algorithm.warm_start):
             if controller != "none":
                 make_controller(controller)
 

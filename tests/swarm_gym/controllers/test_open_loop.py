@@ -7,12 +7,16 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import (
+    FORMAT,
+    OPEN_LOOPS,
     OpenLoop,
     OpenLoopFileError,
     load_open_loop,
     save_open_loop,
 )
+from swarm_gym.controllers.packaged import read_json
 from swarm_gym.env import SwarmEnv
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.rollout import run_episodes
@@ -40,7 +44,7 @@ def decided(loop, iterations):
 
 
 def test_decisions_are_interpolated_in_logarithm_and_square_root():
-    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS)
+    loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS))
     for iteration, row in enumerate(decided(loop, range(12))):
         expected = [
             math.exp(between(KNOTS, [math.log(v) for v in SIZES], iteration)),
@@ -49,11 +53,11 @@ def test_decisions_are_interpolated_in_logarithm_and_square_root():
         ]
         assert row.tolist() == pytest.approx(expected, rel=1e-12)
     assert (loop.action, loop.initial_population_size) == ("extended", 60)
-    assert OpenLoop(60, KNOTS, SIZES, DEGREES).action == "natural"
+    assert OpenLoop(Knots(60, KNOTS, SIZES, DEGREES)).action == "natural"
 
 
 def test_decisions_on_new_members_are_interpolated_each_on_its_scale():
-    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=Source(1.0, 0.3))
+    loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=Source(1.0, 0.3)))
     for iteration, row in enumerate(decided(loop, range(12))):
         expected = [
             between(KNOTS, SOURCES["smooth_share"], iteration),
@@ -62,7 +66,7 @@ def test_decisions_on_new_members_are_interpolated_each_on_its_scale():
         ]
         assert row[4:].tolist() == pytest.approx(expected, rel=1e-12)
     np.testing.assert_array_equal(
-        decided(loop, range(12))[:, :4], decided(OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS), range(12))
+        decided(loop, range(12))[:, :4], decided(OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS)), range(12))
     )
     assert loop.action == "sourced"
     options = loop.env_options()
@@ -72,7 +76,9 @@ def test_decisions_on_new_members_are_interpolated_each_on_its_scale():
 def test_an_episode_of_a_sourced_open_loop_begins_with_its_first_source():
     sources = {"smooth_share": [0.0, 0.5], "amplitude": [0.01, 1.0], "immigrants": [0.0, 1.0]}
     knobs = {"noise": [1.0] * 2, "attractiveness": [0.1] * 2}
-    loop = OpenLoop(8, [0, 4], [8.0, 9.0], [0.0, 0.5], knobs, sources=sources, first_source=Source(0.5, 0.2))
+    loop = OpenLoop(
+        Knots(8, [0, 4], [8.0, 9.0], [0.0, 0.5], knobs, sources=sources, first_source=Source(0.5, 0.2))
+    )
     env = SwarmEnv(iterations=6, **loop.env_options())
     observation, _ = env.reset(seed=1)
     assert env.simulation.swarms.source[0, :2].tolist() == [0.5, 0.2]
@@ -83,13 +89,15 @@ def test_an_episode_of_a_sourced_open_loop_begins_with_its_first_source():
 
 
 def test_sizes_keep_the_limits():
-    loop = OpenLoop(60, KNOTS, SIZES, DEGREES, limits=SizeLimits(12, 40))
+    loop = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES), SizeLimits(12, 40))
     sizes = decided(loop, range(12))[:, 0]
     assert (sizes.min(), sizes.max(), loop.initial_population_size) == (12, 40, 40)
 
 
 def test_one_knot_is_a_constant():
-    np.testing.assert_array_equal(decided(OpenLoop(60, [0], [7.0], [0.25]), [0, 1, 99]), [[7.0, 0.25]] * 3)
+    np.testing.assert_array_equal(
+        decided(OpenLoop(Knots(60, [0], [7.0], [0.25])), [0, 1, 99]), [[7.0, 0.25]] * 3
+    )
 
 
 def test_knobs_at_their_bounds_stay_inside():
@@ -97,12 +105,12 @@ def test_knobs_at_their_bounds_stay_inside():
     names = list(Firefly.decided_parameters())
     for end in (0, 1):
         knobs = {name: [bound[end]] * 2 for name, bound in zip(names, bounds, strict=True)}
-        loop = OpenLoop(60, [0, 4], [5.0, 5.0], [0.5, 1.0], knobs)
+        loop = OpenLoop(Knots(60, [0, 4], [5.0, 5.0], [0.5, 1.0], knobs))
         run_episodes(loop, "case3", range(2), iterations=6)  # an action out of bounds is an error
     values = [x for x in np.random.default_rng(0).random(200) * 30 + 0.02 if np.exp(np.log(x)) > x]
     for value in values:
         knobs = {"noise": [value] * 2, "attractiveness": [0.1] * 2}
-        assert decided(OpenLoop(60, [0, 5], [5.0] * 2, [0.5] * 2, knobs), [0, 2])[:, 2].max() <= value
+        assert decided(OpenLoop(Knots(60, [0, 5], [5.0] * 2, [0.5] * 2, knobs)), [0, 2])[:, 2].max() <= value
 
 
 @pytest.mark.parametrize(
@@ -130,7 +138,7 @@ def test_knobs_at_their_bounds_stay_inside():
 )
 def test_impossible_knots_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        OpenLoop(60, *arguments)
+        Knots(60, *arguments)
 
 
 WHOLE = {"smooth_share": [1.0], "amplitude": [0.5], "immigrants": [0.1]}
@@ -150,12 +158,12 @@ WRONG_SOURCES = [
 @pytest.mark.parametrize(("sources", "message"), WRONG_SOURCES)
 def test_impossible_decisions_on_new_members_are_refused(sources, message):
     with pytest.raises(ValueError, match=message):
-        OpenLoop(60, *ONE, ONE_OF_EACH, sources=sources)
+        Knots(60, *ONE, ONE_OF_EACH, sources=sources)
 
 
 def test_decisions_on_new_members_need_those_of_the_optimizer():
     with pytest.raises(ValueError, match=r"further decisions of 'firefly' are noise, attractiveness"):
-        OpenLoop(60, *ONE, sources=WHOLE)
+        Knots(60, *ONE, sources=WHOLE)
 
 
 @pytest.mark.parametrize(
@@ -176,7 +184,7 @@ def test_decisions_on_new_members_need_those_of_the_optimizer():
 )  # fmt: skip
 def test_a_file_with_wrong_sources_is_refused_by_name(tmp_path, changes):
     path = tmp_path / "some.json"
-    save_open_loop(path, 60, *ONE, ONE_OF_EACH, {}, WHOLE, Source(1.0, 0.5))
+    save_open_loop(path, Knots(60, *ONE, ONE_OF_EACH, WHOLE, Source(1.0, 0.5)), {})
     load_open_loop(str(path))
     path.write_text(json.dumps({**json.loads(path.read_text()), **changes}))
     with pytest.raises(OpenLoopFileError, match=r"some\.json"):
@@ -185,25 +193,37 @@ def test_a_file_with_wrong_sources_is_refused_by_name(tmp_path, changes):
 
 def test_what_is_saved_is_read_back(tmp_path):
     path = tmp_path / "some.json"
-    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {"seed": 3})
-    ours, theirs = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS), load_open_loop(str(path))
+    save_open_loop(path, Knots(60, KNOTS, SIZES, DEGREES, KNOBS), {"seed": 3})
+    ours, theirs = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS)), load_open_loop(str(path))
     np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
     assert json.loads(path.read_text())["manifest"] == {"seed": 3}
 
 
 def test_sources_that_are_saved_are_read_back(tmp_path):
     path, first_source = tmp_path / "some.json", Source(0.25, 0.125)
-    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {}, SOURCES, first_source)
-    ours = OpenLoop(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=first_source)
+    save_open_loop(path, Knots(60, KNOTS, SIZES, DEGREES, KNOBS, SOURCES, first_source), {})
+    ours = OpenLoop(Knots(60, KNOTS, SIZES, DEGREES, KNOBS, sources=SOURCES, first_source=first_source))
     theirs = load_open_loop(str(path))
     np.testing.assert_array_equal(decided(ours, range(12)), decided(theirs, range(12)))
     assert theirs.first_source == first_source
     assert theirs.env_options() == ours.env_options()
 
 
+@pytest.mark.parametrize("name", OPEN_LOOPS.names())
+def test_a_packaged_file_that_is_read_and_saved_again_stays_the_same(tmp_path, name):
+    there, again = OPEN_LOOPS.find(name), tmp_path / "again.json"
+    content = read_json(there, FORMAT)
+    save_open_loop(again, Knots.read(content), content["manifest"])
+    expected = there.read_text()
+    if "optimizer" not in content:  # files of earlier versions are for fireflies
+        first = f'"format": "{FORMAT}",\n'
+        expected = expected.replace(first, f'{first}  "optimizer": "firefly",\n')
+    assert again.read_text() == expected
+
+
 def test_a_file_without_sources_has_none(tmp_path):
     path = tmp_path / "some.json"
-    save_open_loop(path, 60, KNOTS, SIZES, DEGREES, KNOBS, {})
+    save_open_loop(path, Knots(60, KNOTS, SIZES, DEGREES, KNOBS), {})
     assert not {"sources", "first_source"} & set(json.loads(path.read_text()))
     loop = load_open_loop(str(path))
     assert (loop.first_source, "source" in loop.env_options()) == (None, False)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from agents import make_controller
 from helpers.mutations import fuzzed, mutated
 from helpers.trainings import add_choices, add_memory, change_policy, make_policy
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.learned.policy_file import (
     MAX_FILE,
     MAX_HEADER,
@@ -358,7 +359,7 @@ def test_files_that_name_each_other_are_refused(policy, tmp_path):
 
 def test_features_are_those_of_layout_and_base(policy, tmp_path):
     loop = tmp_path / "loop.json"
-    save_open_loop(loop, 6, [0, 9], [6.0, 9.0], [0.1, 0.7], {}, {})
+    save_open_loop(loop, Knots(6, [0, 9], [6.0, 9.0], [0.1, 0.7]), {})
     weights, manifest = proposing(policy, "proposed everything")
     save_policy(policy, weights, {**manifest, "base": f"open-loop:{loop}"})
     refused(policy, "trained with observation features")

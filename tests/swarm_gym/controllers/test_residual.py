@@ -7,6 +7,7 @@ from gymnasium.vector import AutoresetMode
 from agents import Controller, SizeLimits, make_controller
 from helpers.trainings import make_rule, untrained_manifest
 from swarm_gym.action import make_action
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, save_policy
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
@@ -76,7 +77,7 @@ def based(request, tmp_path):
         return "spsfa-tip", "normalised"
     path = tmp_path / "some.json"
     knobs = {"noise": [0.3, 1.0], "attractiveness": [0.1, 0.4]} if "knobs" in request.param else {}
-    save_open_loop(path, 6, [0, 9], [6.0, 17.3], [0.1, 0.7], knobs, {})
+    save_open_loop(path, Knots(6, [0, 9], [6.0, 17.3], [0.1, 0.7], knobs), {})
     return f"open-loop:{path}", "extended-normalised" if knobs else "normalised"
 
 
@@ -140,7 +141,7 @@ def test_a_policy_sees_its_own_layout_and_what_is_proposed():
 def test_until_a_given_iteration_the_base_decides_alone(tmp_path, name):
     if name == "open-loop":
         name = f"open-loop:{tmp_path / 'some.json'}"
-        save_open_loop(tmp_path / "some.json", 6, [0, 9], [6.0, 17.3], [0.1, 0.7], {}, {})
+        save_open_loop(tmp_path / "some.json", Knots(6, [0, 9], [6.0, 17.3], [0.1, 0.7]), {})
     base = make_base(name)
     policies = [
         silent_policy(tmp_path / f"{begin}.safetensors", base, name, "normalised", 0.3, begin)
@@ -174,7 +175,7 @@ def test_layouts_that_are_not_scaled_cannot_be_corrected(action):
 
 
 def test_controllers_whose_decisions_the_layout_does_not_take_are_refused():
-    loop = OpenLoop(9, [0], [9.0], [0.5], {"noise": [1.0], "attractiveness": [0.5]})
+    loop = OpenLoop(Knots(9, [0], [9.0], [0.5], {"noise": [1.0], "attractiveness": [0.5]}))
     scaled = Encoded(make_controller("fixed:9"), make_layout("normalised"))
     for controller, action in ((loop, "extended"), (scaled, "normalised")):
         with pytest.raises(ValueError, match=f"'{action}' cannot be corrected in the layout 'normalised'"):

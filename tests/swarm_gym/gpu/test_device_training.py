@@ -1,7 +1,5 @@
 """A training whose swarms live on a GPU is that whose swarms live on the CPU."""
 
-import dataclasses
-
 import numba
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ def test_a_training_on_the_device_learns_what_one_on_the_cpu_learns():
     from swarm_gym.training.config import TrainConfig
     from swarm_gym.training.learners import make_learner
 
-    config = TrainConfig(
+    config = TrainConfig().changed(
         algorithm="device-ppo", warm_start="none", scenarios=("function:rastrigin-10",),
         initial_population_size=3, min_population_size=2, max_population_size=6, num_swarms=4, log_std=0.0,
         group_size=2, branches=(2,), gae_lambda=1.0, critic=False, noise_steps=0, hidden_layers=(8,),
@@ -20,7 +18,7 @@ def test_a_training_on_the_device_learns_what_one_on_the_cpu_learns():
     )  # fmt: skip
     learned = []
     for device in ("cpu", "cuda"):
-        learner = make_learner(dataclasses.replace(config, device=device))
+        learner = make_learner(config.changed(device=device))
         learner.begin()
         before = {name: array.copy() for name, array in learner.weights().items()}
         scalars = learner.learn(0)

@@ -1,7 +1,5 @@
 """PPO on the tensors of one device: the numbers are those of PPO, and what it does not have is refused."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 import torch
@@ -115,7 +113,7 @@ def test_a_rollout_and_its_update_are_those_of_ppo(tmp_path, options, monkeypatc
     theirs, ours = both(tmp_path, **options)
     start = theirs.model.policy.state_dict()
     assert all(torch.equal(start[name], tensor) for name, tensor in ours.policy.state_dict().items())
-    if not theirs.config.critic:  # begins equally; with a critic, imitations differ
+    if not theirs.config.algorithm.critic:  # begins equally; with a critic, imitations differ
         for learner in (theirs, ours):
             learner.begin()
     before = {name: tensor.clone() for name, tensor in ours.policy.state_dict().items()}
@@ -146,7 +144,7 @@ def test_an_update_stops_where_that_of_ppo_stops(tmp_path, monkeypatch):
 def test_noise_is_held_for_its_steps(tmp_path, noise_steps, drawn):
     """One matrix, times the last hidden layer, explains the noise of all steps that share it."""
     config = tiny_config(tmp_path, **{**DEVICE, **HELD, "corrected_from": 93, "hidden_layers": (2,)})
-    learner = make_learner(dataclasses.replace(config, noise_steps=noise_steps))
+    learner = make_learner(config.changed(noise_steps=noise_steps))
     rollout = run_episode(
         learner.policy, learner.swarms, np.random.default_rng(0), critic=False, noise_steps=noise_steps
     )
@@ -310,7 +308,7 @@ def test_an_update_moves_towards_praised_actions(tmp_path):
         log_probs = distribution.log_prob(actions)
         before = distribution.mode()
     advantages = actions[:, 0] - before[:, 0]
-    update(policy, Steps(observations, actions, log_probs, advantages, advantages), learner.config)
+    update(policy, Steps(observations, actions, log_probs, advantages, advantages), learner.options)
     with torch.no_grad():
         after = policy.get_distribution(observations).mode()
     assert (after - before)[:, 0].mean() > 0.0

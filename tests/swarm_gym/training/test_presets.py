@@ -7,9 +7,10 @@ import pytest
 
 from agents import make_controller
 from agents.train import main, read_command_line, read_configs
+from swarm_gym.training.algorithms import PPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners import LEARNERS
-from swarm_gym.training.learners.algorithm_options import require_options
+from swarm_gym.training.learners.checks import require_options
 from swarm_gym.training.presets import PresetError, load_preset, preset_names
 
 
@@ -17,7 +18,7 @@ from swarm_gym.training.presets import PresetError, load_preset, preset_names
 def test_every_packaged_preset_loads(name):
     config = load_preset(name)
     assert config.preset == name
-    assert config.algorithm in LEARNERS
+    assert config.algorithm.name in LEARNERS
     require_options(config)
     if config.base != "none":  # as many members as the controller that it corrects
         base = make_controller(config.base, config.limits)
@@ -44,7 +45,7 @@ def test_a_preset_changes_what_it_names(preset):
         preset('price = [1, 2.5]\nscenarios = ["case1"]\nseed = 4\nlog_std = -2\nruns = "x"')
     )
     assert config == TrainConfig(
-        preset="mine", price=(1.0, 2.5), scenarios=("case1",), seed=4, log_std=-2.0, runs=Path("x")
+        "mine", runs=Path("x"), price=(1.0, 2.5), scenarios=("case1",), seed=4, algorithm=PPO(log_std=-2.0)
     )
     assert isinstance(config.price[0], float)
 

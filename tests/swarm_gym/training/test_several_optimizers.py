@@ -13,8 +13,8 @@ from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.rollout import run_episodes
 from swarm_gym.training.joined_vec_env import JoinedVecEnv
+from swarm_gym.training.learners import make_learner
 from swarm_gym.training.learners.group_advantages import GroupBuffer
-from swarm_gym.training.learners.ppo import PPOLearner
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -27,7 +27,7 @@ SEVERAL = {
 
 
 def test_each_optimizer_has_its_share_of_the_swarms_and_its_own_episodes(tmp_path):
-    learner = PPOLearner(tiny_config(tmp_path, **SEVERAL))
+    learner = make_learner(tiny_config(tmp_path, **SEVERAL))
     env = learner.env
     assert isinstance(env, JoinedVecEnv)
     names = [part.env.unwrapped.simulation.optimizer.name for part in env.parts]
@@ -43,10 +43,10 @@ def test_each_optimizer_has_its_share_of_the_swarms_and_its_own_episodes(tmp_pat
 
 
 def test_swarms_side_by_side_move_as_each_optimizer_does_alone(tmp_path):
-    env = PPOLearner(tiny_config(tmp_path, **SEVERAL)).env
+    env = make_learner(tiny_config(tmp_path, **SEVERAL)).env
     own = {**SEVERAL, "also_on": (), "num_swarms": 2}
     alone = [
-        PPOLearner(tiny_config(tmp_path, **{**own, "optimizer": optimizer})).env
+        make_learner(tiny_config(tmp_path, **{**own, "optimizer": optimizer})).env
         for optimizer in ("firefly", "particle-swarm")
     ]
     env.seed(7)

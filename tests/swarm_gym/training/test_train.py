@@ -1,6 +1,5 @@
 """Training: it runs, it stores, it resumes bit for bit, it refuses."""
 
-import dataclasses
 import json
 import re
 
@@ -17,7 +16,8 @@ from swarm_gym.controllers.registry import load_learned
 from swarm_gym.env import SwarmEnv
 from swarm_gym.runs.folder import RunFolderError
 from swarm_gym.runs.seeds import TEST, VALIDATION, training_seed
-from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.algorithms import PPO, option_names
+from swarm_gym.training.config import SHARED
 from swarm_gym.training.learners import make_learner
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -41,7 +41,7 @@ def test_training_leaves_its_whole_configuration_policies_and_scalars(tmp_path):
     weights, manifest = load_policy(best)
     assert manifest["config"]["scenarios"] == ["case3"]
     stored = json.loads((tmp_path / "ppo" / "config.json").read_text())
-    assert set(stored) == {field.name for field in dataclasses.fields(TrainConfig)}
+    assert set(stored) == {"algorithm", *SHARED, *option_names(PPO)}
     assert manifest["validation"]["case3"]["evaluations"] > 0
     assert {"swarm_gym", "torch", "stable-baselines3"} <= set(manifest["provenance"])
     assert weights["0.weight"].shape == (8, 9)

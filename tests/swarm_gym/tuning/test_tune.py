@@ -10,6 +10,7 @@ import pytest
 from agents import make_controller
 from agents.tune import main, read_command_line
 from swarm_gym.controllers.fixed import Fixed
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop
 from swarm_gym.controllers.parameters import format_parameters
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
@@ -37,8 +38,9 @@ def short_estimate(monkeypatch):
 
 def tune(folder, what="open-loop", rounds=3, **options):
     small = SMALL_KIND if "candidates" in TUNERS[what].options else {}
-    options = {**kind_defaults(what), **TINY, **small, "total_steps": rounds * ROUND[what], **options}
-    return TuningRun(TuneConfig(**{"runs": folder, "name": "it", **options}))
+    options = {**TINY, **small, "total_steps": rounds * ROUND[what], **options}
+    changes = {"runs": folder, "name": "it", **options}
+    return TuningRun(dataclasses.replace(kind_defaults(what), **changes))
 
 
 def stored(path):
@@ -89,7 +91,7 @@ def test_candidates_meet_the_same_episodes_as_in_the_single_environment_whatever
 )
 def test_the_loss_is_the_return_with_the_sign_turned_up_to_a_constant_of_the_episode(reward, scenario):
     config = TuneConfig(**{**TINY, "scenarios": (scenario,)}, price=0.5, reward=reward)
-    controllers = [OpenLoop(6, [0], [float(size)], [0.5]) for size in (3, 11)]
+    controllers = [OpenLoop(Knots(6, [0], [float(size)], [0.5])) for size in (3, 11)]
     outcomes = SideBySide(config, 2, "paper", "natural").run(controllers, seed=TRAINING_START)
     for episode in range(4):
         options = {"price": 0.5, "reward": reward}
@@ -120,7 +122,9 @@ def test_episodes_that_end_early_count_once():
     given = {**TINY, "scenarios": ("block:20", "open:20")}
     config = TuneConfig(**given, optimizer="glowworm", reward="optimality", price=0.5)
     quick = {"step": [0.02], "decision_range": [2.0]}
-    controllers = [OpenLoop(size, [0], [float(size)], [0.0], quick, optimizer="glowworm") for size in (5, 12)]
+    controllers = [
+        OpenLoop(Knots(size, [0], [float(size)], [0.0], quick, optimizer="glowworm")) for size in (5, 12)
+    ]
     outcomes = SideBySide(config, 2, "paper", "extended").run(controllers, seed=TRAINING_START)
     lengths = set()
     for row, controller in enumerate(controllers):
@@ -147,7 +151,7 @@ def test_a_point_decides_at_its_knots_what_the_controller_does():
 
 
 def test_a_constant_is_one_decision():
-    space = KnotSpace(TuneConfig(**kind_defaults("constant")))
+    space = KnotSpace(kind_defaults("constant"))
     actions = space.controller(space.start).act(np.array([[0.0, 0.0, 0.0, t] for t in (0, 50, 99)]))
     assert (actions == actions[0]).all()
     assert 10 < actions[0, 0] < 165

@@ -1,11 +1,13 @@
 """Tuning of decisions on new members: where the search starts, first populations, files, resuming."""
 
+import dataclasses
 import json
 
 import numpy as np
 import pytest
 
 from agents import make_controller
+from swarm_gym.controllers.knots import Knots
 from swarm_gym.controllers.open_loop import OpenLoop, save_open_loop
 from swarm_gym.env import SwarmEnv
 from swarm_gym.runs.seeds import TRAINING_START
@@ -35,7 +37,7 @@ def tune(folder, rounds=2, **options):
     defaults = kind_defaults(options.pop("what", "open-loop"))
     small = {"candidates": 4, "initial_population_size": 6, "total_steps": rounds * STEPS, "name": "it"}
     given = {"action": "sourced", "runs": folder, **options}
-    return TuningRun(TuneConfig(**{**defaults, **TINY, **small, **given}))
+    return TuningRun(dataclasses.replace(defaults, **{**TINY, **small, **given}))
 
 
 @pytest.fixture
@@ -44,7 +46,7 @@ def sourced_file(tmp_path):
     path = tmp_path / "sourced.json"
     knobs = {"noise": [2.0] * 6, "attractiveness": [0.1] * 6}
     sizes, degrees = [70.0, 40.0, 30.0, 20.0, 10.0, 9.0], [0.5, 0.4, 0.3, 0.2, 0.1, 0.05]
-    save_open_loop(path, 33, list(KNOTS), sizes, degrees, knobs, {}, SOURCES, Source(0.5, 0.2))
+    save_open_loop(path, Knots(33, list(KNOTS), sizes, degrees, knobs, SOURCES, Source(0.5, 0.2)), {})
     return f"open-loop:{path}"
 
 

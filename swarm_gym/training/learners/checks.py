@@ -1,0 +1,92 @@
+"""Checks of the options of algorithms, before anything is made."""
+
+from swarm_gym.action import require_same_decisions
+from swarm_gym.checks import require_integer, require_number
+from swarm_gym.errors import UnknownNameError
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.training.algorithms import GroupedOptions
+from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.paired_reward import PAIRED
+
+DEVICES = ("cpu", "cuda")
+
+LARGEST_AVERAGING = 0.9999
+
+
+def require_options(config: TrainConfig) -> None:
+    """Raise an error for options that are out of their ranges, or that exclude each other.
+
+    Raises:
+        UnknownNameError: for a device that does not exist.
+        ValueError: naming the option and its value.
+    """
+    options = config.algorithm
+    if options.device not in DEVICES:
+        raise UnknownNameError("device", options.device, DEVICES)
+    if config.base != "none" and options.warm_start != "none":
+        raise ValueError(
+            f"base {config.base!r} and warm_start {options.warm_start!r} exclude each other: a policy that "
+            "corrects a controller begins as that one; set warm_start to 'none'"
+        )
+    require_integer("group_size", options.group_size, 1, config.num_swarms)
+    require_integer("noise_steps", options.noise_steps, 0, config.iterations)
+    require_number("averaging", options.averaging, 0.0, LARGEST_AVERAGING)
+    require_integer("decay_steps", options.decay_steps, 0)
+    if 0 < options.decay_steps < config.total_steps:
+        raise ValueError(
+            "decay_steps must be 0 or at least total_steps, got "
+            f"{options.decay_steps} and {config.total_steps}"
+        )
+    for first in options.branches:
+        require_integer("branches", first, config.corrected_from, config.iterations - 1)
+    if config.num_swarms % options.group_size:
+        raise ValueError(
+            f"num_swarms must be a multiple of group_size, got {config.num_swarms} and {options.group_size}"
+        )
+    _require_joinable(config)
+    if options.branch_at_events and options.group_size == 1:
+        raise ValueError("branch_at_events needs groups of several swarms, got group_size 1")
+    if isinstance(options, GroupedOptions) and not options.critic and options.gae_lambda != 1.0:
+        raise ValueError(f"without a critic, gae_lambda must be 1, got {options.gae_lambda}")
+    if has_groups(config) or options.noise_steps != 1:
+        _require_equal_lengths(config)
+
+
+def _require_joinable(config: TrainConfig) -> None:
+    """Raise an error if the optimizers of a training cannot be trained on together."""
+    options = config.algorithm
+    if not options.also_on:
+        return
+    for option in ("branches", "branch_at_events"):
+        if getattr(options, option):
+            raise ValueError(f"also_on and {option} exclude each other, got {getattr(options, option)!r}")
+    if options.group_size == 1 or options.warm_start != "none" or options.critic:
+        raise ValueError(
+            "also_on needs groups without a critic and without imitation, got group_size "
+            f"{options.group_size}, critic {options.critic}, warm_start {options.warm_start!r}"
+        )
+    if config.num_swarms % (len(config.optimizers) * options.group_size):
+        raise ValueError(
+            f"num_swarms must be a multiple of group_size {options.group_size} times "
+            f"{len(config.optimizers)} optimizers, got {config.num_swarms}"
+        )
+    for name in options.also_on:
+        require_same_decisions(config.optimizer, config.action, get_optimizer(name))
+
+
+def has_groups(config: TrainConfig) -> bool:
+    """Return whether swarms begin in groups, or after iterations that are not part of the training."""
+    return config.algorithm.group_size > 1 or bool(config.algorithm.branches)
+
+
+def _require_equal_lengths(config: TrainConfig) -> None:
+    if config.max_evaluations:
+        raise ValueError(
+            f"max_evaluations {config.max_evaluations}: groups, and noise that is held, need episodes of one "
+            "length; set group_size and noise_steps to 1, without branches"
+        )
+    if config.reward == PAIRED and has_groups(config):
+        raise ValueError(
+            f"reward {PAIRED!r} and group_size {config.algorithm.group_size} exclude each other: the mean of "
+            "a group stands for the reference; choose optimality or final"
+        )
