@@ -26,6 +26,7 @@ from helpers.builders import (
     slow_if_alike,
     small_grid_problem,
 )
+from helpers.loops import looped
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -126,7 +127,7 @@ def test_a_piece_is_the_first_part_of_a_path_that_is_so_long():
         assert arrives
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_pieces_that_enter_an_obstacle_are_not_clear_as_in_shapely(seed):
     rng = np.random.default_rng(seed)
     for _ in range(30):
@@ -176,7 +177,7 @@ def last_offset(path, start, target, x):
     return found
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 def test_paths_pass_the_new_waypoints_where_they_pass_last(seed):
     rng = np.random.default_rng(seed)
     before = random_problem(seed, "analytic")

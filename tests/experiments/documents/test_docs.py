@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from helpers.loops import looped
+
 ROOT = Path(__file__).parents[3]
 # Pages that `make docs` writes, which have a check of their own.
 GENERATED = ("docs/environments/", "docs/reference/", "docs/contributing.md", "docs/changelog.md")
@@ -15,7 +17,7 @@ PAGES = [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/**
 DOCUMENTS = ["README.md", *(page for page in PAGES if not page.startswith(GENERATED))]
 
 
-@pytest.mark.parametrize("document", DOCUMENTS)
+@looped("document", DOCUMENTS)
 def test_every_relative_link_leads_to_a_file(document):
     targets = re.findall(r"\]\(([^)#\s]+)\)", (ROOT / document).read_text(encoding="utf-8"))
     relative = [target for target in targets if "://" not in target]

@@ -6,6 +6,7 @@ from decimal import Context, Decimal, localcontext
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from swarm_gym.compiler import elementary
 
 DIGITS = 45
@@ -64,7 +65,7 @@ def test_the_hyperbolic_tangent_is_precise_to_twelve_digits_and_odd():
     np.testing.assert_array_equal(elementary.tanh(-values), -found)
 
 
-@pytest.mark.parametrize(
+@looped(
     ("name", "x", "expected"),
     [
         ("exp", -math.inf, 0.0), ("exp", -800.0, 0.0), ("exp", 0.0, 1.0), ("exp", 800.0, math.inf),

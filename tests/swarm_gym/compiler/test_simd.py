@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
+from helpers.loops import looped
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import (
     as_float,
@@ -113,7 +114,7 @@ def inputs(seed):
     return {0: drawn, 1: np.round(drawn), 2: rng.choice(AWKWARD, (3, 8))}[seed % 3]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@looped("seed", range(30))
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_compiled_lanes_give_the_bits_of_the_python_ones(function, seed):
@@ -141,7 +142,7 @@ def floats_of_words(a):
     return out
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_compiled_words_wrap_as_those_of_numpy(seed):
     a, b = np.random.default_rng(seed).integers(0, 2**64, (2, 8), dtype=np.uint64)
     found, mask = compiled(words)(a, b)

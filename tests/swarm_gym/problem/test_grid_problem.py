@@ -8,6 +8,7 @@ import pytest
 
 from helpers.builders import random_grid_scenario, small_grid_problem
 from helpers.compiled import compiled
+from helpers.loops import looped
 from helpers.refusals import refused as assert_refused
 from oracles import naive_grid
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -24,7 +25,7 @@ GEOMETRIES = {
 }
 ENCODINGS = [("bezier", n) for n in range(1, 7)] + [("waypoints", n) for n in (1, 2, 3, 7, 8, 31)]
 all_encodings = pytest.mark.parametrize(("encoding", "num_points"), ENCODINGS)
-all_geometries = pytest.mark.parametrize("geometry", GEOMETRIES.values(), ids=GEOMETRIES)
+all_geometries = looped("geometry", GEOMETRIES.values())
 
 
 def random_vectors(problem, count, seed=0):
@@ -63,7 +64,7 @@ def test_fitness_collision_samples_and_bounds_are_the_naive_ones(encoding, num_p
         np.testing.assert_allclose(problem.curve.samples(vector), oracle.path.samples(vector), rtol=1e-10)
 
 
-@pytest.mark.parametrize("repair_degree", [0.3, 1.0])
+@looped("repair_degree", [0.3, 1.0])
 @all_geometries
 @all_encodings
 def test_a_repair_is_the_naive_one(encoding, num_points, geometry, repair_degree):

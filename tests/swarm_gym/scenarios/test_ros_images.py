@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from helpers.pictures import HEIGHT, WIDTH, pictures
 from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError
@@ -63,7 +64,7 @@ def is_free(pixel, negate, free, mode):
 
 
 @pytest.mark.filterwarnings("ignore:.*usual for unknown cells")
-@pytest.mark.parametrize(
+@looped(
     ("negate", "free", "mode"),
     [
         (0, 0.196, "trinary"),

@@ -7,6 +7,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from helpers.loops import looped
 from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError, UnknownNameError
 from swarm_gym.scenarios import (
@@ -110,7 +111,7 @@ def test_a_radius_that_is_not_positive_is_refused(radius):
     refused(lambda: Circle(1, 2, radius), "radius", repr(radius), "x=1")
 
 
-@pytest.mark.parametrize("position", [0, 1, 2])
+@looped("position", [0, 1, 2])
 @pytest.mark.parametrize("value", [NAN, INF, -INF, None, "wide"])
 def test_a_circle_of_other_than_finite_numbers_is_refused(position, value):
     numbers = [1.0, 2.0, 3.0]
@@ -119,8 +120,8 @@ def test_a_circle_of_other_than_finite_numbers_is_refused(position, value):
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF])
-@pytest.mark.parametrize("vertex", [0, 2])
-@pytest.mark.parametrize("axis", [0, 1])
+@looped("vertex", [0, 2])
+@looped("axis", [0, 1])
 def test_a_polygon_with_a_coordinate_that_is_not_finite_is_refused(value, vertex, axis):
     vertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
     vertices[vertex][axis] = value

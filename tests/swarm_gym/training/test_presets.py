@@ -7,13 +7,14 @@ import pytest
 
 from agents import make_controller
 from agents.train import main, read_command_line, read_configs
+from helpers.loops import looped
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners import LEARNERS
 from swarm_gym.training.learners.algorithm_options import require_options
 from swarm_gym.training.presets import PresetError, load_preset, preset_names
 
 
-@pytest.mark.parametrize("name", preset_names())
+@looped("name", preset_names())
 def test_every_packaged_preset_loads(name):
     config = load_preset(name)
     assert config.preset == name
