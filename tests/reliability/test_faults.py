@@ -166,7 +166,7 @@ def fill(path):
 
 @needs_mounts
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_full_disk(tmp_path, whole, name):
+def test_a_full_disk_ends_a_command_that_then_goes_on(tmp_path, whole, name):
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     running = Running(COMMANDS[name](disk), tmp_path / "log", mounted(disk, kept, "size=20m"))
     seen = Path(f"/proc/{running.process.pid}/root{disk}")  # the file system as the command sees it
@@ -243,7 +243,7 @@ def test_worker_processes_that_are_killed_again_and_again(tmp_path, monkeypatch)
         )
 
 
-def test_two_evaluations_into_one_database(tmp_path, whole):
+def test_two_evaluations_may_write_into_one_database(tmp_path, whole):
     here = tmp_path / "here"
     both = [Running(COMMANDS["evaluate"](here), tmp_path / f"log{number}") for number in range(2)]
     assert [running.end()[0] for running in both] == [0, 0]

@@ -437,11 +437,11 @@ def test_step_before_reset_and_after_the_end_is_refused():
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"scenario": "case4"}, UnknownNameError, "case4.*case1, case2, case3"),
+        ({"scenario": "case4"}, UnknownNameError, "case4.*case3, case2, case1"),
         ({"scenario": ["case1", "caseX"]}, UnknownNameError, "caseX"),
         ({"scenario": []}, SettingError, "empty"),
         ({"optimizer": "fireflies"}, UnknownNameError, "fireflies.*firefly"),
-        ({"population": 3}, UnknownNameError, "population.*initial_population_size.*noise"),
+        ({"population": 3}, UnknownNameError, "population.*min_population_size, max_population_size"),
         ({"action": "raw"}, UnknownNameError, "raw.*natural, normalised"),
         ({"action": 3}, UnknownNameError, "3.*natural, normalised"),
         ({"action": "paced"}, SettingError, "paced.*max_evaluations"),

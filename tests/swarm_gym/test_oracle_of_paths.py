@@ -48,7 +48,7 @@ def ends_of(scene):
         ),
     ],
 )
-def test_right_lengths_of_files(name, start, goal, length):
+def test_the_oracle_finds_the_right_lengths_of_files(name, start, goal, length):
     blocked = Blocked(read(name, np.array(start)))
     assert shortest_length(blocked, (0.0, 0.0), np.subtract(goal, start)) == pytest.approx(length, abs=6e-5)
 
@@ -87,7 +87,7 @@ def test_paths_around_discs_and_between_two_that_touch():
     assert shortest_length(grown, (-1.0, 1.0), (1.0, -1.0)) == pytest.approx(math.pi)
 
 
-def test_depths_of_paths():
+def test_depths_of_paths_are_those_known_by_hand():
     union = Blocked(shapely.union_all([shapely.box(0, 0, 4, 2), shapely.box(0, 2, 4, 4)]))
     for path, depth in (
         ([(-1, 2), (5, 2)], 2.0),  # along the shared edge

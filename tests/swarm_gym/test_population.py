@@ -90,7 +90,7 @@ DEVIATION = math.sqrt(12)  # 36 / 3, with the denominator size - 1
         ([1.0, 2.0, 700.0, 900.0], 2, [0.15 + 0.9 * math.sqrt(0.5), 1.5, math.sqrt(0.5), 0.0]),  # the living
     ],
 )
-def test_the_summary_of_values_known_by_hand(collision, size, expected):
+def test_the_summary_is_that_of_values_known_by_hand(collision, size, expected):
     swarms = labelled_swarm([0.0] * len(collision), collision)
     swarms.size[0] = size
     compiled(summarise)(swarms, 0, 0.1)

@@ -51,7 +51,7 @@ OTHERS = {
 STUDIES = ("headline", "generalisation", "out-of-distribution", "single-cases", "ablation")
 
 
-def test_parts_of_a_table():
+def test_rows_are_selected_split_and_spread_by_column():
     assert select(TABLE, ("gap", "controller")).rows == [("1", "one"), ("2", "two"), ("3", "one")]
     parts = split(TABLE)
     assert list(parts) == ["a:x", "all"]

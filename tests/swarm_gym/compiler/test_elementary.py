@@ -102,13 +102,13 @@ def test_tensors_get_the_function_of_their_library():
     assert calls == ["values"]
 
 
-def test_powers():
+def test_powers_are_those_of_numpy():
     bases, exponents = spread(1e-3, 1e3), np.random.default_rng(0).uniform(-3.0, 3.0, 400)
     np.testing.assert_allclose(elementary.power(bases, exponents), bases**exponents, rtol=1e-13)
     np.testing.assert_array_equal(elementary.power([0.0, 0.0, math.nan], [2.0, 0.0, 0.0]), [0.0, 1.0, 1.0])
 
 
-def test_products_of_matrices():
+def test_products_of_matrices_are_those_of_numpy():
     generator = np.random.default_rng(1)
     first, second = generator.normal(size=(4, 6)), generator.normal(size=(6, 3))
     np.testing.assert_allclose(elementary.product(first, second), first @ second, rtol=1e-13)
@@ -116,7 +116,7 @@ def test_products_of_matrices():
     np.testing.assert_allclose(elementary.product(first[0], first[0]), first[0] @ first[0], rtol=1e-13)
 
 
-def test_interpolation():
+def test_interpolation_is_that_of_numpy():
     knots, values = [0.0, 2.0, 5.0], np.array([1.0, 5.0, -1.0])
     places = np.linspace(-1.0, 7.0, 33)
     found = elementary.interpolate(places, knots, values)

@@ -167,7 +167,7 @@ def test_entries_are_looked_up_lane_by_lane(seed):
     assert compiled(entries)(values, indices).tolist() == entries(values, indices).tolist() == expected
 
 
-def test_the_floor_of_numbers_known_by_hand():
+def test_the_floor_of_numbers_is_the_one_known_by_hand():
     given = np.array([0.5, -0.5, 1.0, -1.0, -0.0, 1e300, np.nextafter(1.0, 0.0), -1e-300])
     expected = [0.0, -1.0, 1.0, -1.0, -0.0, 1e300, 0.0, -1.0]
     assert compiled(roundings)(given, given, given)[0].tolist() == expected
@@ -205,6 +205,7 @@ READ_ONLY.flags.writeable = False
     os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
 )
 def test_what_would_read_or_mean_something_else_does_not_compile(function, arguments):
+    assert numba.njit(lambda a: total(maximum(load(a, 0), load(a, 0) * 0.5)))(FLOATS) == 28.0
     with pytest.raises(TypingError):
         numba.njit(function)(*arguments)
 

@@ -252,7 +252,7 @@ def test_touching_is_no_contact(obstacle, y0, y1):
         pytest.param(DIAMOND, 500, 500, 100, 100, id="diamond"),
     ],
 )
-def test_shifts_known_by_hand(obstacle, y0, y1, up, down):
+def test_shifts_are_those_computed_by_hand(obstacle, y0, y1, up, down):
     assert kernel_shift(obstacle, y0, y1) == pytest.approx((up, down), rel=1e-12, abs=1e-9)
 
 

@@ -289,8 +289,10 @@ def test_options_that_would_change_nothing_are_refused_by_name(option, options):
 )
 def test_a_wrong_number_of_points_is_refused_by_the_name_of_its_option(option, encoding, value):
     refused(option, repr(value), scenario="rooms:0", encoding=encoding, **{option: value})
+    assert settings_of(scenario="rooms:0", encoding=encoding, **{option: 1})
 
 
 @pytest.mark.parametrize("value", [-1.0, math.inf, math.nan, "500"])
 def test_a_wrong_penalty_is_refused(value):
     refused("penalty", repr(value), scenario="rooms:0", penalty=value)
+    assert settings_of(scenario="rooms:0", penalty=0.0)

@@ -351,6 +351,7 @@ def test_a_stack_keeps_fractions_behind_a_whole_number():
 def test_a_setting_that_cannot_be_is_refused_by_name_and_value(name, value):
     make = partial(AnalyticProblem, make_scenario("case1"), **{name: value})
     refused(make, name, repr(value), error=SettingError)
+    assert getattr(AnalyticProblem(make_scenario("case1"), **{name: 1}), name) == 1
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (30,), (32,), (33,), (1, 31), (31, 1)])
