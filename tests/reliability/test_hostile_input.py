@@ -285,7 +285,7 @@ def test_parts_of_scenarios_that_are_right_are_taken():
 
 # Presets and controllers.
 
-PRESET = PRESETS.find("three-cases").read_bytes() + b"\nprice = [0.5, 1]\nseed = 3\n"
+PRESET = PRESETS.find("three-cases").read_bytes() + b"\nseed = 3\n"
 TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
         b"like = 'mine'")  # fmt: skip
 

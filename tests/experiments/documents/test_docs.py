@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from experiments.publish import DOCUMENTS as RESULTS
 from helpers.loops import looped
 
 ROOT = Path(__file__).parents[3]
@@ -23,6 +24,19 @@ def test_every_relative_link_leads_to_a_file(document):
     relative = [target for target in targets if "://" not in target]
     missing = [target for target in relative if not (ROOT / document).parent.joinpath(target).exists()]
     assert missing == []
+
+
+def documents_linked_in(document):
+    """Yield the paths, from the root, of the documents that a document links."""
+    folder = (ROOT / document).parent
+    for target in re.findall(r"\]\(([^)#\s]+\.md)\)", (ROOT / document).read_text(encoding="utf-8")):
+        yield (folder / target).resolve().relative_to(ROOT.resolve()).as_posix()
+
+
+def test_the_readme_links_every_document_of_results_or_a_page_that_does():
+    near = {"README.md", *documents_linked_in("README.md")}
+    linked = near.union(*map(documents_linked_in, near - {"CHANGELOG.md"}))
+    assert {path.as_posix() for document in RESULTS.values() for path in document[:1]} <= linked
 
 
 def test_the_results_are_among_the_documents_and_show_figures():

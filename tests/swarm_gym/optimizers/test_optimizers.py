@@ -97,6 +97,10 @@ def spent_to_begin(optimizer, problem, size):
 # Against plain Python.
 
 
+def test_every_optimizer_has_an_oracle():
+    assert naive_optimizers.NAIVE.keys() == OPTIMIZERS.keys()
+
+
 @on_all_kinds(naive_optimizers.NAIVE, long=("firefly",))
 def test_episodes_are_the_naive_ones(optimizer, kind):
     parameters = tries(optimizer, 1) if kind == "curve" else {}
