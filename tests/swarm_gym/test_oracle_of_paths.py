@@ -75,7 +75,7 @@ def test_cells_that_touch_at_a_corner_leave_no_gap():
     assert shortest_length(blocked_of(cells, 0.0), *ends) == math.inf
 
 
-def test_paths_around_discs_and_between_two_that_touch():
+def test_paths_around_discs_have_known_lengths_and_one_passes_between_two_that_touch():
     disc = np.array([[0.0, 0.0, 1.0]])
     half = math.sqrt(3.0) + math.pi / 6
     assert shortest_length(Blocked(EMPTY, disc), (-2.0, 0.0), (2.0, 0.0)) == pytest.approx(2 * half)

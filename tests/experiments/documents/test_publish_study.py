@@ -103,10 +103,6 @@ def test_a_document_has_no_figures_but_those_of_its_blocks(document):
     assert "![" not in text
 
 
-def test_the_study_is_read_in_one_sitting():
-    assert len((ROOT / STUDY).read_text(encoding="utf-8").splitlines()) <= 250
-
-
 @pytest.fixture
 def results(tmp_path, monkeypatch):
     """A checkout with the documents, and made-up results of all suites."""

@@ -176,7 +176,7 @@ def test_one_warning_counts_unknown_cells_that_are_free(folder, greys, negate, f
 
 
 @pytest.mark.parametrize("mode", ["trinary", "scale"])
-def test_no_warning_where_unknown_cells_are_blocked(folder, mode):
+def test_nothing_is_warned_of_where_unknown_cells_are_blocked(folder, mode):
     Image.fromarray(np.array([[254, 205, 128, 0]], np.uint8)).save(folder / "floor.png")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
