@@ -10,6 +10,7 @@ import pytest
 
 from experiments.catalogue import SUITES
 from experiments.publish import DOCUMENTS
+from helpers.loops import looped
 
 ROOT = Path(__file__).parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
@@ -80,7 +81,7 @@ def test_the_help_lists_every_target():
     assert by_pattern == {f"docs-{name}" for name, (document, *_) in DOCUMENTS.items() if document.suite}
 
 
-@pytest.mark.parametrize("name", ["Makefile", *TEXTS])
+@looped("name", ["Makefile", *TEXTS])
 def test_commands_are_modules_that_exist(name):
     text = MAKEFILE if name == "Makefile" else TEXTS[name]
     modules = re.findall(r"python -m ((?:swarm_gym|agents|experiments)[a-z0-9_.]*)", text)

@@ -4,12 +4,12 @@ At the end, those of all optimizers by name.
 """
 
 import math
+from importlib import import_module
+from pathlib import Path
 
 from oracles import naive
-from oracles.naive_ants import AntColony
-from oracles.naive_fish import FishSwarm, HybridFishSwarm, ImprovedFishSwarm
-from oracles.naive_glowworm import Glowworm
 from oracles.naive_swarm import Swarm, scaled
+from swarm_gym.optimizers import OPTIMIZERS
 
 
 class Firefly(Swarm):
@@ -247,15 +247,19 @@ class Multivariate(Swarm):
         return heads + [member for column in self.columns for member in column.list]
 
 
-NAIVE = {
-    "firefly": Firefly,
-    "generational-firefly": GenerationalFirefly,
-    "particle-swarm": ParticleSwarm,
-    "elite-genetic": EliteGenetic,
-    "multivariate": Multivariate,
-    "fish-swarm": FishSwarm,
-    "improved-fish-swarm": ImprovedFishSwarm,
-    "hybrid-fish-swarm": HybridFishSwarm,
-    "glowworm": Glowworm,
-    "ant-colony": AntColony,
-}
+def oracles_by_name():
+    """Return the oracle of each optimizer, without those that have none.
+
+    It is the subclass of `Swarm` in a file `naive_*.py` that has the name of the optimizer's class.
+    """
+    modules = [import_module(f"oracles.{path.stem}") for path in Path(__file__).parent.glob("naive_*.py")]
+    found = {
+        name: value
+        for module in modules
+        for name, value in vars(module).items()
+        if isinstance(value, type) and issubclass(value, Swarm) and value.__module__ == module.__name__
+    }
+    return {name: found[cls] for name, (_, cls) in OPTIMIZERS.items() if cls in found}
+
+
+NAIVE = oracles_by_name()

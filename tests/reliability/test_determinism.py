@@ -64,19 +64,21 @@ def singles():
 
 @pytest.mark.parametrize("width", [1, 2, WIDEST])
 @pytest.mark.parametrize("threads", [1, 2])
-def test_in_any_vector_width_with_any_number_of_threads(singles, width, threads, numba_threads):
+def test_episodes_are_the_same_in_any_vector_width_with_any_number_of_threads(
+    singles, width, threads, numba_threads
+):
     if threads > numba_threads:
         pytest.skip(f"this machine has {numba_threads} thread(s)")
     assert_same_in_a_vector(singles.get, width, num_threads=threads)
 
 
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
-def test_in_a_vector_as_alone_with_every_optimizer(optimizer):
+def test_every_optimizer_has_the_same_episodes_in_a_vector_as_alone(optimizer):
     assert_same_in_a_vector(lambda seed: alone(seed, optimizer), 5, optimizer=optimizer)
 
 
 @pytest.mark.parametrize("optimizer", PATH_OPTIMIZERS)
-def test_in_a_vector_as_alone_with_members_from_every_source(optimizer):
+def test_members_from_every_source_are_the_same_in_a_vector_as_alone(optimizer):
     options = {"source": "mixed", "smooth_share": 0.4, "bends": "stomp"}
     assert_same_in_a_vector(lambda seed: alone(seed, optimizer, **options), 5, optimizer=optimizer, **options)
 
@@ -91,13 +93,13 @@ duplications = pytest.mark.parametrize(
 )
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
 @duplications
-def test_after_copying_in_mid_episode(duplicate, optimizer, maps):
+def test_a_copy_made_in_mid_episode_goes_on_alike(duplicate, optimizer, maps):
     env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
     assert_same_after_copying(env, actions(SEED)[:4], actions(SEED)[4:], duplicate)
 
 
 @duplications
-def test_vectors_after_copying_in_mid_episode(duplicate):
+def test_a_copy_of_a_vector_made_in_mid_episode_goes_on_alike(duplicate):
     decision = np.tile([9, 0.5], (3, 1))
     assert_same_after_copying(SwarmVectorEnv(3, **OPTIONS), [decision], [decision] * 12, duplicate)
 
@@ -138,14 +140,14 @@ def fingerprint_elsewhere(**environment):
     return done.stdout.strip()
 
 
-def test_in_a_subprocess():
+def test_results_are_the_same_in_a_subprocess():
     assert fingerprint_elsewhere() == fingerprint()
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="needs an x86-64 processor")
 @pytest.mark.parametrize("processor", ["x86-64", "haswell"])
-def test_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
+def test_results_are_the_same_compiled_for_a_processor_with_shorter_vectors(processor, tmp_path):
     # Two and four lanes at a time instead of, perhaps, eight, whatever the name of the processor.
     found = fingerprint_elsewhere(
         NUMBA_CPU_NAME=processor, NUMBA_CPU_FEATURES="", SWARM_GYM_CACHE=str(tmp_path)

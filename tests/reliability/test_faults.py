@@ -166,7 +166,7 @@ def fill(path):
 
 @needs_mounts
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_full_disk(tmp_path, whole, name):
+def test_a_full_disk_ends_a_command_that_then_goes_on(tmp_path, whole, name):
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     running = Running(COMMANDS[name](disk), tmp_path / "log", mounted(disk, kept, "size=20m"))
     seen = Path(f"/proc/{running.process.pid}/root{disk}")  # the file system as the command sees it
@@ -193,7 +193,7 @@ def test_a_full_disk(tmp_path, whole, name):
 
 @needs_mounts
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_folder_that_is_read_only(tmp_path, name):
+def test_a_folder_that_is_read_only_is_named(tmp_path, name):
     disk = tmp_path / "disk"
     begin = time.monotonic()
     status, said = run(COMMANDS[name](disk), tmp_path / "log", mounted(disk, tmp_path / "kept", "ro"))
@@ -206,7 +206,7 @@ def test_a_folder_that_is_read_only(tmp_path, name):
 
 
 @needs_mounts
-def test_tables_of_a_database_that_is_read_only(tmp_path, whole):
+def test_tables_are_made_of_a_database_that_is_read_only(tmp_path, whole):
     """Check that results can be read without the right to write them."""
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     disk.mkdir()
@@ -223,7 +223,7 @@ def test_tables_of_a_database_that_is_read_only(tmp_path, whole):
     assert [path.name for path in disk.iterdir()] == ["paper.sqlite"]
 
 
-def test_a_worker_process_that_is_killed(tmp_path, whole):
+def test_a_worker_process_that_is_killed_is_replaced(tmp_path, whole):
     here = tmp_path / "here"
     running = Running(COMMANDS["evaluate"](here), tmp_path / "log")
     for stored in (3, 30):
@@ -235,7 +235,7 @@ def test_a_worker_process_that_is_killed(tmp_path, whole):
     assert_same("evaluate", whole("evaluate"), here)
 
 
-def test_worker_processes_that_are_killed_again_and_again(tmp_path, monkeypatch):
+def test_worker_processes_that_are_killed_again_and_again_are_given_up(tmp_path, monkeypatch):
     monkeypatch.setattr("experiments.runs.runner.run_unit", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
     with pytest.raises(ResultsError, match=r"killed 3 times.*is memory short.*108 runs are missing"):
         evaluate(
@@ -243,7 +243,7 @@ def test_worker_processes_that_are_killed_again_and_again(tmp_path, monkeypatch)
         )
 
 
-def test_two_evaluations_into_one_database(tmp_path, whole):
+def test_two_evaluations_may_write_into_one_database(tmp_path, whole):
     here = tmp_path / "here"
     both = [Running(COMMANDS["evaluate"](here), tmp_path / f"log{number}") for number in range(2)]
     assert [running.end()[0] for running in both] == [0, 0]

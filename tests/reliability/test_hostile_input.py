@@ -55,6 +55,7 @@ pytest.importorskip("PIL", reason="needs the extra `maps`")
 pytest.importorskip("yaml", reason="needs the extra `maps`")
 
 HUGE = 10**5000  # more digits than Python writes
+ROS, MOVING_AI = "ros:small?start=0.5,0.5&goal=2.5,0.5", "moving-ai:small#0"  # names of maps in `folder`
 
 
 @pytest.fixture
@@ -106,6 +107,19 @@ def test_any_text_makes_a_scenario_or_is_refused(folder, name):
             assert make_scenario(name).name == name
 
 
+@pytest.mark.parametrize("name", ["case1", "rooms:0", "random-fields:train:3", MOVING_AI, ROS])
+def test_names_of_scenarios_that_exist_are_taken(folder, name):
+    assert expand_name(name) == (name,)
+    assert make_scenario(name).name == name
+
+
+@pytest.mark.parametrize(
+    "family", ["random-fields:train:", "rooms:", "function:easom-2-shifted:", "moving-ai:a#"]
+)
+def test_a_range_that_is_short_is_taken(family):
+    assert len(expand_name(f"{family}0-9")) == 10
+
+
 @pytest.mark.parametrize(
     "family", ["random-fields:train:", "rooms:", "function:easom-2-shifted:", "moving-ai:a#"]
 )
@@ -123,8 +137,6 @@ def test_what_is_no_text_is_refused_shortly(name):
 
 
 # Paths.
-
-ROS, MOVING_AI = "ros:small?start=0.5,0.5&goal=2.5,0.5", "moving-ai:small#0"
 
 
 @pytest.mark.parametrize(
@@ -164,6 +176,7 @@ def test_a_link_within_the_data_folder_is_followed_and_that_may_be_a_link_itself
 def test_the_image_of_a_map_is_in_its_folder(folder, image):
     other = folder.parent / "elsewhere/small.pgm"
     (folder / "linked.pgm").symlink_to(other)
+    assert make_scenario(ROS).map.blocked.size == 3
     path = folder / "small.yaml"
     path.write_text(path.read_text().replace("small.pgm", str(other) if image == "absolute" else image))
     with pytest.raises(ScenarioError, match="folder"):
@@ -192,6 +205,7 @@ def test_a_yaml_file_that_is_small_because_it_repeats_itself_is_refused(folder):
 def test_a_long_file_of_problems_is_not_kept_in_memory(folder, line, monkeypatch):
     monkeypatch.setattr(moving_ai, "MAX_PROBLEMS", 1000)
     path = folder / "small.map.scen"
+    assert len(read_scenarios(path)) == 1
     path.write_bytes(b"version 1\n" + line * ((MAX_PROBLEM_FILE - 10) // len(line)))
     with bounded_memory(2**21), pytest.raises(ScenarioError, match=r"line \d+"):
         read_scenarios(path)
@@ -257,9 +271,21 @@ def test_events_of_anything_happen_or_are_refused(listed):
         DynamicScenario("any", make_scenario("case1"), happening, drives[0] if drives else None)
 
 
+def test_parts_of_scenarios_that_are_right_are_taken():
+    circle = Circle(1, 2, 3.5)
+    assert circle.depth((1.0, 2.0)) == 3.5
+    for square in (Polygon(((0, 0), (2, 0), (2, 2), (0, 2))), Polygon.rectangle(0, 0, 2, 2)):
+        assert square.depth((1.0, 1.0)) == 1.0
+    made = Scenario("any", (-8, -8), (-5, -4), [circle], (-9, -9, 9, 9))
+    assert made.straight_line == 5.0
+    assert FunctionScenario("any", "easom", 2, (0.5, 0.5)).optimum == (0.5, 0.5)
+    events = [Appear(10, Circle(500, 500, 1)), Move(20, 0, (600, 500)), Disappear(30, 0)]
+    assert DynamicScenario("any", make_scenario("case1"), events, Drive(40, 5, 80.0)).events == tuple(events)
+
+
 # Presets and controllers.
 
-PRESET = PRESETS.find("three-cases").read_bytes() + b"\nprice = [0.5, 1]\nhidden_layers = [8]\nseed = 3\n"
+PRESET = PRESETS.find("three-cases").read_bytes() + b"\nseed = 3\n"
 TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
         b"like = 'mine'")  # fmt: skip
 
@@ -275,6 +301,11 @@ def test_of_any_bytes_a_preset_is_read_or_refused(tmp_path, content):
     (tmp_path / "mine.toml").write_bytes(content)
     with suppress(PresetError):
         load_preset(str(tmp_path / "mine.toml"))
+
+
+def test_a_preset_that_is_right_is_read(tmp_path):
+    (tmp_path / "mine.toml").write_bytes(PRESET)
+    assert load_preset(str(tmp_path / "mine.toml")).seed == 3
 
 
 def shipped_file(kind):
@@ -310,6 +341,8 @@ json_values = st.recursive(
 def test_whatever_a_file_says_it_is_a_controller_or_refused(tmp_path, kind):
     whole, path = shipped_file(kind), tmp_path / "some.json"
     short = {name: value for name, value in whole.items() if name != "manifest"}
+    path.write_text(json.dumps(short))
+    decides(f"{kind}:{path}")
 
     @given(content=mutated(json.dumps(short).encode(), *JSON) | st.binary(max_size=60))
     @example(content=b"[" * 100_000)
@@ -358,6 +391,11 @@ def test_knots_have_an_end(tmp_path):
 def test_any_name_of_a_controller_is_one_or_refused(family, argument):
     with suppress(ValueError, PolicyFileError):
         make_controller(f"{family}:{argument}")
+
+
+@pytest.mark.parametrize("name", ["learned:three-cases/0", "tuned:three-cases", "fixed:9", "spsfa", "random"])
+def test_names_of_controllers_that_exist_are_taken(name):
+    assert make_controller(name).initial_population_size >= 2
 
 
 # Environments.
@@ -455,6 +493,7 @@ def test_any_action_is_taken_or_refused_and_then_nothing_has_changed(kind, env):
         if went_well(env, lambda: env.step(action), ActionError, StepOrderError):
             env.reset(seed=0)  # so that no episode ends
 
+    assert went_well(env, lambda: env.step(ALWAYS[kind]), ActionError)
     check()
     assert_as_good_as_new(kind, env)
 
@@ -500,5 +539,6 @@ def test_any_reset_options_are_taken_or_refused_and_then_nothing_has_changed(kin
         documented = SettingError, UnknownNameError, gymnasium.error.Error
         went_well(env, lambda: env.reset(seed=seed, options=given), *documented)
 
+    assert went_well(env, lambda: env.reset(seed=3, options={"scenario": "case1"}), SettingError)
     check()
     assert_as_good_as_new(kind, env)

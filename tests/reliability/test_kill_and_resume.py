@@ -31,7 +31,7 @@ KILLS = 20
 
 
 @pytest.mark.parametrize("algorithm", TRAININGS)
-def test_training_that_is_killed_at_random_moments(tmp_path, algorithm):
+def test_training_that_is_killed_at_random_moments_goes_on_alike(tmp_path, algorithm):
     def check(folder, *_):
         if (folder / "it" / "best.safetensors").exists():
             load_policy(folder / "it" / "best.safetensors")
@@ -57,7 +57,7 @@ TRAINING_MOMENTS = {
 }
 
 
-def test_training_that_is_killed_at_certain_moments(tmp_path):
+def test_training_that_is_killed_at_certain_moments_goes_on_alike(tmp_path):
     run_killed_at(lambda: training("ppo", tmp_path / "whole"), [], tmp_path / "whole.log")
     run_killed_at(
         lambda: training("ppo", tmp_path / "killed"), [*TRAINING_MOMENTS.values()], tmp_path / "killed.log"
@@ -66,7 +66,7 @@ def test_training_that_is_killed_at_certain_moments(tmp_path):
 
 
 @pytest.mark.parametrize("what", ROUNDS)
-def test_tuning_that_is_killed_at_random_moments(tmp_path, what):
+def test_tuning_that_is_killed_at_random_moments_goes_on_alike(tmp_path, what):
     run_killed_at_random(lambda folder: tuning(what, folder), lambda *_: None, tmp_path, KILLS, seed=2)
     for place in tmp_path.glob("run *[0-9]"):
         assert_same_result(what, tmp_path / "timed", place)
@@ -93,13 +93,13 @@ TUNING_MOMENTS = {
 
 
 @pytest.mark.parametrize("what", TUNING_MOMENTS)
-def test_tuning_that_is_killed_at_certain_moments(tmp_path, what):
+def test_tuning_that_is_killed_at_certain_moments_goes_on_alike(tmp_path, what):
     run_killed_at(lambda: tuning(what, tmp_path / "whole"), [], tmp_path / "whole.log")
     run_killed_at(lambda: tuning(what, tmp_path / "killed"), TUNING_MOMENTS[what], tmp_path / "killed.log")
     assert_same_result(what, tmp_path / "whole", tmp_path / "killed")
 
 
-def test_an_evaluation_that_is_killed_at_random_moments(tmp_path):
+def test_an_evaluation_that_is_killed_at_random_moments_goes_on_alike(tmp_path):
     def check(folder, stored, killed):
         # A killed process may have stored a unit of three runs that it did not count any more.
         assert stored <= len(rows(folder)) <= stored + 3 * killed
@@ -111,7 +111,7 @@ def test_an_evaluation_that_is_killed_at_random_moments(tmp_path):
         assert rows(place) == expected
 
 
-def test_the_command_with_several_processes_that_is_killed(tmp_path):
+def test_a_command_with_several_processes_that_is_killed_goes_on_alike(tmp_path):
     """Check an evaluation by its shell command, with worker processes."""
     subprocess_of(evaluation(tmp_path / "whole", jobs=2)).wait()
     expected = rows(tmp_path / "whole")

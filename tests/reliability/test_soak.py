@@ -140,7 +140,7 @@ def run(optimizer, steps):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("optimizer", OPTIMIZERS)
-def test_a_million_steps(optimizer):
+def test_a_million_steps_need_no_more_memory(optimizer):
     sizes = []
     for _ in run(optimizer, int(WARM * STEPS)):  # also makes all maps, which are kept
         pass

@@ -46,7 +46,7 @@ def test_a_mistake_is_not_hidden():
 
 
 @pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_signals(sent, status, capsys):
+def test_a_signal_ends_a_command_after_it_has_cleaned_up(sent, status, capsys):
     cleaned = []
 
     def work():
@@ -73,7 +73,7 @@ def test_the_handler_from_before_is_there_again():
     assert signal.getsignal(signal.SIGTERM) is before
 
 
-def test_a_command_in_another_thread():
+def test_a_command_runs_in_another_thread_too():
     ended = []
 
     def run():

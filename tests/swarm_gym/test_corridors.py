@@ -8,6 +8,7 @@ import shapely
 
 from helpers.builders import random_grid_scenario, random_scenario
 from helpers.grids import grid
+from helpers.loops import looped
 from helpers.refusals import refused
 from helpers.shapes import shape
 from oracles import naive_corridors
@@ -48,7 +49,7 @@ def straight_case(*obstacles):
     return Scenario("drawn", (0.0, 50.0), (100.0, 50.0), obstacles, (0.0, 0.0, 100.0, 100.0))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_signatures_and_their_number_are_those_of_the_oracle(seed):
     paths, posts = random_case(seed)
     paths = np.concatenate([paths, paths[:3]])
@@ -57,7 +58,7 @@ def test_signatures_and_their_number_are_those_of_the_oracle(seed):
     assert count_corridors(paths, posts) == naive_corridors.count(paths, posts.points, axes_of(posts))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_signatures_differ_by_the_winding_number_of_the_closed_curve(seed):
     paths, posts = random_case(seed)
     found = signatures(paths, posts)
@@ -68,7 +69,7 @@ def test_signatures_differ_by_the_winding_number_of_the_closed_curve(seed):
         np.testing.assert_array_equal(own - found[0], turns)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_signatures_are_odd_where_shapely_finds_an_odd_number_of_crossings(seed):
     paths, posts = random_case(seed)
     left = np.array([-posts.forward[1], posts.forward[0]])
@@ -79,7 +80,7 @@ def test_signatures_are_odd_where_shapely_finds_an_odd_number_of_crossings(seed)
             assert count % 2 == abs(number) % 2
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 def test_paths_of_waypoints_differ_exactly_at_the_posts_between_them(seed):
     problem = AnalyticProblem(random_scenario(np.random.default_rng(seed)), 9)
     corridors = Corridors.of(problem)
@@ -155,7 +156,7 @@ def test_obstacles_are_merged_over_others():
     assert obstacle_posts(circles, 1e-8) == ((0.0, 0.0), (5.0, 0.0))
 
 
-@pytest.mark.parametrize("seed", range(30))
+@looped("seed", range(30))
 def test_groups_of_obstacles_are_the_parts_of_their_union(seed):
     obstacles = random_scenario(np.random.default_rng(seed), 3 + seed).obstacles
     parts = shapely.get_parts(shapely.union_all([shape(obstacle, quad_segs=4000) for obstacle in obstacles]))
@@ -202,7 +203,7 @@ def test_only_the_largest_components_of_a_grid_count():
     assert len(set(posts)) == MOST_GRID_POSTS
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 def test_posts_of_random_grids_are_blocked_and_separate(seed):
     scenario = random_grid_scenario(seed, rock=0.25, resolution=0.5, origin=(3.0, -2.0), y_up=seed % 2 == 0)
     cells = [scenario.map.cell_of(post) for post in grid_posts(scenario.map)]

@@ -251,7 +251,7 @@ def test_a_budget_may_end_anywhere_in_what_is_remembered(optimizer):
 
 
 @all_optimizers
-def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
+def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
     (options, *_) = on_maps(optimizer)
     scenarios = [options["scenario"], options["scenario"].base]
     alone = [episode(small(optimizer, scenario=scenarios), SEED + row) for row in range(5)]
@@ -277,7 +277,7 @@ def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
 
 
 @copied
-def test_after_copying_between_two_events(duplicate):
+def test_a_copy_made_between_two_events_goes_on_alike(duplicate):
     env = small("particle-swarm")
     env.reset(seed=SEED)
     decisions = actions(SEED)

@@ -5,6 +5,7 @@ import pytest
 import shapely
 
 from helpers.builders import random_scenario, small_grid_problem
+from helpers.loops import looped
 from helpers.shapes import shape
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
@@ -36,7 +37,7 @@ def line(num=31):
     return np.stack([np.linspace(START[0], TARGET[0], num + 2), np.full(num + 2, 300.0)], axis=-1)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@looped("seed", range(12))
 def test_depths_of_segments_are_the_least_shifts_out_of_obstacles(seed):
     """A segment that is shifted as a contact says touches the obstacle, and one shifted by less enters it."""
     rng = np.random.default_rng(seed)

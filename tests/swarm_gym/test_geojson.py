@@ -412,7 +412,7 @@ def test_a_robot_with_a_radius_goes_around_a_point(tmp_path):
     assert found.length >= exact * (1.0 - 1e-6)
 
 
-def test_a_plan_in_a_room_that_is_a_polygon_with_a_hole(tmp_path):
+def test_a_plan_stays_in_a_room_that_is_a_polygon_with_a_hole(tmp_path):
     found = plan(written(tmp_path, ROOM), (2.0, 2.0), (8.0, 6.0), robot_radius=0.5)
     assert found.length == pytest.approx(math.hypot(6.0, 4.0), rel=1e-6)
 

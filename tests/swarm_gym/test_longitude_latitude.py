@@ -159,7 +159,7 @@ def test_coordinates_that_look_like_degrees_are_warned_about_once_unless_chosen(
     )
 
 
-def test_what_looks_like_degrees():
+def test_small_numbers_with_many_digits_look_like_degrees():
     points = np.array([START, GOAL])
     assert look_geographic(points)
     assert not look_geographic(np.round(points, 3))

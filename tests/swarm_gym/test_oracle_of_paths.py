@@ -48,7 +48,7 @@ def ends_of(scene):
         ),
     ],
 )
-def test_right_lengths_of_files(name, start, goal, length):
+def test_the_oracle_finds_the_right_lengths_of_files(name, start, goal, length):
     blocked = Blocked(read(name, np.array(start)))
     assert shortest_length(blocked, (0.0, 0.0), np.subtract(goal, start)) == pytest.approx(length, abs=6e-5)
 
@@ -75,7 +75,7 @@ def test_cells_that_touch_at_a_corner_leave_no_gap():
     assert shortest_length(blocked_of(cells, 0.0), *ends) == math.inf
 
 
-def test_paths_around_discs_and_between_two_that_touch():
+def test_paths_around_discs_have_known_lengths_and_one_passes_between_two_that_touch():
     disc = np.array([[0.0, 0.0, 1.0]])
     half = math.sqrt(3.0) + math.pi / 6
     assert shortest_length(Blocked(EMPTY, disc), (-2.0, 0.0), (2.0, 0.0)) == pytest.approx(2 * half)
@@ -87,7 +87,7 @@ def test_paths_around_discs_and_between_two_that_touch():
     assert shortest_length(grown, (-1.0, 1.0), (1.0, -1.0)) == pytest.approx(math.pi)
 
 
-def test_depths_of_paths():
+def test_depths_of_paths_are_those_known_by_hand():
     union = Blocked(shapely.union_all([shapely.box(0, 0, 4, 2), shapely.box(0, 2, 4, 4)]))
     for path, depth in (
         ([(-1, 2), (5, 2)], 2.0),  # along the shared edge

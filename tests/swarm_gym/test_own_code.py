@@ -279,7 +279,7 @@ class TestEdits:
 
         return edit
 
-    def test_controllers_and_what_checks_them(self, edit):
+    def test_an_edited_controller_is_the_one_that_is_made_and_checked(self, edit):
         assert make_controller("mine.rule:ByThirds").initial_population_size == 60
         edit("mine.rule", "initial_population_size = 60", "initial_population_size = 61")
         assert make_controller("mine.rule:ByThirds").initial_population_size == 61
@@ -296,7 +296,7 @@ class TestEdits:
         assert controller_of("mine.rule:ByThirds").initial_population_size == 59
         assert controller_of("fixed:60") is controller_of("fixed:60")
 
-    def test_scenarios_rewards_and_layouts(self, edit):
+    def test_edited_scenarios_rewards_and_layouts_are_the_ones_that_are_made(self, edit):
         assert make_scenario("mine.hall:HALL").target == (500.0, 0.0)
         edit("mine.hall", "target=(500.0, 0.0)", "target=(450.0, 0.0)")
         assert make_scenario("mine.hall:HALL").target == (450.0, 0.0)
@@ -306,7 +306,7 @@ class TestEdits:
         assert make_reward("mine.pay:logarithm_of_the_gap") is not reward
         assert make_observation("broken:seen") is not seen
 
-    def test_cells_of_a_notebook(self, monkeypatch):
+    def test_a_cell_of_a_notebook_that_ran_again_gives_another_controller(self, monkeypatch):
         main = types.ModuleType("__main__")  # has no file
         monkeypatch.setitem(sys.modules, "__main__", main)
         digests = []
@@ -320,7 +320,7 @@ class TestEdits:
 
     @pytest.mark.slow
     @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="needs the compiler")
-    def test_optimizers_and_their_kernels(self, edit, folder):
+    def test_an_edited_optimizer_runs_its_new_kernels(self, edit, folder):
         name, options = "mine.again:HillClimber", {"scenario": "case3", "initial_population_size": 9}
         (folder / "mine/again.py").write_text((folder / "mine/swarm.py").read_text())
 

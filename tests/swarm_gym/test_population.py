@@ -17,6 +17,7 @@ from helpers.builders import (
     workspace,
 )
 from helpers.compiled import compiled
+from helpers.loops import looped
 from oracles import naive
 from swarm_gym.population import Swarms, add_members, clear, grow, resize, shrink, summarise
 from swarm_gym.problem import AnalyticProblem
@@ -89,7 +90,7 @@ DEVIATION = math.sqrt(12)  # 36 / 3, with the denominator size - 1
         ([1.0, 2.0, 700.0, 900.0], 2, [0.15 + 0.9 * math.sqrt(0.5), 1.5, math.sqrt(0.5), 0.0]),  # the living
     ],
 )
-def test_the_summary_of_values_known_by_hand(collision, size, expected):
+def test_the_summary_is_that_of_values_known_by_hand(collision, size, expected):
     swarms = labelled_swarm([0.0] * len(collision), collision)
     swarms.size[0] = size
     compiled(summarise)(swarms, 0, 0.1)
@@ -104,7 +105,7 @@ GROWTHS = [(source, size, size + 9) for source in ("case1", "case3", "random") f
 SHRINKAGES = [("case3", 12, new_size) for new_size in (1, 2, 7, 11)]
 
 
-@pytest.mark.parametrize("seed", range(5))
+@looped("seed", range(5))
 @pytest.mark.parametrize(
     ("source", "size", "new_size"), [*GROWTHS, *SHRINKAGES, ("case1", 5, 5), ("case3", 12, 12)]
 )
@@ -220,7 +221,7 @@ def test_members_are_deleted_in_this_order(fitness, collision, order):
         assert survivors(swarms) == sorted(order[3 - new_size :])
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 def test_many_resizes_are_the_naive_ones(seed):
     rng = np.random.default_rng(seed)
     swarms, table, work, twin = twins_of("random", 6, seed, 7, budget=40)

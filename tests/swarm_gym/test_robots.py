@@ -26,6 +26,7 @@ from helpers.builders import (
     slow_if_alike,
     small_grid_problem,
 )
+from helpers.loops import looped
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
@@ -50,6 +51,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 
 ITERATIONS = 8
 SMALL = {"initial_population_size": 8, "max_population_size": 20, "iterations": ITERATIONS}
+TOLERANCE = 1e-9  # how deep a path may enter obstacles, in map units
 FREE = Scenario("free", (20.0, 300.0), (980.0, 300.0), (Circle(500, 560, 30),), initial_range=(-90.0, 90.0))
 ON_THE_WAY = DynamicScenario(
     "on-the-way",
@@ -126,7 +128,7 @@ def test_a_piece_is_the_first_part_of_a_path_that_is_so_long():
         assert arrives
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_pieces_that_enter_an_obstacle_are_not_clear_as_in_shapely(seed):
     rng = np.random.default_rng(seed)
     for _ in range(30):
@@ -135,10 +137,10 @@ def test_pieces_that_enter_an_obstacle_are_not_clear_as_in_shapely(seed):
         line = shapely.LineString(points)
         if isinstance(obstacle, Circle):
             gap = line.distance(shapely.Point(obstacle.x, obstacle.y)) - obstacle.radius
-            assert is_clear(points, [obstacle]) == (gap >= 0.0)
+            assert is_clear(points, [obstacle], TOLERANCE) == (gap >= 0.0)
         else:
             shape = shapely.Polygon(obstacle.vertices)
-            assert is_clear(points, [obstacle]) == (line.intersection(shape).length == 0.0)
+            assert is_clear(points, [obstacle], TOLERANCE) == (line.intersection(shape).length == 0.0)
 
 
 def test_what_touches_is_clear_and_what_enters_is_not():
@@ -154,8 +156,11 @@ def test_what_touches_is_clear_and_what_enters_is_not():
         ([(5, 0), (9, 0)], disc, True),
         ([(1, 1), (1, 1)], disc, False),
     ):
-        assert is_clear(np.array(points, dtype=np.float64), [obstacle]) == expected, (points, obstacle)
-    assert not is_clear(np.array([(-9.0, 5.0), (9.0, 5.0)]), [disc, square])
+        assert is_clear(np.array(points, dtype=np.float64), [obstacle], TOLERANCE) == expected, (
+            points,
+            obstacle,
+        )
+    assert not is_clear(np.array([(-9.0, 5.0), (9.0, 5.0)]), [disc, square], TOLERANCE)
 
 
 # Paths carried over to other starts.
@@ -176,7 +181,7 @@ def last_offset(path, start, target, x):
     return found
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 def test_paths_pass_the_new_waypoints_where_they_pass_last(seed):
     rng = np.random.default_rng(seed)
     before = random_problem(seed, "analytic")
@@ -428,7 +433,7 @@ def scenarios_of(options):
 
 
 @all_optimizers
-def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
+def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
     for options in on_maps(optimizer)[:2]:
         mixed = {**options, "scenario": scenarios_of(options)}
         decisions = [actions(SEED + row, ITERATIONS) for row in range(4)]
@@ -461,7 +466,7 @@ def test_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
 
 @copied
 @pytest.mark.parametrize("optimizer", ["firefly", "particle-swarm"])
-def test_after_copying_on_the_way(duplicate, optimizer):
+def test_a_copy_made_on_the_way_goes_on_alike(duplicate, optimizer):
     env = small(optimizer)
     env.reset(seed=SEED)
     decisions = actions(SEED, ITERATIONS)

@@ -52,6 +52,21 @@ def test_options_that_cannot_be_are_refused_by_value_with_what_is_valid(optimize
 
 
 @pytest.mark.parametrize(
+    ("optimizer", "options"),
+    [
+        ("firefly", {"source": "uniform"}),
+        ("firefly", {"source": "mixed", "smooth_share": 0.5, "amplitude": 0.01, "bends": "stomp"}),
+        ("firefly", {"source": "smooth", "amplitude": 1.0, "bends": "harmonics"}),
+        ("firefly", {"source": "smooth", "encoding": "bezier", "scenario": "rooms:0"}),
+        ("firefly", {"action": "sourced"}),
+        ("ant-colony", {"source": "uniform"}),
+    ],
+)
+def test_options_that_can_be_are_taken(optimizer, options):
+    assert SwarmEnv(optimizer, **options).observation_space.shape
+
+
+@pytest.mark.parametrize(
     ("sources", "words"),
     [
         ((1.5, 0.5, 0.0), ("smooth share must lie in [0, 1], got 1.5",)),
@@ -69,6 +84,14 @@ def test_actions_that_cannot_be_are_refused_and_change_nothing(sources, words):
     refused(lambda: env.step(action_of("firefly", 9, 0.5, *sources)), *words, error=ActionError)
     for one, other in zip(before, env.simulation.swarms, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("sources", [(1.0, 0.5, 0.0), (0.5, 0.01, 0.0), (0.0, 1.0, 1.0)])
+def test_actions_that_can_be_are_taken(sources):
+    env = SwarmEnv(**SMALL, action="sourced")
+    env.reset(seed=1)
+    *_, info = env.step(action_of("firefly", 9, 0.5, *sources))
+    assert info["population_size"] == 9
 
 
 GIVEN = {"initial_population": np.zeros((3, 9))}
@@ -100,3 +123,10 @@ def test_reset_options_that_cannot_be_are_refused_and_change_nothing(optimizer, 
     refused(lambda: env.reset(seed=2, options=options), *words, error=SettingError)
     for one, other in zip(before, env.simulation.swarms, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("options", [{"smooth_share": 0.5}, {"smooth_share": 1.0, "amplitude": 0.5}, GIVEN])
+def test_reset_options_that_can_be_are_taken(options):
+    env = SwarmEnv(**SMALL)
+    _, info = env.reset(seed=2, options=options)
+    assert info["population_size"] == (3 if options is GIVEN else 8)

@@ -8,6 +8,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from helpers.builders import is_walker
+from helpers.loops import looped
 from helpers.newcomers import PATH_OPTIMIZERS, action_of
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
@@ -134,7 +135,7 @@ def test_copies_in_mid_episode_go_on_as_the_original(duplicate, scenario, optimi
 # Budgets.
 
 
-@pytest.mark.parametrize("budget", [16, 17, 23, 40])
+@looped("budget", [16, 17, 23, 40])
 @pytest.mark.parametrize(("size", "immigrants"), [(8, 0.5), (8, 1.0), (2, 1.0)])
 @all_optimizers
 def test_immigrants_never_exceed_the_budget(optimizer, size, immigrants, budget):

@@ -13,6 +13,7 @@ from helpers.builders import (
     small_grid_problem,
 )
 from helpers.compiled import compiled
+from helpers.loops import looped
 from helpers.newcomers import PATH_OPTIMIZERS, drawn, naively_drawn
 from oracles import naive
 from oracles.naive_sources import Source
@@ -55,7 +56,7 @@ PLAN = [(7, 0.0), (12, 0.5), (12, 0.0), (5, 1.0), (2, 0.0), (9, 0.0)]
 # One new member.
 
 
-@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+@looped("share", [0.0, 0.4, 1.0])
 @pytest.mark.parametrize("bends", BENDS)
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_newcomers_and_the_random_numbers_they_take_are_the_naive_ones(problem, bends, share):
@@ -130,7 +131,7 @@ def test_budgets_that_end_among_immigrants_are_kept_as_naive(optimizer):
         assert swarms.evaluations[0] <= budget
 
 
-@pytest.mark.parametrize("seed", range(3))
+@looped("seed", range(3))
 @pytest.mark.parametrize(("size", "share", "count"), [(9, 1 / 3, 3), (9, 1.0, 8), (2, 1.0, 1), (2, 0.5, 1)])
 @pytest.mark.parametrize("optimizer", BY_MEMBER)
 def test_immigrants_replace_exactly_the_worst(optimizer, size, share, count, seed):

@@ -5,10 +5,11 @@ import threading
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from swarm_gym.threads import spread
 
 
-@pytest.mark.parametrize("num_threads", [1, 2, 3, 16])
+@looped("num_threads", [1, 2, 3, 16])
 @pytest.mark.parametrize("chosen", [[], [0], [1], [1, 0, 1, 1, 0, 1, 1]])
 def test_every_chosen_swarm_has_its_turn_once(num_threads, chosen):
     chosen, turns = np.array(chosen, dtype=bool), []

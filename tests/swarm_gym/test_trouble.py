@@ -67,15 +67,15 @@ def test_files_have_paths_outside_their_polygons(name, start, goal, length):
     assert line.intersection(union.buffer(-1e-6, join_style="mitre")).length == 0.0
 
 
-def test_exact_lengths_on_random_scenes():
+def test_exact_lengths_on_random_scenes_are_right():
     assert_right(hold_seed(seed) for seed in range(60))
 
 
-def test_plans_on_random_scenes():
+def test_plans_on_random_scenes_are_right():
     assert_right(hold_seed(seed, planned=True) for seed in range(200, 208))
 
 
-def test_exact_lengths_and_plans_on_random_grids():
+def test_exact_lengths_and_plans_on_random_grids_are_right():
     assert_right(hold_grid(seed) for seed in range(12))
 
 
@@ -162,13 +162,13 @@ def test_faults_are_seen():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", FIRSTS)
-def test_thousands_of_exact_lengths_and_plans(first):
+def test_thousands_of_exact_lengths_and_plans_are_right(first):
     assert_right(hold_seed(seed, planned=seed % 10 == 0) for seed in range(first, first + PART))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(1000, 2000, 250))
-def test_a_thousand_grids(first):
+def test_lengths_and_plans_on_a_thousand_grids_are_right(first):
     assert_right(hold_grid(seed) for seed in range(first, first + 250))
 
 

@@ -51,7 +51,7 @@ OTHERS = {
 STUDIES = ("headline", "generalisation", "out-of-distribution", "single-cases", "ablation")
 
 
-def test_parts_of_a_table():
+def test_rows_are_selected_split_and_spread_by_column():
     assert select(TABLE, ("gap", "controller")).rows == [("1", "one"), ("2", "two"), ("3", "one")]
     parts = split(TABLE)
     assert list(parts) == ["a:x", "all"]
@@ -101,10 +101,6 @@ def test_a_document_has_no_figures_but_those_of_its_blocks(document):
     for name in blocks:
         text = re.sub(rf"<!-- {name} -->.*?<!-- /{name} -->", "", text, flags=re.DOTALL)
     assert "![" not in text
-
-
-def test_the_study_is_read_in_one_sitting():
-    assert len((ROOT / STUDY).read_text(encoding="utf-8").splitlines()) <= 250
 
 
 @pytest.fixture

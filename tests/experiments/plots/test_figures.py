@@ -27,6 +27,7 @@ from experiments.runs.run import Snapshot
 from experiments.runs.suite import Suite
 from experiments.studies.spsfa.suites import PAPER
 from helpers.builders import CASES, function_problem, make_problem
+from helpers.loops import looped
 from helpers.stored_runs import filled_database, line, stored_run
 from swarm_gym.scenarios import SCENARIOS, Polygon, Scenario
 
@@ -349,7 +350,7 @@ def test_no_two_controllers_look_alike_and_each_looks_the_same_everywhere():
     assert styles(["learned:a", "spsfa"])["learned:a"] == styles(["fixed:60", "learned:a"])["learned:a"]
 
 
-@pytest.mark.parametrize(
+@looped(
     ("controller", "expected"),
     [
         ("fixed:60", "FA-60"),

@@ -7,7 +7,7 @@ from agents.evaluation.masking import clock_columns
 from experiments.runs import blinded
 from experiments.runs.blinded import load_blinded
 from experiments.runs.configuration import identity
-from experiments.runs.episode import Episode, controller_of
+from experiments.runs.episode import Episode, _controller
 from experiments.runs.labels import label
 from experiments.studies.learned.suites import HEADLINE
 from helpers.stored_runs import part_of
@@ -21,9 +21,9 @@ NAME = f"blinded:{POLICY}"
 @pytest.fixture(autouse=True)
 def few_episodes(monkeypatch):
     monkeypatch.setattr(blinded, "NUM_EPISODES", 6)
-    controller_of.cache_clear()
+    _controller.cache_clear()
     yield
-    controller_of.cache_clear()
+    _controller.cache_clear()
 
 
 def test_a_blinded_policy_decides_by_the_iteration_alone():

@@ -144,7 +144,7 @@ def test_a_policy_trained_again_under_its_name_needs_no_other_database(tmp_path,
     config = EvaluateConfig("tiny", output=tmp_path, where=BackendOptions(jobs=1), figures=False)
     for seed in range(2):
         make_policy(policy, np.random.default_rng(seed))
-        episode.controller_of.cache_clear()
+        episode._controller.cache_clear()
         evaluate(config)
     counts = names_of(tmp_path / "tiny.sqlite")
     assert sorted(counts.values()) == [2, 2, 2]

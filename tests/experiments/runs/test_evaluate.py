@@ -165,7 +165,7 @@ def test_a_database_of_another_configuration_is_refused(copied, key, value):
 
 def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
     def identity(name):
-        episode.controller_of.cache_clear()
+        episode._controller.cache_clear()
         return configuration(dataclasses.replace(SUITE, controllers=(name,)))[f"controller {name}"]
 
     loop, tuned = tmp_path / "loop.json", tmp_path / "tuned.json"

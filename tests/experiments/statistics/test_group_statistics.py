@@ -146,7 +146,7 @@ def test_improvement_counts_runs_on_the_same_scenario_and_seed():
     assert probability_of_improvement(mine, theirs) == pytest.approx(statistics.fmean(wins))
 
 
-def test_difference_to_a_baseline():
+def test_a_difference_is_that_of_means_inside_its_interval():
     mine, theirs = sample((3, (1,), 20)), sample((1, (1,), 20), seed=1)
     draws, baseline_draws = draw(3, (1,), 20), draw(1, (1,), 20, stream=1)
     found = difference(mine, theirs, draws, baseline_draws)
@@ -197,7 +197,7 @@ def test_hypervolume_is_the_area_between_front_and_reference(points):
     assert hypervolume(np.array(points, float).reshape(-1, 2), (5.0, 4.0)) == cells
 
 
-def test_hypervolumes_of_many_fronts_at_once():
+def test_hypervolumes_of_many_fronts_at_once_are_those_of_each():
     fronts = np.random.default_rng(0).uniform(size=(7, 5, 2))
     expected = [float(hypervolume(front, (0.9, 0.8))) for front in fronts]
     assert hypervolume(fronts, (0.9, 0.8)) == pytest.approx(expected)

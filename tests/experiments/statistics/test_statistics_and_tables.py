@@ -29,7 +29,7 @@ from experiments.tables.cell import (
 from helpers.stored_runs import cells_of, stored_run
 
 
-def test_summary_of_a_sample():
+def test_a_summary_has_the_moments_of_its_sample():
     values = np.array([4.0, 1.0, 3.0, 12.0])
     found = summarise(values)
     assert (found.maximum, found.minimum, found.mean, found.median) == (12, 1, 5, 3.5)
@@ -50,7 +50,7 @@ def test_interval_of_a_constant_is_a_point():
     assert mean_interval(np.full(5, 2.5)) == (2.5, 2.5)
 
 
-def test_comparison_by_hand():
+def test_a_comparison_is_the_one_computed_by_hand():
     found = compare(np.array([1.0, 2.0, 3.0]), np.array([2.0, 2.0, 5.0]))
     assert found.difference == -1.0
     # Of the nine pairs five are smaller and two are equal.

@@ -11,6 +11,7 @@ from gymnasium.utils.env_checker import check_env
 
 from helpers.adapted import adapted, episode_of
 from helpers.libraries import RandomSteps
+from helpers.loops import looped
 from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import MissingExtraError, ScenarioError, SettingError, UnknownNameError
@@ -47,7 +48,7 @@ def advance(env, sizes=SIZES):
 
 
 @FUNCTIONS
-@pytest.mark.parametrize("dimension", [2, 5])
+@looped("dimension", [2, 5])
 def test_values_are_those_of_the_compiled_function(function, dimension):
     theirs = make_problem(f"ioh:bbob-{function}-{dimension}-3")
     ours = make_problem(f"function:bbob-{function}-{dimension}-3")

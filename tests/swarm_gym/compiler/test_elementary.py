@@ -6,6 +6,7 @@ from decimal import Context, Decimal, localcontext
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from swarm_gym.compiler import elementary
 
 DIGITS = 45
@@ -64,7 +65,7 @@ def test_the_hyperbolic_tangent_is_precise_to_twelve_digits_and_odd():
     np.testing.assert_array_equal(elementary.tanh(-values), -found)
 
 
-@pytest.mark.parametrize(
+@looped(
     ("name", "x", "expected"),
     [
         ("exp", -math.inf, 0.0), ("exp", -800.0, 0.0), ("exp", 0.0, 1.0), ("exp", 800.0, math.inf),
@@ -101,13 +102,13 @@ def test_tensors_get_the_function_of_their_library():
     assert calls == ["values"]
 
 
-def test_powers():
+def test_powers_are_those_of_numpy():
     bases, exponents = spread(1e-3, 1e3), np.random.default_rng(0).uniform(-3.0, 3.0, 400)
     np.testing.assert_allclose(elementary.power(bases, exponents), bases**exponents, rtol=1e-13)
     np.testing.assert_array_equal(elementary.power([0.0, 0.0, math.nan], [2.0, 0.0, 0.0]), [0.0, 1.0, 1.0])
 
 
-def test_products_of_matrices():
+def test_products_of_matrices_are_those_of_numpy():
     generator = np.random.default_rng(1)
     first, second = generator.normal(size=(4, 6)), generator.normal(size=(6, 3))
     np.testing.assert_allclose(elementary.product(first, second), first @ second, rtol=1e-13)
@@ -115,7 +116,7 @@ def test_products_of_matrices():
     np.testing.assert_allclose(elementary.product(first[0], first[0]), first[0] @ first[0], rtol=1e-13)
 
 
-def test_interpolation():
+def test_interpolation_is_that_of_numpy():
     knots, values = [0.0, 2.0, 5.0], np.array([1.0, 5.0, -1.0])
     places = np.linspace(-1.0, 7.0, 33)
     found = elementary.interpolate(places, knots, values)

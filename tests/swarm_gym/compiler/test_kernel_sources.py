@@ -3,9 +3,8 @@
 import ast
 from pathlib import Path
 
-import pytest
-
 import swarm_gym
+from helpers.loops import looped
 from swarm_gym.compiler.cache import KERNEL_SOURCES
 
 PACKAGE = Path(swarm_gym.__file__).parent
@@ -94,12 +93,12 @@ def test_every_place_exists_and_has_kernels():
         assert any(f"{name}.".startswith(start) for name in WITH_KERNELS)
 
 
-@pytest.mark.parametrize("module", WITH_KERNELS)
+@looped("module", WITH_KERNELS)
 def test_modules_with_kernels_are_kernel_sources(module):
     assert is_kernel_source(module)
 
 
-@pytest.mark.parametrize("module", WITH_KERNELS)
+@looped("module", WITH_KERNELS)
 def test_kernels_use_nothing_from_outside_of_the_kernel_sources(module):
     assert strangers(MODULES[module]) == set()
 

@@ -17,6 +17,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.cpu import CPUTargetOptions
 
 import swarm_gym
+from helpers.loops import looped
 from swarm_gym.compiler import borrowing, jit
 from swarm_gym.compiler.cache import KernelCache
 
@@ -173,13 +174,13 @@ def test_the_list_names_exactly_what_the_package_uses():
     assert used() == RELIED_ON
 
 
-@pytest.mark.parametrize("name", sorted(RELIED_ON))
+@looped("name", sorted(RELIED_ON))
 def test_a_name_exists(name):
     needs_cuda(name)
     object_of(name)
 
 
-@pytest.mark.parametrize(("name", "count", "keywords"), calls())
+@looped(("name", "count", "keywords"), calls())
 def test_a_function_takes_the_arguments_that_the_package_passes(name, count, keywords):
     needs_cuda(name)
     called = object_of(name)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
+from helpers.loops import looped
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import (
     as_float,
@@ -113,7 +114,7 @@ def inputs(seed):
     return {0: drawn, 1: np.round(drawn), 2: rng.choice(AWKWARD, (3, 8))}[seed % 3]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@looped("seed", range(30))
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_compiled_lanes_give_the_bits_of_the_python_ones(function, seed):
@@ -141,7 +142,7 @@ def floats_of_words(a):
     return out
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_compiled_words_wrap_as_those_of_numpy(seed):
     a, b = np.random.default_rng(seed).integers(0, 2**64, (2, 8), dtype=np.uint64)
     found, mask = compiled(words)(a, b)
@@ -166,7 +167,7 @@ def test_entries_are_looked_up_lane_by_lane(seed):
     assert compiled(entries)(values, indices).tolist() == entries(values, indices).tolist() == expected
 
 
-def test_the_floor_of_numbers_known_by_hand():
+def test_the_floor_of_numbers_is_the_one_known_by_hand():
     given = np.array([0.5, -0.5, 1.0, -1.0, -0.0, 1e300, np.nextafter(1.0, 0.0), -1e-300])
     expected = [0.0, -1.0, 1.0, -1.0, -0.0, 1e300, 0.0, -1.0]
     assert compiled(roundings)(given, given, given)[0].tolist() == expected
@@ -204,6 +205,7 @@ READ_ONLY.flags.writeable = False
     os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="NUMBA_DISABLE_JIT=1 turns off the compiler"
 )
 def test_what_would_read_or_mean_something_else_does_not_compile(function, arguments):
+    assert numba.njit(lambda a: total(maximum(load(a, 0), load(a, 0) * 0.5)))(FLOATS) == 28.0
     with pytest.raises(TypingError):
         numba.njit(function)(*arguments)
 

@@ -36,7 +36,10 @@ OBSERVATION = np.linspace(-1, 1, 4 * FEATURES, dtype=np.float32).reshape(4, FEAT
 
 @pytest.fixture
 def policy(tmp_path):
-    return make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+    """Return the file of a policy that is taken as it stands."""
+    path = make_policy(tmp_path / "some.safetensors", np.random.default_rng(0))
+    assert decides_or_is_refused(path)
+    return path
 
 
 def with_memory(path):
@@ -141,6 +144,7 @@ INSERTIONS = (b"null", b"-1", b"9" * 30, b"[", b"{", b'"', b"1e999", b"NaN", b"\
 def test_any_bytes_are_a_policy_or_refused(policy, network):
     change = {"feedforward": lambda path: path, "lstm": with_memory, "choices": with_choices}
     data = change[network](policy).read_bytes()
+    assert decides_or_is_refused(policy)
     header, tensors = parts_of(data)
 
     @given(
@@ -224,17 +228,27 @@ VALUES = {
 }
 
 
-@pytest.mark.parametrize(("key", "value"), [(key, value) for key in VALUES for value in VALUES[key]])
-def test_a_value_that_nothing_can_be_done_with_is_refused(policy, key, value):
+def write_manifest(policy, **changes):
+    """Write a policy with other values in its manifest, whose digest is right."""
     header, tensors = parts_of(policy.read_bytes())
     header = json.loads(header)
     manifest = json.loads(header["__metadata__"]["manifest"])
     del manifest["manifest_sha256"]
-    manifest[key] = value
+    manifest |= changes
     digest = hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
     header["__metadata__"]["manifest"] = json.dumps({"manifest_sha256": digest, **manifest})
     policy.write_bytes(file_of(json.dumps(header).encode(), tensors))
+
+
+@pytest.mark.parametrize(("key", "value"), [(key, value) for key in VALUES for value in VALUES[key]])
+def test_a_value_that_nothing_can_be_done_with_is_refused(policy, key, value):
+    write_manifest(policy, **{key: value})
     assert len(refused(policy, key)) < 2000 + len(str(policy))
+
+
+def test_other_values_that_something_can_be_done_with_are_taken(policy):
+    write_manifest(policy, initial_population_size=70, max_population_size=90, price=[0.5, 1.0])
+    assert decides_or_is_refused(policy)
 
 
 @pytest.mark.parametrize(
@@ -332,6 +346,12 @@ def test_whatever_a_manifest_says_it_is_a_policy_or_refused(policy, changes):
     features = load_policy(make_policy(policy, np.random.default_rng(0)))[1]
     policy.write_bytes(encode_policy(weights, {**features, "hidden_layers": [], **changes}))
     decides_or_is_refused(policy)
+
+
+def test_a_policy_of_one_layer_is_a_policy(policy):
+    weights = {"0.weight": np.ones((2, FEATURES), np.float32), "0.bias": np.ones(2, np.float32)}
+    policy.write_bytes(encode_policy(weights, {**load_policy(policy)[1], "hidden_layers": []}))
+    assert decides_or_is_refused(policy)
 
 
 # Files that name files.

@@ -173,7 +173,7 @@ def test_phi_is_gated_by_the_deviation_and_computed_from_the_new_size():
     assert repair_degree == 2 * 80 / size**2
 
 
-def test_traps_of_the_printed_rules():
+def test_where_the_printed_rules_divide_by_zero_or_exceed_the_limits_sizes_stay_valid():
     assert begun().act(observed(0.0))[0].tolist() == [2.0, 1.0]  # E = 0: floor, phi clipped to 1
     assert begun(e_init=0.0).act(observed(0.0))[0, 0] == 80  # nothing to relate to: keep the size
     capped = begun(limits=SizeLimits(2, 85))

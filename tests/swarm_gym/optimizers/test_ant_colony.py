@@ -22,6 +22,7 @@ from helpers.builders import (
     walk_problem,
 )
 from helpers.grids import drawn_problem
+from helpers.loops import looped
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers.ant_colony import trails
 from swarm_gym.optimizers.ant_colony.ant_colony import AntColony
@@ -52,7 +53,7 @@ def test_episodes_with_other_parameters_are_the_naive_ones(parameters):
         run("ant-colony", problem, plan, parameters, size=9, seed=seed, iterations=len(plan))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@looped("seed", range(12))
 def test_rounding_does_not_choose_among_ways_that_are_equally_long(seed):
     """The elite lays its trail on one of these walks, and all later results depend on the choice."""
     problem = walk_problem("random", seed, shape=(10, 14), **METRES)

@@ -24,6 +24,7 @@ from helpers.builders import (
     workspace,
 )
 from helpers.compiled import compiled
+from helpers.loops import looped
 from oracles import naive
 from swarm_gym.optimizers.firefly import Firefly, FireflyParameters, move_towards
 from swarm_gym.population import Swarms
@@ -104,16 +105,16 @@ def iterated(source, size, seed, repair_degree, parameters, num_waypoints=31):
     return before, swarms
 
 
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("repair_degree", [0.0, 0.3, 1.0])
+@looped("seed", range(2))
+@looped("repair_degree", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("parameters", [{}, STRONG], ids=["paper", "strong"])
 @pytest.mark.parametrize("source", SOURCES)
 def test_an_iteration_is_the_naive_one(source, parameters, repair_degree, seed):
     iterated(source, 6, seed, repair_degree, parameters)
 
 
-@pytest.mark.parametrize("num_waypoints", [1, 2, 3, 4, 5, 8])
-@pytest.mark.parametrize("repair_degree", [0.0, 0.5])
+@looped("num_waypoints", [1, 2, 3, 4, 5, 8])
+@looped("repair_degree", [0.0, 0.5])
 def test_iterations_with_few_waypoints_are_the_naive_ones(num_waypoints, repair_degree):
     run("firefly", problem_of("random", num_waypoints), [(8, repair_degree)] * 3, size=8)
 
@@ -125,7 +126,7 @@ def test_an_iteration_of_a_large_swarm_is_the_naive_one(source, seed):
     iterated(source, 25, seed, (seed % 3) / 2, {})
 
 
-@pytest.mark.parametrize("seed", range(5))
+@looped("seed", range(5))
 @pytest.mark.parametrize("source", SOURCES)
 def test_each_move_costs_one_evaluation_and_one_random_number_per_column(source, seed):
     swarms, tables, _ = fireflies(source, 20, seed, 31)

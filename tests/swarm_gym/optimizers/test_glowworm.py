@@ -16,6 +16,7 @@ from helpers.builders import (
     walk_problem,
 )
 from helpers.grids import drawn_problem
+from helpers.loops import looped
 from oracles import naive_swarm
 from swarm_gym.action import make_action
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -81,7 +82,7 @@ WALL = (
 )
 
 
-@pytest.mark.parametrize("seed", range(12))
+@looped("seed", range(12))
 def test_a_step_that_is_longer_than_a_wall_is_thick_leads_nobody_through_it(seed):
     problem = drawn_problem(*WALL, start=(1.0, 1.0), target=(1.0, 3.0))
     options = {"size": 5, "seed": seed, "iterations": 12}

@@ -91,7 +91,7 @@ def test_where_nothing_is_better_a_fish_preys_and_leaps_twice_and_looks_at_the_b
 
 
 @pytest.mark.parametrize(("crowding", "each"), [(0.0, 2), (0.5, 2), (0.51, 3), (1.0, 3)])
-def test_fish_swarm_where_fewer_than_the_crowding_see_the_centre(crowding, each):
+def test_fish_gather_where_fewer_than_the_crowding_see_the_centre(crowding, each):
     """Two of four do. A step of no length is no better, so a fish that swarms preys one evaluation later."""
     side = fish.zigzags(1)[0]
     near, far = 0.05 * fish.RANGE * side / side.std(), 0.2 * fish.RANGE * side / side.std()

@@ -131,7 +131,7 @@ def test_light_is_relayed_around_an_obstacle():
     ("glow", "shares"),
     [(1, [0, 0, 1 / 5]), (2, [1 - math.hypot(*way) / math.hypot(5, 5) for way in ((0, 4), (4, 3), (4, 0))])],
 )
-def test_light_by_sight_and_by_distance(glow, shares):
+def test_members_shine_by_sight_and_by_distance_as_computed_by_hand(glow, shares):
     twin = placed(drawn_problem(*WALL, start=(0, 0), target=(0, 4)), (4, 1), (4, 4), glow=glow)
     advance(twin, 1, 3)
     assert [(member.luciferin - 0.6 * 5) / 0.6 for member in twin.members] == pytest.approx(shares)

@@ -20,6 +20,7 @@ from helpers.builders import (
     walk_problem,
     walked,
 )
+from helpers.loops import looped
 from oracles import naive_optimizers
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.population import Swarms
@@ -96,6 +97,10 @@ def spent_to_begin(optimizer, problem, size):
 # Against plain Python.
 
 
+def test_every_optimizer_has_an_oracle():
+    assert naive_optimizers.NAIVE.keys() == OPTIMIZERS.keys()
+
+
 @on_all_kinds(naive_optimizers.NAIVE, long=("firefly",))
 def test_episodes_are_the_naive_ones(optimizer, kind):
     parameters = tries(optimizer, 1) if kind == "curve" else {}
@@ -109,7 +114,7 @@ def test_episodes_of_several_seeds_are_the_naive_ones(optimizer, seed):
     run(optimizer, problem_for(optimizer, "random", 6, seed), plan, size=10, seed=seed, iterations=5)
 
 
-@pytest.mark.parametrize("left", BUDGETS)
+@looped("left", BUDGETS)
 @with_an_oracle
 def test_episodes_end_exactly_where_the_budget_does_as_naive(optimizer, left):
     plan, problem = [(7, 0.0), (12, 0.5), *[(12, 0.0)] * 60], problem_for(optimizer, "case2", 9)
@@ -126,7 +131,7 @@ def test_episodes_of_all_budgets_are_the_naive_ones(optimizer):
         run(optimizer, problem, plan, tries(optimizer, 2), size=3, budget=budget, iterations=len(plan))
 
 
-@pytest.mark.parametrize("size", [2, 3, 5, 8, 14])
+@looped("size", [2, 3, 5, 8, 14])
 @pytest.mark.parametrize("optimizer", [name for name in ADOPTING if name in naive_optimizers.NAIVE])
 def test_given_populations_are_taken_as_naive(optimizer, size):
     problem = problem_for(optimizer, "case1", 9)
@@ -231,7 +236,7 @@ def test_what_is_stored_is_true_at_every_step(optimizer, kind):
         best = swarms.best_fitness[0]
 
 
-@pytest.mark.parametrize("left", [0, *BUDGETS])
+@looped("left", [0, *BUDGETS])
 @all_optimizers
 def test_a_budget_is_spent_exactly(optimizer, left):
     budget = spent_to_begin(optimizer, problem_for(optimizer, "case1", 9), 8) + left

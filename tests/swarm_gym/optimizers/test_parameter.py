@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple
 
 import pytest
 
+from helpers.loops import looped
 from helpers.refusals import refused
 from swarm_gym.compiler.named_tuples import named_row
 from swarm_gym.errors import SettingError
@@ -89,7 +90,7 @@ def test_the_defaults_are_the_printed_parameters(optimizer):
     assert cls.parameter_values({})._asdict() == PRINTED[optimizer]
 
 
-@pytest.mark.parametrize(("optimizer", "name"), NUMBERS)
+@looped(("optimizer", "name"), NUMBERS)
 def test_a_value_that_cannot_be_is_refused_with_its_name(optimizer, name):
     cls = get_optimizer(optimizer)
     low, high = cls.parameters[name].low, cls.parameters[name].high

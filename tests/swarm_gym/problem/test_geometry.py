@@ -18,6 +18,7 @@ from helpers.builders import (
     turned,
 )
 from helpers.compiled import compiled
+from helpers.loops import looped, named_case
 from oracles import naive
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.collision import clearing_shifts
@@ -158,7 +159,7 @@ def test_clearing_shifts_are_the_naive_ones(kind, seed):
     assert compared > 100
 
 
-@pytest.mark.parametrize("seed", range(3))
+@looped("seed", range(3))
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_naive_shifts_are_the_largest_gap_over_the_segment(kind, seed):
     """The oracle of the other tests, against a search that knows no closed form."""
@@ -251,7 +252,7 @@ def test_touching_is_no_contact(obstacle, y0, y1):
         pytest.param(DIAMOND, 500, 500, 100, 100, id="diamond"),
     ],
 )
-def test_shifts_known_by_hand(obstacle, y0, y1, up, down):
+def test_shifts_are_those_computed_by_hand(obstacle, y0, y1, up, down):
     assert kernel_shift(obstacle, y0, y1) == pytest.approx((up, down), rel=1e-12, abs=1e-9)
 
 
@@ -300,7 +301,7 @@ def test_the_degree_of_collision_is_the_distance_to_the_cleared_parallel(kind):
 # The table of pairs loses no contact, as test_problem.py shows for the cases.
 
 
-@pytest.mark.parametrize("num_waypoints", range(1, 121))
+@looped("num_waypoints", range(1, 121))
 @pytest.mark.parametrize("case", CASES)
 def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
     # Many an edge stands on the line of a waypoint, exactly: no rounding may pair it with both sides.
@@ -320,15 +321,21 @@ def test_the_pairs_of_a_case_are_those_of_exact_arithmetic(case, num_waypoints):
     assert found.tolist() == expected
 
 
-@pytest.mark.parametrize(
-    ("seed", "num_paths"),
-    [
-        *((seed, 6) for seed in range(60)),
-        *(pytest.param(seed, 20, marks=pytest.mark.slow) for seed in range(1000, 3000)),
-    ],
-)
-def test_the_table_of_a_random_scenario_loses_no_contact(seed, num_paths):
-    """The oracle loops over all segments and all obstacles."""
+@looped("seed", range(60))
+def test_the_table_of_a_random_scenario_loses_no_contact(seed):
+    assert_no_contact_lost(seed, 6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first_seed", range(1000, 3000, 100))
+def test_the_tables_of_2000_random_scenarios_lose_no_contact(first_seed):
+    for seed in range(first_seed, first_seed + 100):
+        with named_case(f"seed={seed}"):
+            assert_no_contact_lost(seed, 20)
+
+
+def assert_no_contact_lost(seed, num_paths):
+    """Compare with the oracle, which loops over all segments and all obstacles."""
     rng = np.random.default_rng(seed)
     problem = AnalyticProblem(random_scenario(rng), int(rng.choice([1, 2, 5, 13, 31, 40])))
     deepest = 0.0
@@ -353,7 +360,7 @@ def scenario_of(source, rng):
     return random_scenario(rng) if source == "random" else make_scenario(source)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 @pytest.mark.parametrize("source", [*CASES, "random"])
 def test_turning_and_shifting_the_whole_map_changes_nothing(source, seed):
     rng = np.random.default_rng(seed)
@@ -380,7 +387,7 @@ def test_turning_a_map_by_a_quarter_or_with_edges_on_waypoint_lines_changes_noth
         assert_same_fitness(problem, other, np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@looped("seed", range(10))
 @pytest.mark.parametrize("source", [*CASES, "random"])
 def test_going_back_from_target_to_start_costs_the_same(source, seed):
     rng = np.random.default_rng(seed)
@@ -392,7 +399,7 @@ def test_going_back_from_target_to_start_costs_the_same(source, seed):
     assert_same_fitness(*problems, rng, lambda offsets: -offsets[::-1])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@looped("seed", range(5))
 @pytest.mark.parametrize("case", CASES)
 def test_the_order_of_the_obstacles_does_not_change_the_fitness(case, seed):
     rng = np.random.default_rng(seed)

@@ -8,6 +8,7 @@ import pytest
 
 from helpers.builders import random_grid_scenario, small_grid_problem
 from helpers.compiled import compiled
+from helpers.loops import looped
 from helpers.refusals import refused as assert_refused
 from oracles import naive_grid
 from swarm_gym.errors import SettingError, UnknownNameError
@@ -24,7 +25,7 @@ GEOMETRIES = {
 }
 ENCODINGS = [("bezier", n) for n in range(1, 7)] + [("waypoints", n) for n in (1, 2, 3, 7, 8, 31)]
 all_encodings = pytest.mark.parametrize(("encoding", "num_points"), ENCODINGS)
-all_geometries = pytest.mark.parametrize("geometry", GEOMETRIES.values(), ids=GEOMETRIES)
+all_geometries = looped("geometry", GEOMETRIES.values())
 
 
 def random_vectors(problem, count, seed=0):
@@ -63,7 +64,7 @@ def test_fitness_collision_samples_and_bounds_are_the_naive_ones(encoding, num_p
         np.testing.assert_allclose(problem.curve.samples(vector), oracle.path.samples(vector), rtol=1e-10)
 
 
-@pytest.mark.parametrize("repair_degree", [0.3, 1.0])
+@looped("repair_degree", [0.3, 1.0])
 @all_geometries
 @all_encodings
 def test_a_repair_is_the_naive_one(encoding, num_points, geometry, repair_degree):
@@ -288,8 +289,10 @@ def test_options_that_would_change_nothing_are_refused_by_name(option, options):
 )
 def test_a_wrong_number_of_points_is_refused_by_the_name_of_its_option(option, encoding, value):
     refused(option, repr(value), scenario="rooms:0", encoding=encoding, **{option: value})
+    assert settings_of(scenario="rooms:0", encoding=encoding, **{option: 1})
 
 
 @pytest.mark.parametrize("value", [-1.0, math.inf, math.nan, "500"])
 def test_a_wrong_penalty_is_refused(value):
     refused("penalty", repr(value), scenario="rooms:0", penalty=value)
+    assert settings_of(scenario="rooms:0", penalty=0.0)

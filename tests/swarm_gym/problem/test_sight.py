@@ -58,7 +58,7 @@ def test_segments_are_free_and_blocked_as_the_traversal_says(blocked, p, q):
 
 @settings(deadline=None)
 @given(maps, st.data())
-def test_segments_through_corners_and_along_edges_of_blocked_cells_too(blocked, data):
+def test_sight_through_corners_and_along_edges_of_blocked_cells_is_that_of_traversal(blocked, data):
     """Check segments for which free and blocked are a rounding error apart."""
     height, width = blocked.shape
     corner = st.tuples(st.integers(0, width), st.integers(0, height)).map(
@@ -70,7 +70,7 @@ def test_segments_through_corners_and_along_edges_of_blocked_cells_too(blocked, 
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_pairs_on_a_larger_map(seed):
+def test_sight_on_a_larger_map_is_that_of_traversal(seed):
     blocked = random_grid_scenario(seed, (80, 120), rock=0.2).map.blocked
     rooms = tabulate_rooms(blocked)
     ends = np.random.default_rng(seed).uniform(-0.5, (119.5, 79.5, 119.5, 79.5), (3000, 4))

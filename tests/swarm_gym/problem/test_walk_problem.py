@@ -7,6 +7,7 @@ import shapely
 from helpers.builders import METRES, random_grid_scenario
 from helpers.compiled import compiled
 from helpers.grids import area_of
+from helpers.loops import looped
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import select, stack
@@ -21,7 +22,7 @@ def walk_problem(seed, **geometry):
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-@pytest.mark.parametrize("seed", range(6))
+@looped("seed", range(6))
 def test_fitness_is_the_way_to_the_target_and_a_penalty_for_what_is_blocked(seed, geometry):
     problem = walk_problem(seed, **geometry)
     grid, rng = problem.scenario.map, np.random.default_rng(seed)

@@ -141,7 +141,7 @@ class TestGridPath:
         assert path.length == pytest.approx(num_straight + num_diagonal * DIAGONAL, rel=1e-12)
         assert len(path.cells) <= path.expansions <= (~blocked).sum()
 
-    def test_expands_the_cells_of_the_path_alone_where_nothing_is_in_the_way(self):
+    def test_a_planner_expands_the_cells_of_the_path_alone_where_nothing_is_in_the_way(self):
         path = shortest_grid_path(np.zeros((30, 40), bool), (2, 3), (35, 20))
         assert path.expansions == len(path.cells) == 34
         assert path.length == 16 + 17 * DIAGONAL
@@ -264,7 +264,7 @@ class TestAnyAnglePath:
         assert path_is_free(blocked, points)
 
     @pytest.mark.parametrize("turn", [np.asarray, np.transpose, np.fliplr, lambda grid: np.fliplr(grid).T])
-    def test_squeezes_between_walls_whose_corners_are_on_one_line(self, turn):
+    def test_a_planner_squeezes_between_walls_whose_corners_are_on_one_line(self, turn):
         """Only the ray along both walls passes; the path bends where they begin and end."""
         blocked = turn(grid("....", "##..", "....", "..##", "...."))
         start, goal = np.argwhere(turn(grid("#...", "....", "....", "....", "...#")))[:, ::-1]

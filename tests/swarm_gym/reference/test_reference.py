@@ -92,7 +92,7 @@ CLOSED_FORMS = {
 
 
 @pytest.mark.parametrize(("obstacles", "expected"), CLOSED_FORMS.values(), ids=CLOSED_FORMS)
-def test_shortest_paths_in_closed_form(obstacles, expected):
+def test_shortest_paths_have_the_lengths_of_their_closed_forms(obstacles, expected):
     assert shortest_path(scenario(*obstacles))[0] == pytest.approx(expected, rel=1e-12)
 
 
@@ -116,7 +116,7 @@ def test_obstacles_that_separate_start_and_target_are_refused():
 
 
 @pytest.mark.parametrize(("case", "length"), [("case1", 994.234), ("case2", 1053.551), ("case3", 997.455)])
-def test_shortest_paths_of_the_cases(case, length):
+def test_shortest_paths_of_the_cases_have_their_known_lengths(case, length):
     assert shortest_path(make_scenario(case))[0] == pytest.approx(length, abs=1e-3)
 
 
@@ -239,7 +239,7 @@ def test_no_feasible_waypoint_path_is_shorter_than_the_shortest_path(seed):
 @pytest.mark.parametrize(
     ("case", "fitness"), [("case1", 299.098012), ("case2", 316.525806), ("case3", 300.644023)]
 )
-def test_optima_of_the_cases_with_thirty_waypoints(case, fitness):
+def test_optima_of_the_cases_with_thirty_waypoints_have_their_known_values(case, fitness):
     problem = make_problem(case, 30)
     found, offsets = optimum(problem)
     assert found == pytest.approx(fitness, abs=2e-6)

@@ -177,7 +177,7 @@ UTM = [
 ]
 
 
-def test_houses_in_utm_coordinates():
+def test_the_shortest_path_between_houses_in_utm_coordinates_is_exact():
     houses = tuple(Polygon(tuple(house)) for house in UTM)
     ends = (388096.5, 3948996.25), (388116.5, 3948996.25)
     made = Scenario("utm", *ends, houses, (388e3, 3948e3, 389e3, 395e4))
@@ -189,7 +189,7 @@ def test_houses_in_utm_coordinates():
     np.testing.assert_array_equal(points, corners)
 
 
-def test_a_row_of_houses_far_away_that_rounding_moved_against_each_other():
+def test_a_path_runs_along_a_row_of_houses_that_rounding_moved_against_each_other():
     """Facades in a line at an angle: no corner sticks out further than coordinates are rounded."""
     angle, far = 0.3, np.array([388096.5, 3948996.25])
     turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])

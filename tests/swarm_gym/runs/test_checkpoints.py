@@ -137,7 +137,7 @@ def test_what_a_killed_process_left_is_removed_when_the_run_goes_on(tmp_path):
 
 
 @pytest.mark.parametrize("hours", [-1, 1])
-def test_a_clock_that_is_set_meanwhile(tmp_path, monkeypatch, capsys, hours):
+def test_a_clock_that_is_set_meanwhile_does_not_matter(tmp_path, monkeypatch, capsys, hours):
     train(tmp_path, name="whole", **LITTLE).run()
     train(tmp_path, name="it", **{**LITTLE, "total_steps": LITTLE["total_steps"] // 3}).run()
     right = time.time

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from helpers.builders import as_path, function_problem
 from helpers.compiled import compiled
+from helpers.loops import looped
 from helpers.refusals import refused
 from oracles.naive_swarm import oracle_of
 from swarm_gym.env import SwarmEnv
@@ -70,8 +71,8 @@ def test_values_are_those_of_the_program_of_the_authors(function):
 
 
 @functions
-@pytest.mark.parametrize("dimension", [2, 5, 10])
-@pytest.mark.parametrize("instance", [1, 2, 7, 50])
+@looped("dimension", [2, 5, 10])
+@looped("instance", [1, 2, 7, 50])
 def test_values_are_those_of_ioh(function, dimension, instance):
     """Compare a thousand random points, and the optimum; values without f_opt, up to rounding."""
     ioh = pytest.importorskip("ioh", reason="needs the extra `benchmarks`")
@@ -99,7 +100,7 @@ def test_values_are_those_of_the_definition(function, data):
 
 
 @functions
-@pytest.mark.parametrize("dimension", [2, 40])
+@looped("dimension", [2, 40])
 def test_the_value_at_the_optimum_is_0_and_larger_beside_it(function, dimension):
     problem = problem_of(function, dimension, 3)
     optimum = np.array(problem.scenario.optimum)

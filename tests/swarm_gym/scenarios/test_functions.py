@@ -113,7 +113,7 @@ def test_the_squared_sine_is_exact_to_a_few_last_bits_near_its_zeros_too():
     assert known[0].tolist() == [0, 0, 0, 1, 1, 1, 0, 0]
 
 
-def test_values_known_from_the_literature():
+def test_values_are_those_known_from_the_literature():
     assert value("function:rastrigin-2", 1.0, 1.0) == pytest.approx(2.0)
     # Its largest value in the domain, in two dimensions.
     assert value("function:rastrigin-2", 4.52299366, 4.52299366) == pytest.approx(80.70658039, abs=1e-7)

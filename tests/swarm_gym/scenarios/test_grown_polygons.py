@@ -109,7 +109,7 @@ def test_the_shortest_path_among_grown_polygons_keeps_the_margin_and_touches_it(
     assert length - 1e-9 <= path.length <= length * (1.0 + 1e-5)
 
 
-def test_the_shortest_path_around_a_grown_square_in_closed_form():
+def test_the_shortest_path_around_a_grown_square_is_that_of_its_closed_form():
     square = Polygon.rectangle(-10.0, -10.0, 10.0, 30.0)
     length, _ = shortest_path(among(square, margin=5.0))
     # Below: a tangent to the circle at a corner, an arc, along the lower edge, and the same again.

@@ -11,6 +11,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.loops import looped
 from helpers.refusals import refused
 from helpers.shapes import shape
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
@@ -95,8 +96,8 @@ def test_scattered_obstacles_lie_apart(split):
 
 
 @pytest.mark.parametrize("split", SCATTERED)
-@pytest.mark.parametrize("num_waypoints", [23, 31])
-@pytest.mark.parametrize("side", [-1, 1])
+@looped("num_waypoints", [23, 31])
+@looped("side", [-1, 1])
 def test_a_path_of_waypoints_along_the_side_of_a_scattered_field_is_free(split, num_waypoints, side):
     for field in fields(split):
         problem = AnalyticProblem(field, num_waypoints)
@@ -199,8 +200,9 @@ def test_a_name_of_another_form_is_refused_with_the_form(name):
 def test_an_unknown_split_or_scenario_is_refused_with_the_valid_ones():
     with pytest.raises(UnknownNameError, match=r"'foo'.*large-obstacles.*train"):
         make_scenario("random-fields:foo:1")
-    with pytest.raises(UnknownNameError, match=r"case3.*random-fields:<split>:<number>"):
+    with pytest.raises(UnknownNameError, match="'random'") as caught:
         make_scenario("random")
+    assert {"case3", "random-fields:<split>:<number>"} <= {*caught.value.valid}
 
 
 # In environments.

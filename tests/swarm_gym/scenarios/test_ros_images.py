@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers.loops import looped
 from helpers.pictures import HEIGHT, WIDTH, pictures
 from helpers.refusals import refused
 from swarm_gym.errors import ScenarioError
@@ -63,7 +64,7 @@ def is_free(pixel, negate, free, mode):
 
 
 @pytest.mark.filterwarnings("ignore:.*usual for unknown cells")
-@pytest.mark.parametrize(
+@looped(
     ("negate", "free", "mode"),
     [
         (0, 0.196, "trinary"),
@@ -175,7 +176,7 @@ def test_one_warning_counts_unknown_cells_that_are_free(folder, greys, negate, f
 
 
 @pytest.mark.parametrize("mode", ["trinary", "scale"])
-def test_no_warning_where_unknown_cells_are_blocked(folder, mode):
+def test_nothing_is_warned_of_where_unknown_cells_are_blocked(folder, mode):
     Image.fromarray(np.array([[254, 205, 128, 0]], np.uint8)).save(folder / "floor.png")
     with warnings.catch_warnings():
         warnings.simplefilter("error")

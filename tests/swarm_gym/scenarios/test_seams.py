@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
+from helpers.loops import looped
 from helpers.shapes import shape
 from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.problem import AnalyticProblem
@@ -77,7 +78,7 @@ def test_an_end_on_a_shared_edge_is_refused():
     assert scenario_of(LOWER, UPPER, start=(3.0, 0.0)).solids
 
 
-@pytest.mark.parametrize("seed", range(20))
+@looped("seed", range(20))
 def test_random_triangulations_are_as_closed_as_the_polygon(seed):
     rng = np.random.default_rng(seed)
     angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, rng.integers(5, 12)))

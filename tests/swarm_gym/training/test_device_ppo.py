@@ -6,6 +6,7 @@ import torch
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
+from helpers.loops import looped
 from helpers.trainings import EVOLUTION, STEPS, run_whole_and_stopped, tiny_config, train
 from swarm_gym.controllers.learned.residual import carried_out as carried_out_on_arrays
 from swarm_gym.controllers.registry import load_learned
@@ -52,8 +53,8 @@ def draw_minibatches_as(learner, monkeypatch):
     monkeypatch.setattr(torch, "randperm", same_order)
 
 
-@pytest.mark.parametrize("group_size", [1, 2, 6])
-@pytest.mark.parametrize("noise_steps", [0, 1, 3])
+@looped("group_size", [1, 2, 6])
+@looped("noise_steps", [0, 1, 3])
 @pytest.mark.parametrize(("critic", "gae_lambda", "discount"), [(False, 1.0, 1.0), (True, 0.9, 0.97)])
 def test_advantages_and_returns_are_those_of_the_buffer(
     group_size, noise_steps, critic, gae_lambda, discount
