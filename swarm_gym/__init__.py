@@ -10,6 +10,7 @@ Importing this package registers the environments:
 `swarm_gym.plan(...)` plans a path on a map.
 """
 
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from swarm_gym.registration import register_environments
@@ -17,7 +18,7 @@ from swarm_gym.registration import register_environments
 if TYPE_CHECKING:
     from swarm_gym.planning import Plan
 
-__version__ = "0.1.0"
+__version__ = version("swarm_gym")
 
 register_environments()
 

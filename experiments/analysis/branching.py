@@ -70,13 +70,13 @@ class Changed(Wrapper):
         return "changed", tuple(self._change), self._window, self._controller.identity()
 
     def act(self, observations: NDArray) -> NDArray:
-        """Return the actions of the controller, changed if the iteration is in the window."""
+        """Return the actions of the controller, changed where the iteration is in the window."""
         actions = np.array(self._controller.act(observations), dtype=np.float64)
         first, end = self._window
-        if first <= self._iteration < end:
-            column, factor, offset = self._change[1:]
-            actions[:, column] = np.clip(factor * actions[:, column] + offset, self._low, self._high)
-        self._iteration += 1
+        iterations = self._count(observations)
+        inside = (first <= iterations) & (iterations < end)
+        column, factor, offset = self._change[1:]
+        actions[inside, column] = np.clip(factor * actions[inside, column] + offset, self._low, self._high)
         return actions
 
 

@@ -145,7 +145,7 @@ class NiapySwarmParameters(NamedTuple):
     ]
 
 
-class ParticleSwarm(NiapyOptimizer):
+class NiapyParticleSwarm(NiapyOptimizer):
     """niapy's `ParticleSwarmAlgorithm`, with an inertia and a velocity limit."""
 
     name = "swarm_gym.adapters.niapy:ParticleSwarm"
@@ -186,7 +186,7 @@ class NiapyFireflyParameters(NamedTuple):
     ]
 
 
-class Firefly(NiapyOptimizer):
+class NiapyFirefly(NiapyOptimizer):
     """niapy's `FireflyAlgorithm`; a firefly moves towards each that is as bright or brighter, itself too."""
 
     name = "swarm_gym.adapters.niapy:Firefly"
@@ -209,3 +209,7 @@ class Firefly(NiapyOptimizer):
     def affordable_size(cls, evaluations: Floats) -> Floats:
         """Return the size that compiled fireflies could afford: about half of the pairs move."""
         return CompiledFirefly.affordable_size(evaluations)
+
+
+# What users name, as in `swarm_gym.adapters.niapy:Firefly`.
+ParticleSwarm, Firefly = NiapyParticleSwarm, NiapyFirefly

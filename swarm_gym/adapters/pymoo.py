@@ -34,7 +34,7 @@ class PymooOptimizer(LibraryOptimizer):
     """A single-objective algorithm of pymoo; a subclass implements `make`.
 
     That is enough for an algorithm whose whole memory is its population, as most evolutionary ones are. One
-    that remembers more implements `restore` and `store`, too; `ParticleSwarm` is the example.
+    that remembers more implements `restore` and `store`, too; `PymooParticleSwarm` is the example.
     """
 
     @classmethod
@@ -120,7 +120,7 @@ class PymooSwarmParameters(NamedTuple):
     ]
 
 
-class ParticleSwarm(PymooOptimizer):
+class PymooParticleSwarm(PymooOptimizer):
     """pymoo's `PSO`, which adapts inertia and weights itself; members are the particles where they are now.
 
     Each member remembers its velocity, its best position and that fitness and collision.
@@ -138,7 +138,7 @@ class ParticleSwarm(PymooOptimizer):
     @staticmethod
     def field_size(tables: Any) -> int:  # noqa: ARG004
         """Return F: the numbers that pymoo adapts, inertia and two weights."""
-        return len(ParticleSwarm.adapted)
+        return len(PymooParticleSwarm.adapted)
 
     @classmethod
     def make(cls, size: int, parameters: Parameters) -> Algorithm:
@@ -170,3 +170,6 @@ class ParticleSwarm(PymooOptimizer):
         swarm.memory[:] = np.column_stack([velocity, best, fitness, collision])
         swarm.notes[:] = [getattr(algorithm, name) for name in cls.adapted]
         return algorithm.particles
+
+
+ParticleSwarm = PymooParticleSwarm  # what users name, `swarm_gym.adapters.pymoo:ParticleSwarm`
