@@ -16,6 +16,7 @@ from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.history import HISTORY
 from swarm_gym.object_arrays import ObjectArray
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -23,7 +24,15 @@ from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS, RewardCheck, Transition, make_reward
+from swarm_gym.reward import (
+    NEED_AN_OPTIMUM,
+    NEED_ROBOTS,
+    REWARDS,
+    RewardCheck,
+    Transition,
+    make_reward,
+    offline_weight,
+)
 from swarm_gym.robots import require_drives
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -33,6 +42,8 @@ SOMETIMES = (
     "optimality_gap", "feasible_path", "feasible_fitness", "feasible_length", "feasible_clearance",
     "repaired_path", "repaired_length", "repair_evaluations",
 )  # fmt: skip
+
+_REPAIR_DEGREE = HISTORY.index("repair_degree")
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -120,21 +131,21 @@ class SwarmBatch:
             self._action.refuse(numbers, refused)
         decisions = self._action.decide(numbers, chosen, simulation)
         evaluations = copy_of(xp, simulation.swarms.evaluations)
-        gap_before = simulation.gap()
+        gap_before = simulation.gaps.now()
         gap_after = simulation.step(chosen, decisions)
         ended = chosen & ~simulation.running
         spent = simulation.swarms.evaluations - evaluations
         reward = self._reward(
             Transition(
-                simulation.initial_gap,
-                gap_before,
-                gap_after,
-                simulation.price * spent / self.settings.reference_evaluations,
-                ended,
-                simulation.offline_weight(),
-                simulation.optimality_gap,
-                simulation.detours,
-                xp,
+                initial_gap=simulation.gaps.initial,
+                gap_before=gap_before,
+                gap_after=gap_after,
+                cost=simulation.prices.cost(spent),
+                ended=ended,
+                offline_weight=offline_weight(simulation),
+                optimality_gap=simulation.gaps.optimality,
+                detour=simulation.detours,
+                xp=xp,
             )
         )
         if self._reward_check is None:
@@ -177,7 +188,7 @@ class SwarmBatch:
             "evaluations": copy_of(xp, swarms.evaluations),
             "population_size": copy_of(xp, swarms.size),
             "feasible_share": copy_of(xp, swarms.summary[:, FEASIBLE_SHARE]),
-            "repair_degree": simulation.history[simulation.rows, simulation.iteration, 2],
+            "repair_degree": simulation.history[simulation.rows, simulation.iteration, _REPAIR_DEGREE],
         }
 
     def info(self, rows: NDArray[np.bool_] | None = None) -> dict[str, NDArray]:
@@ -231,7 +242,7 @@ class SwarmBatch:
         running = as_numpy(self.simulation.running)
         if running.all():
             return np.full(len(running), np.nan)
-        return np.where(running, np.nan, as_numpy(self.simulation.optimality_gap()))
+        return np.where(running, np.nan, as_numpy(self.simulation.gaps.optimality()))
 
     def _repaired(self, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
         """Return the final repairs of the best paths of these swarms, (B,); NaN where none was found."""

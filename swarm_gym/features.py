@@ -102,8 +102,8 @@ def _clock(simulation: Simulation, iterations: Array) -> Array:
 def _log_progress(simulation: Simulation) -> Floats:
     """Return (B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
     xp, then = simulation.xp, at_least(simulation.xp, simulation.iteration - RECENT, 0)
-    before = simulation.gap_of(simulation.history[simulation.rows, then, _BEST])
-    now = simulation.gap()
+    before = simulation.gaps.of(simulation.history[simulation.rows, then, _BEST])
+    now = simulation.gaps.now()
     return log(divided(xp, before, now, xp.isfinite(now), 1.0), xp)
 
 
@@ -113,7 +113,7 @@ def _log_relative_fitness(simulation: Simulation) -> Floats:
     For test functions, whose lower bound is 0, it is log(1 + best fitness).
     """
     numbers = simulation.swarms.problem
-    bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
+    bound, unit = simulation.worlds.lower_bounds[numbers], simulation.worlds.gap_units[numbers]
     return log((simulation.swarms.best_fitness + (unit - bound)) / unit, simulation.xp)
 
 
@@ -130,9 +130,9 @@ def _log_best_smooth(simulation: Simulation) -> Floats:
     It is 4 without such a newcomer.
     """
     xp = simulation.xp
-    newcomer = simulation.gap_of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
+    newcomer = simulation.gaps.of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
     none = float(exp(NO_GOOD_NEWCOMER))
-    ratio = divided(xp, newcomer, simulation.gap(), xp.isfinite(newcomer), none)
+    ratio = divided(xp, newcomer, simulation.gaps.now(), xp.isfinite(newcomer), none)
     return xp.clip(log(ratio, xp), 0.0, NO_GOOD_NEWCOMER)
 
 
@@ -223,7 +223,7 @@ def _spent_of_reference(simulation: Simulation) -> Floats:
 
 def _log_price(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return log(at_least(xp, simulation.price, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
+    return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:

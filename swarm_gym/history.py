@@ -1,5 +1,7 @@
 """The history of episodes: what a simulation records of each swarm after every iteration."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,16 +12,23 @@ from swarm_gym.sources import SOURCE_DECISIONS
 
 Floats = NDArray[np.float64]
 
-# The first columns of every history; the optimizer's parameters follow.
-HISTORY = (
-    "population_collision",
-    "population_size",
-    "repair_degree",
-    "best_fitness",
-    "evaluations",
-    "best_collision",
-    "feasible_fitness",
-)
+
+class Recorded(NamedTuple):
+    """The state of B swarms after an iteration, arrays (B,): the first columns of every history.
+
+    The optimizer's parameters follow.
+    """
+
+    population_collision: Floats
+    population_size: NDArray[np.int64]
+    repair_degree: Floats | float
+    best_fitness: Floats
+    evaluations: NDArray[np.int64]
+    best_collision: Floats
+    feasible_fitness: Floats
+
+
+HISTORY = Recorded._fields
 
 
 def columns_of(optimizer: type[Optimizer], settings: Settings) -> tuple[str, ...]:
@@ -44,13 +53,17 @@ def write_state(
         repair_degrees: phi of the last iteration, for all swarms or (B,).
         parameters: (B, n) parameters of the optimizer in the last iteration.
     """
-    rows[:, 0] = swarms.summary[:, POPULATION_COLLISION]
-    rows[:, 1] = swarms.size
-    rows[:, 2] = repair_degrees
-    rows[:, 3] = swarms.best_fitness
-    rows[:, 4] = swarms.evaluations
-    rows[:, 5] = swarms.best_collision
-    rows[:, 6] = feasible_fitness
+    recorded = Recorded(
+        population_collision=swarms.summary[:, POPULATION_COLLISION],
+        population_size=swarms.size,
+        repair_degree=repair_degrees,
+        best_fitness=swarms.best_fitness,
+        evaluations=swarms.evaluations,
+        best_collision=swarms.best_collision,
+        feasible_fitness=feasible_fitness,
+    )
+    for column, values in enumerate(recorded):
+        rows[:, column] = values
     last = len(HISTORY) + parameters.shape[1]
     rows[:, len(HISTORY) : last] = parameters
     rows[:, last:] = swarms.source[:, : rows.shape[1] - last]

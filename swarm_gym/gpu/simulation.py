@@ -25,6 +25,7 @@ from swarm_gym.population import Swarms
 from swarm_gym.problem.padding import columns
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
+from swarm_gym.worlds import problems_for
 
 
 class DeviceSimulation(Simulation):
@@ -140,7 +141,7 @@ def _refuse_what_has_no_kernels(optimizer: type[Optimizer], settings: Settings) 
             f"device 'cuda': optimizer {optimizer.name!r} runs on the CPU only; on a GPU there are "
             f"{', '.join(OPTIMIZERS)}"
         )
-    problem = settings.problems()[0]
+    problem = problems_for(settings)[0]
     kind = type(problem.table)
     if kind not in PROBLEMS:
         raise SettingError(

@@ -72,7 +72,7 @@ def assert_same_state(ours, theirs):
         np.testing.assert_array_equal(mine.numpy(), theirs_.view(mine.numpy().dtype), err_msg=name)
     for name in ("iteration", "running", "history", "price"):
         np.testing.assert_array_equal(getattr(one, name).numpy(), getattr(other, name), err_msg=name)
-    np.testing.assert_allclose(one.initial_gap.numpy(), other.initial_gap, rtol=1e-15)
+    np.testing.assert_allclose(one.gaps.initial.numpy(), other.gaps.initial, rtol=1e-15)
 
 
 def episodes(ours, theirs, seed=0):
