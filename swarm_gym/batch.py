@@ -5,7 +5,6 @@ arithmetic.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -62,7 +61,7 @@ class SwarmBatch:
     def __init__(
         self,
         optimizer: str,
-        options: Mapping[str, Any],
+        options: Mapping[str, object],
         num_swarms: int,
         num_threads: int | None = None,
         simulation_class: type[Simulation] = Simulation,
@@ -91,7 +90,7 @@ class SwarmBatch:
         self,
         chosen: Flags,
         generators: list[np.random.Generator],
-        options: Mapping[str, Any] | None,
+        options: Mapping[str, object] | None,
     ) -> None:
         """Begin episodes in the chosen swarms, seeded from their generators.
 

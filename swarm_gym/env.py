@@ -109,7 +109,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         render_mode: str | None = None,
         render_width: int = DESIGN[0],
         render_height: int = DESIGN[1],
-        **options: Any,
+        **options: object,
     ):
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise UnknownNameError("render mode", render_mode, RENDER_MODES)

@@ -115,7 +115,7 @@ class Settings:
             require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
 
     @classmethod
-    def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, Any]) -> "Settings":
+    def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, object]) -> "Settings":
         """Return settings from keyword options; parameters of the optimizer are options like the others.
 
         Raises:
@@ -127,15 +127,15 @@ class Settings:
             if name not in own and name not in optimizer.parameters:
                 valid = own | set(optimizer.parameters)
                 raise UnknownNameError("option", name, valid, "swarm_gym.settings.Settings")
-        values = {name: value for name, value in options.items() if name in own}
+        values: dict[str, Any] = {name: value for name, value in options.items() if name in own}
         if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
             raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)
         scenario = values.get("scenario", cls.scenario)
         if isinstance(scenario, Iterable) and not isinstance(scenario, str):
             values["scenario"] = tuple(scenario)
-        parameters = {name: value for name, value in options.items() if name in optimizer.parameters}
-        optimizer.parameter_values(parameters)
-        settings = cls(**values, knobs=parameters)
+        knobs: dict[str, Any] = {name: options[name] for name in options if name in optimizer.parameters}
+        optimizer.parameter_values(knobs)
+        settings = cls(**values, knobs=knobs)
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
         settings.refuse_unused(options)
         settings._refuse_compiled(optimizer)

@@ -154,7 +154,7 @@ class Simulation:
         self,
         chosen: Flags,
         seeds: list[np.random.SeedSequence],
-        options: Mapping[str, Any] | None = None,
+        options: Mapping[str, object] | None = None,
     ) -> None:
         """Begin new episodes in the chosen swarms.
 
@@ -308,7 +308,7 @@ class Simulation:
         """Return the problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
-    def read_options(self, options: Mapping[str, Any] | None) -> Beginning:
+    def read_options(self, options: Mapping[str, object] | None) -> Beginning:
         """Return how the episodes of these reset options begin.
 
         Raises:

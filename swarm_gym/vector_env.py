@@ -72,7 +72,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         precision: str = "float64",
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
-        **options: Any,
+        **options: object,
     ):
         if render_mode is not None:
             raise SettingError(
@@ -138,7 +138,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return self._batch.observe(), self._infos(chosen)
 
     def begin(
-        self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, Any] | None
+        self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, object] | None
     ) -> None:
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)

@@ -63,7 +63,7 @@ def problems_for(settings: Settings, worlds: Sequence[World] | None = None) -> l
 
     Args:
         settings: options of the environment.
-        worlds: what `worlds_for` returned for them; None makes the worlds.
+        worlds: worlds of these settings; None makes them by `worlds_for`.
 
     Raises:
         SettingError: if there is no scenario, if problems differ in kind or dimension, or if the encoding
@@ -97,7 +97,7 @@ def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object
     )
 
 
-def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
+def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     """Return the problem of an environment of that scenario and these options of `Settings`.
 
     If the map changes, this is the problem at the end of an episode, which results refer to.
@@ -105,7 +105,8 @@ def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.
     """
-    settings = Settings(scenario=scenario, **options)
+    chosen: dict[str, Any] = options
+    settings = Settings(scenario=scenario, **chosen)
     settings.refuse_unused(options)
     return problems_for(settings)[len(worlds_of(settings.scenarios[0])) - 1]
 

@@ -2,7 +2,6 @@
 
 import copy
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +34,7 @@ class Masked(Wrapper):
         self._courses = courses
         self._columns = list(columns)
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the identity of the controller, and which inputs are masked.
 
         The courses that replace them are computed from its decisions.

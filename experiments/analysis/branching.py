@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class Changed(Wrapper):
         space = make_action(Settings(action=controller.action), get_optimizer(OPTIMIZER)).space
         self._low, self._high = (float(end[change.column]) for end in (space.low, space.high))
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the change, the window and the identity of the controller."""
         return "changed", tuple(self._change), self._window, self._controller.identity()
 

@@ -14,6 +14,7 @@ from swarm_gym.adapters.library import LibraryOptimizer
 from swarm_gym.adapters.swarm_view import SwarmView
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.optimizers.parameter import Parameter, Parameters
+from swarm_gym.problem.tables import Table
 
 try:
     from pymoo.algorithms.soo.nonconvex.ga import GA
@@ -136,7 +137,7 @@ class PymooParticleSwarm(PymooOptimizer):
         return 2 * dimension + 2
 
     @staticmethod
-    def field_size(tables: Any) -> int:  # noqa: ARG004
+    def field_size(tables: Table) -> int:  # noqa: ARG004
         """Return F: the numbers that pymoo adapts, inertia and two weights."""
         return len(PymooParticleSwarm.adapted)
 

@@ -1,7 +1,6 @@
 """Episodes of several controllers on the same scenarios and seeds."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ def compare(
     seeds: Sequence[int] = range(20),
     optimizer: str = "firefly",
     report: Callable[[str], None] = say_nothing,
-    **options: Any,
+    **options: object,
 ) -> ComparedRuns:
     """Run every controller on every scenario with every seed, and return the runs.
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import gymnasium
+from numpy.typing import NDArray
 
 from swarm_gym.comparing.entrants import Entrant
 from swarm_gym.controllers.controller import Controller
@@ -11,8 +12,8 @@ from swarm_gym.registration import environment_id
 
 
 def environment_of(
-    runs: Entrant, controller: Controller, scenario: str, options: Mapping[str, Any]
-) -> gymnasium.Env[Any, Any]:
+    runs: Entrant, controller: Controller, scenario: str, options: Mapping[str, object]
+) -> gymnasium.Env[NDArray, NDArray]:
     """Return the environment in which an entrant runs.
 
     Args:
@@ -26,7 +27,10 @@ def environment_of(
 
 
 def iterate(
-    env: Any, controller: Controller, seed: int, options: dict[str, Any] | None = None
+    env: gymnasium.Env[NDArray, NDArray],
+    controller: Controller,
+    seed: int,
+    options: dict[str, Any] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Run an episode; yield the info of its first population, then that after every iteration.
 

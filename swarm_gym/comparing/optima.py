@@ -1,7 +1,6 @@
 """Optima of the scenarios that controllers are compared on."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from swarm_gym.worlds import make_problem
 Floats = NDArray[np.float64]
 
 
-def optima_of(scenarios: Sequence[str], options: Mapping[str, Any]) -> Floats:
+def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats:
     """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
 
     Unknown ones of grid maps are computed if that is quick.

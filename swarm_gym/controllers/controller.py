@@ -76,7 +76,7 @@ class Controller(ABC):
         """
 
     @abstractmethod
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return what this controller is: values by which two controllers that decide differently differ.
 
         They are parameters and the content of files, never numbers that are computed when it decides, which

@@ -124,7 +124,7 @@ class OpenLoop(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the knots and the decisions at them, not those between them, which are computed."""
         return "open loop", self._identity
 
@@ -231,7 +231,7 @@ def save_open_loop(
     sizes: list[float],
     repair_degrees: list[float],
     knobs: Mapping[str, list[float]],
-    manifest: Mapping[str, Any],
+    manifest: Mapping[str, object],
     sources: Mapping[str, list[float]] | None = None,
     first_source: Source | None = None,
     optimizer: str = "firefly",

@@ -63,7 +63,7 @@ class TrainingEvents:
         self._add_picture("validation/replay", picture, step)
 
     def add_hyperparameters(
-        self, options: Mapping[str, Any], metrics: Mapping[str, float], step: int
+        self, options: Mapping[str, object], metrics: Mapping[str, float], step: int
     ) -> None:
         """Add an entry of the HParams tab: options as JSON values, and the metrics of a run with these.
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from stable_baselines3.common.policies import BasePolicy
 from tqdm import trange
 
 from swarm_gym.action import make_action
@@ -42,7 +43,7 @@ class Demonstration(NamedTuple):
 
 
 def imitate(
-    policy: Any,
+    policy: BasePolicy,
     shown: Demonstration,
     predict: Callable[[torch.Tensor], tuple[torch.Tensor, torch.Tensor]],
     seed: int,

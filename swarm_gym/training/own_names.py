@@ -33,7 +33,7 @@ _REGISTRIES: dict[str, Mapping[str, Any]] = {
 }
 
 
-def refuse_own_code(options: Mapping[str, Any], where: str) -> None:
+def refuse_own_code(options: Mapping[str, object], where: str) -> None:
     """Raise an error if options of a training that stand in a file name own code.
 
     Args:

@@ -89,7 +89,7 @@ class OpenLoopTuner(Tuner):
     def _controller(self, point: NDArray) -> Controller:
         return self._space.controller(point)
 
-    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+    def write(self, path: Path, manifest: Mapping[str, object]) -> None:
         """Write the open loop that `open-loop:<path>` reads."""
         decided = self._space.decode(self._strategy.mean)
         save_open_loop(

@@ -10,7 +10,6 @@ result is computed on others.
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import optuna
@@ -94,7 +93,7 @@ class ParameterTuner(Tuner):
         """Return the controller of the best trial."""
         return self._controller(self._best().params)
 
-    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+    def write(self, path: Path, manifest: Mapping[str, object]) -> None:
         """Write the file that `tuned:<path>` reads."""
         best = self._best()
         found = {"best_trial_loss": best.value, "first_trial_loss": self._completed()[0].value}

@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from swarm_gym.controllers.controller import Controller
 
@@ -42,5 +41,5 @@ class Tuner(ABC):
         """Return the tuned controller after the rounds so far."""
 
     @abstractmethod
-    def write(self, path: Path, manifest: Mapping[str, Any]) -> None:
+    def write(self, path: Path, manifest: Mapping[str, object]) -> None:
         """Write the file of `result` with a manifest."""

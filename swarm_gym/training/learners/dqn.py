@@ -43,11 +43,11 @@ class ExploringDQN(DQN):
 
     def predict(
         self,
-        observation: Any,
-        state: Any = None,
-        episode_start: Any = None,
+        observation: NDArray | dict[str, NDArray],
+        state: tuple[NDArray, ...] | None = None,
+        episode_start: NDArray | None = None,
         deterministic: bool = False,
-    ) -> tuple[NDArray, Any]:
+    ) -> tuple[NDArray, tuple[NDArray, ...] | None]:
         """Return the numbers of the choices of B swarms, some of them random unless `deterministic`."""
         chosen, state = super().predict(observation, state, episode_start, deterministic=True)
         if not deterministic:

@@ -16,6 +16,8 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 
+from swarm_gym.arrays import Array
+
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 
 
@@ -58,7 +60,7 @@ class GroupBuffer(RolloutBuffer):
             self.advantages = (parts / deviations).reshape(self.advantages.shape)
 
 
-def beyond_the_group(advantages: Any, group_size: int, noise_steps: int) -> Any:
+def beyond_the_group(advantages: Array, group_size: int, noise_steps: int) -> Array:
     """Return advantages of the steps in which the noise was drawn, minus their mean over the group.
 
     Args:
