@@ -15,7 +15,7 @@ from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
-from swarm_gym.history import HISTORY
+from swarm_gym.history import COLUMN
 from swarm_gym.object_arrays import ObjectArray
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -41,8 +41,6 @@ SOMETIMES = (
     "optimality_gap", "feasible_path", "feasible_fitness", "feasible_length", "feasible_clearance",
     "repaired_path", "repaired_length", "repair_evaluations",
 )  # fmt: skip
-
-_REPAIR_DEGREE = HISTORY.index("repair_degree")
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -187,7 +185,7 @@ class SwarmBatch:
             "evaluations": copy_of(xp, swarms.evaluations),
             "population_size": copy_of(xp, swarms.size),
             "feasible_share": copy_of(xp, swarms.summary[:, FEASIBLE_SHARE]),
-            "repair_degree": simulation.history[simulation.rows, simulation.iteration, _REPAIR_DEGREE],
+            "repair_degree": simulation.history[simulation.rows, simulation.iteration, COLUMN.repair_degree],
         }
 
     def info(self, rows: NDArray[np.bool_] | None = None) -> dict[str, NDArray]:

@@ -13,22 +13,20 @@ from swarm_gym.sources import SOURCE_DECISIONS
 Floats = NDArray[np.float64]
 
 
-class Recorded(NamedTuple):
-    """The state of B swarms after an iteration, arrays (B,): the first columns of every history.
+class Columns(NamedTuple):
+    """The numbers of the first columns of every history; the optimizer's parameters follow."""
 
-    The optimizer's parameters follow.
-    """
-
-    population_collision: Floats
-    population_size: NDArray[np.int64]
-    repair_degree: Floats | float
-    best_fitness: Floats
-    evaluations: NDArray[np.int64]
-    best_collision: Floats
-    feasible_fitness: Floats
+    population_collision: int
+    population_size: int
+    repair_degree: int
+    best_fitness: int
+    evaluations: int
+    best_collision: int
+    feasible_fitness: int
 
 
-HISTORY = Recorded._fields
+HISTORY = Columns._fields
+COLUMN = Columns(*range(len(HISTORY)))
 
 
 def columns_of(optimizer: type[Optimizer], settings: Settings) -> tuple[str, ...]:
@@ -53,17 +51,13 @@ def write_state(
         repair_degrees: phi of the last iteration, for all swarms or (B,).
         parameters: (B, n) parameters of the optimizer in the last iteration.
     """
-    recorded = Recorded(
-        population_collision=swarms.summary[:, POPULATION_COLLISION],
-        population_size=swarms.size,
-        repair_degree=repair_degrees,
-        best_fitness=swarms.best_fitness,
-        evaluations=swarms.evaluations,
-        best_collision=swarms.best_collision,
-        feasible_fitness=feasible_fitness,
-    )
-    for column, values in enumerate(recorded):
-        rows[:, column] = values
+    rows[:, COLUMN.population_collision] = swarms.summary[:, POPULATION_COLLISION]
+    rows[:, COLUMN.population_size] = swarms.size
+    rows[:, COLUMN.repair_degree] = repair_degrees
+    rows[:, COLUMN.best_fitness] = swarms.best_fitness
+    rows[:, COLUMN.evaluations] = swarms.evaluations
+    rows[:, COLUMN.best_collision] = swarms.best_collision
+    rows[:, COLUMN.feasible_fitness] = feasible_fitness
     last = len(HISTORY) + parameters.shape[1]
     rows[:, len(HISTORY) : last] = parameters
     rows[:, last:] = swarms.source[:, : rows.shape[1] - last]

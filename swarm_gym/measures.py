@@ -6,7 +6,7 @@ They work on the arrays of any library, see `swarm_gym.arrays`.
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Namespace, divided
+from swarm_gym.arrays import divided, namespace_of
 from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.population import Swarms
 from swarm_gym.settings import Settings
@@ -24,7 +24,6 @@ class Gaps:
     Args:
         swarms: state of the swarms.
         worlds: problems that the swarms work on.
-        xp: namespace of the arrays.
         initial: (B,) array for the initial gaps.
 
     Attributes:
@@ -32,14 +31,14 @@ class Gaps:
             since, times what that did to the gap.
     """
 
-    def __init__(self, swarms: Swarms, worlds: Worlds, xp: Namespace, initial: Floats):
-        self._swarms, self._worlds, self._xp = swarms, worlds, xp
+    def __init__(self, swarms: Swarms, worlds: Worlds, initial: Floats):
+        self._swarms, self._worlds = swarms, worlds
         self.initial = initial
 
     def of(self, fitness: Floats) -> Floats:
         """Return (B,) fitness values (B,) minus the lower bounds; positive, so that they have logarithms."""
-        worlds, problem = self._worlds, self._swarms.problem
-        return self._xp.maximum(fitness - worlds.lower_bounds[problem], 1e-9 * worlds.gap_units[problem])
+        worlds, problem, xp = self._worlds, self._swarms.problem, namespace_of(fitness)
+        return xp.maximum(fitness - worlds.lower_bounds[problem], 1e-9 * worlds.gap_units[problem])
 
     def now(self) -> Floats:
         """Return (B,) the gaps of the best fitness so far."""
@@ -53,7 +52,7 @@ class Gaps:
         """
         self._worlds.compute_optima()
         optimum = self._worlds.optima[self._swarms.problem]
-        unit = self._xp.where(optimum == 0.0, 1.0, optimum)
+        unit = namespace_of(optimum).where(optimum == 0.0, 1.0, optimum)
         return (self._swarms.best_fitness - optimum) / unit
 
     def carry_over(self, before: Floats, changed: Flags) -> None:
@@ -63,7 +62,7 @@ class Gaps:
             before: (B,) gaps before the change.
             changed: (B,) swarms whose problems have changed.
         """
-        self.initial *= divided(self._xp, self.now(), before, changed, 1.0)
+        self.initial *= divided(namespace_of(before), self.now(), before, changed, 1.0)
 
 
 class Prices:

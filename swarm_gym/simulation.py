@@ -100,7 +100,7 @@ class Simulation:
         self.dimension = self.problems[0].dimension
         self.swarms = self.make_swarms(num_swarms, arrival_window)
         self.paths = BestPaths(self.swarms, self.worlds)
-        self.gaps = Gaps(self.swarms, self.worlds, self.xp, self.place(np.ones(num_swarms)))
+        self.gaps = Gaps(self.swarms, self.worlds, self.place(np.ones(num_swarms)))
         self.prices = Prices(self.place(np.zeros(num_swarms)), settings)
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
         self.sources = self.place(np.tile(settings.new_members.decisions, (num_swarms, 1)))
