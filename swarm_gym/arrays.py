@@ -54,7 +54,7 @@ def as_numpy(array: Array) -> NDArray:
     return array if isinstance(array, np.ndarray) else np.asarray(array.cpu())
 
 
-def placed(xp: Namespace, array: NDArray, device: Any) -> Array:
+def placed(xp: Namespace, array: NDArray, device: object) -> Array:
     """Return a NumPy array as an array of a namespace on a device, which may share its memory.
 
     Words of 64 bits become signed integers with the same bits, since torch computes with those only.
@@ -71,7 +71,7 @@ class Constant:
         self._values = values
         self._copies: dict[tuple[str, str], Array] = {}
 
-    def on(self, xp: Namespace, device: Any) -> Array:
+    def on(self, xp: Namespace, device: object) -> Array:
         """Return the values as an array of a namespace on a device; callers must not change it."""
         if xp is np:
             return self._values
@@ -135,7 +135,7 @@ def with_columns(xp: Namespace, array: Array, columns: dict[int, Array]) -> Arra
     return new
 
 
-def applied(function: Callable[[Any], Any], xp: Namespace, array: Array) -> Array:
+def applied(function: Callable[[Array], Array], xp: Namespace, array: Array) -> Array:
     """Return function(array), where the function may use operators and NumPy's elementwise functions.
 
     Optimizers are written with NumPy, so a tensor is wrapped for them: see `_Elementwise`.

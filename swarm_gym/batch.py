@@ -5,7 +5,6 @@ arithmetic.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -16,6 +15,7 @@ from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
 from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
+from swarm_gym.history import COLUMN
 from swarm_gym.object_arrays import ObjectArray
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -23,7 +23,15 @@ from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.polylines import length_of
-from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS, RewardCheck, Transition, make_reward
+from swarm_gym.reward import (
+    NEED_AN_OPTIMUM,
+    NEED_ROBOTS,
+    REWARDS,
+    RewardCheck,
+    Transition,
+    make_reward,
+    offline_weight,
+)
 from swarm_gym.robots import require_drives
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
@@ -51,7 +59,7 @@ class SwarmBatch:
     def __init__(
         self,
         optimizer: str,
-        options: Mapping[str, Any],
+        options: Mapping[str, object],
         num_swarms: int,
         num_threads: int | None = None,
         simulation_class: type[Simulation] = Simulation,
@@ -80,7 +88,7 @@ class SwarmBatch:
         self,
         chosen: Flags,
         generators: list[np.random.Generator],
-        options: Mapping[str, Any] | None,
+        options: Mapping[str, object] | None,
     ) -> None:
         """Begin episodes in the chosen swarms, seeded from their generators.
 
@@ -120,21 +128,21 @@ class SwarmBatch:
             self._action.refuse(numbers, refused)
         decisions = self._action.decide(numbers, chosen, simulation)
         evaluations = copy_of(xp, simulation.swarms.evaluations)
-        gap_before = simulation.gap()
+        gap_before = simulation.gaps.now()
         gap_after = simulation.step(chosen, decisions)
         ended = chosen & ~simulation.running
         spent = simulation.swarms.evaluations - evaluations
         reward = self._reward(
             Transition(
-                simulation.initial_gap,
-                gap_before,
-                gap_after,
-                simulation.price * spent / self.settings.reference_evaluations,
-                ended,
-                simulation.offline_weight(),
-                simulation.optimality_gap,
-                simulation.detours,
-                xp,
+                initial_gap=simulation.gaps.initial,
+                gap_before=gap_before,
+                gap_after=gap_after,
+                cost=simulation.prices.cost(spent),
+                ended=ended,
+                offline_weight=offline_weight(simulation),
+                optimality_gap=simulation.gaps.optimality,
+                detour=simulation.detours,
+                xp=xp,
             )
         )
         if self._reward_check is None:
@@ -177,7 +185,7 @@ class SwarmBatch:
             "evaluations": copy_of(xp, swarms.evaluations),
             "population_size": copy_of(xp, swarms.size),
             "feasible_share": copy_of(xp, swarms.summary[:, FEASIBLE_SHARE]),
-            "repair_degree": simulation.history[simulation.rows, simulation.iteration, 2],
+            "repair_degree": simulation.history[simulation.rows, simulation.iteration, COLUMN.repair_degree],
         }
 
     def info(self, rows: NDArray[np.bool_] | None = None) -> dict[str, NDArray]:
@@ -231,7 +239,7 @@ class SwarmBatch:
         running = as_numpy(self.simulation.running)
         if running.all():
             return np.full(len(running), np.nan)
-        return np.where(running, np.nan, as_numpy(self.simulation.optimality_gap()))
+        return np.where(running, np.nan, as_numpy(self.simulation.gaps.optimality()))
 
     def _repaired(self, ended: NDArray[np.bool_]) -> dict[str, NDArray]:
         """Return the final repairs of the best paths of these swarms, (B,); NaN where none was found."""

@@ -10,6 +10,8 @@ from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed, require_integer
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
+from swarm_gym.settings import Settings
+from swarm_gym.simulation import Simulation
 
 ALL = np.ones(1, dtype=np.bool_)
 RENDER_MODES = ("human", "rgb_array")
@@ -107,7 +109,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         render_mode: str | None = None,
         render_width: int = DESIGN[0],
         render_height: int = DESIGN[1],
-        **options: Any,
+        **options: object,
     ):
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise UnknownNameError("render mode", render_mode, RENDER_MODES)
@@ -121,12 +123,12 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         self.observation_space = self._batch.observation_space
 
     @property
-    def settings(self) -> Any:
+    def settings(self) -> Settings:
         """The `Settings` of this environment."""
         return self._batch.settings
 
     @property
-    def simulation(self) -> Any:
+    def simulation(self) -> Simulation:
         """The `Simulation` in this environment, a batch of one swarm: `swarms`, `history` and `problems`."""
         return self._batch.simulation
 
@@ -201,8 +203,10 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         info = {name: values[0] for name, values in self._batch.info().items()}
         # Of NumPy's bool, Gymnasium's vectors would make an array of objects.
         info["feasible"] = bool(info["feasible"])
-        absent = [name for name in SOMETIMES if name in info and not is_there(info[name][None])[0]]
-        return {name: value for name, value in info.items() if name not in absent}
+        for name in SOMETIMES:
+            if name in info and not is_there(info[name][None])[0]:
+                del info[name]
+        return info
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy opens its own window.

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import Array, at_least, divided, floats
 from swarm_gym.compiler.elementary import exp, log, log1p
 from swarm_gym.corridors import KnownCorridors
-from swarm_gym.history import HISTORY
+from swarm_gym.history import COLUMN
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.population import (
     COLLISION_DEVIATION,
@@ -33,8 +33,6 @@ Floats = NDArray[np.float64]
 
 RECENT = 5  # number of iterations over which recent progress is measured, and newcomers are watched
 NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
-_BEST = HISTORY.index("best_fitness")
-_COLLISION = HISTORY.index("population_collision")
 
 
 @dataclass(frozen=True)
@@ -102,8 +100,8 @@ def _clock(simulation: Simulation, iterations: Array) -> Array:
 def _log_progress(simulation: Simulation) -> Floats:
     """Return (B,) log(gap `RECENT` iterations ago, or at first, / gap now); 0 before the first reset."""
     xp, then = simulation.xp, at_least(simulation.xp, simulation.iteration - RECENT, 0)
-    before = simulation.gap_of(simulation.history[simulation.rows, then, _BEST])
-    now = simulation.gap()
+    before = simulation.gaps.of(simulation.history[simulation.rows, then, COLUMN.best_fitness])
+    now = simulation.gaps.now()
     return log(divided(xp, before, now, xp.isfinite(now), 1.0), xp)
 
 
@@ -113,7 +111,7 @@ def _log_relative_fitness(simulation: Simulation) -> Floats:
     For test functions, whose lower bound is 0, it is log(1 + best fitness).
     """
     numbers = simulation.swarms.problem
-    bound, unit = simulation.lower_bounds[numbers], simulation.gap_units[numbers]
+    bound, unit = simulation.worlds.lower_bounds[numbers], simulation.worlds.gap_units[numbers]
     return log((simulation.swarms.best_fitness + (unit - bound)) / unit, simulation.xp)
 
 
@@ -130,9 +128,9 @@ def _log_best_smooth(simulation: Simulation) -> Floats:
     It is 4 without such a newcomer.
     """
     xp = simulation.xp
-    newcomer = simulation.gap_of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
+    newcomer = simulation.gaps.of(xp.min(simulation.swarms.arrivals[:, BEST_SMOOTH], axis=1))
     none = float(exp(NO_GOOD_NEWCOMER))
-    ratio = divided(xp, newcomer, simulation.gap(), xp.isfinite(newcomer), none)
+    ratio = divided(xp, newcomer, simulation.gaps.now(), xp.isfinite(newcomer), none)
     return xp.clip(log(ratio, xp), 0.0, NO_GOOD_NEWCOMER)
 
 
@@ -165,7 +163,7 @@ def _last_rise(simulation: Simulation) -> tuple[NDArray[np.int64], Floats]:
 
     The best fitness so far rises by events on the map only. Without a rise these are 0 and 1.
     """
-    xp, rows, best = simulation.xp, simulation.rows, simulation.history[:, :, _BEST]
+    xp, rows, best = simulation.xp, simulation.rows, simulation.history[:, :, COLUMN.best_fitness]
     rose = best[:, 1:] > best[:, :-1] * (1.0 + 1e-9)  # False where nothing is recorded yet
     iterations = xp.arange(1, best.shape[1], device=simulation.device)
     when = xp.max(xp.where(rose, iterations, 0), axis=1)
@@ -185,7 +183,7 @@ def _log_rise(simulation: Simulation) -> Floats:
 
 def _log_collision_ratio(simulation: Simulation, iteration: NDArray[np.int64] | int) -> Floats:
     """Return (B,) log((1 + E(P)) / (1 + E(P) after that iteration)) / 8; nan before the first reset."""
-    before = simulation.history[simulation.rows, iteration, _COLLISION]
+    before = simulation.history[simulation.rows, iteration, COLUMN.population_collision]
     now = simulation.swarms.summary[:, POPULATION_COLLISION]
     return log((1.0 + now) / (1.0 + before), simulation.xp) / 8.0
 
@@ -223,7 +221,7 @@ def _spent_of_reference(simulation: Simulation) -> Floats:
 
 def _log_price(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return log(at_least(xp, simulation.price, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
+    return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:

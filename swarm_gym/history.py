@@ -1,5 +1,7 @@
 """The history of episodes: what a simulation records of each swarm after every iteration."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,16 +12,21 @@ from swarm_gym.sources import SOURCE_DECISIONS
 
 Floats = NDArray[np.float64]
 
-# The first columns of every history; the optimizer's parameters follow.
-HISTORY = (
-    "population_collision",
-    "population_size",
-    "repair_degree",
-    "best_fitness",
-    "evaluations",
-    "best_collision",
-    "feasible_fitness",
-)
+
+class Columns(NamedTuple):
+    """The numbers of the first columns of every history; the optimizer's parameters follow."""
+
+    population_collision: int
+    population_size: int
+    repair_degree: int
+    best_fitness: int
+    evaluations: int
+    best_collision: int
+    feasible_fitness: int
+
+
+HISTORY = Columns._fields
+COLUMN = Columns(*range(len(HISTORY)))
 
 
 def columns_of(optimizer: type[Optimizer], settings: Settings) -> tuple[str, ...]:
@@ -44,13 +51,13 @@ def write_state(
         repair_degrees: phi of the last iteration, for all swarms or (B,).
         parameters: (B, n) parameters of the optimizer in the last iteration.
     """
-    rows[:, 0] = swarms.summary[:, POPULATION_COLLISION]
-    rows[:, 1] = swarms.size
-    rows[:, 2] = repair_degrees
-    rows[:, 3] = swarms.best_fitness
-    rows[:, 4] = swarms.evaluations
-    rows[:, 5] = swarms.best_collision
-    rows[:, 6] = feasible_fitness
+    rows[:, COLUMN.population_collision] = swarms.summary[:, POPULATION_COLLISION]
+    rows[:, COLUMN.population_size] = swarms.size
+    rows[:, COLUMN.repair_degree] = repair_degrees
+    rows[:, COLUMN.best_fitness] = swarms.best_fitness
+    rows[:, COLUMN.evaluations] = swarms.evaluations
+    rows[:, COLUMN.best_collision] = swarms.best_collision
+    rows[:, COLUMN.feasible_fitness] = feasible_fitness
     last = len(HISTORY) + parameters.shape[1]
     rows[:, len(HISTORY) : last] = parameters
     rows[:, last:] = swarms.source[:, : rows.shape[1] - last]

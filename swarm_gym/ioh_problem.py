@@ -86,7 +86,7 @@ class IohProblem(FunctionProblem):
         return IohTable(scenario.dimension, suite, scenario.number, scenario.instance, low, high, low, high)
 
     @property
-    def identity(self) -> tuple[Any, ...]:
+    def identity(self) -> tuple[object, ...]:
         """Suite, function, dimension and instance, on which the fitness depends."""
         scenario = self.scenario
         return "ioh", scenario.suite, scenario.number, scenario.dimension, scenario.instance

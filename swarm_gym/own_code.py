@@ -64,7 +64,7 @@ def is_own(kind: str, name: object) -> bool:
 
 
 def find(
-    kind: str, name: object, registry: Mapping[str, Entry], fits: Callable[[Any], bool], expected: str
+    kind: str, name: object, registry: Mapping[str, Entry], fits: Callable[[object], bool], expected: str
 ) -> Entry:
     """Return the entry of a name in a registry, or what the name of own code stands for.
 
@@ -88,7 +88,7 @@ def find(
     return own(kind, str(name), fits, expected)
 
 
-def own(kind: str, name: str, fits: Callable[[Any], bool], expected: str) -> Any:
+def own(kind: str, name: str, fits: Callable[[object], bool], expected: str) -> Any:
     """Import what a name of own code stands for; `find` describes the arguments and errors."""
     found = _imported(kind, name)
     if not fits(found):

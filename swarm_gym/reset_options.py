@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.random_stream import STREAM_SHAPE, seed_stream
 from swarm_gym.errors import SettingError, UnknownNameError, shown
+from swarm_gym.measures import draw_price
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.settings import Settings
 from swarm_gym.sources import Source
@@ -67,7 +68,7 @@ def draw_beginnings(
         generator = np.random.default_rng(scenario_seed)
         draw = generator.integers(len(worlds.first))
         drawn.problem[k] = worlds.first[draw if scenario is None else scenario]
-        drawn.price[k] = settings.draw_price(generator)
+        drawn.price[k] = draw_price(settings, generator)
         drawn.stream[k] = seed_stream(stream_seed)
     return drawn
 

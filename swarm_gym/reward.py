@@ -26,10 +26,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Namespace, as_numpy
+from swarm_gym.arrays import Namespace, as_numpy, at_least, floats
 from swarm_gym.compiler.elementary import log
 from swarm_gym.errors import shown
 from swarm_gym.own_code import OwnCodeError, find
+from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
 
@@ -126,6 +127,19 @@ def final_gap(transition: Transition) -> Floats:
     """
     xp = transition.xp
     return xp.where(transition.ended, -log(transition.gap_after, xp), 0.0) - transition.cost
+
+
+def offline_weight(simulation: Simulation) -> Floats:
+    """Return (B,) share of the last iteration in averages since the first event, see `Transition`.
+
+    An episode that ends early, for lack of a budget, stays as it is: its last iteration has the weight of
+    those that are left out.
+    """
+    xp, length = simulation.xp, simulation.settings.iterations
+    first = at_least(xp, simulation.worlds.first_event[simulation.swarms.problem], 1)
+    left = length - xp.maximum(simulation.iteration, first) + 1
+    share = xp.where(simulation.running, simulation.iteration >= first, left)
+    return floats(xp, share) / (length - first + 1)
 
 
 REWARDS: dict[str, Reward] = {

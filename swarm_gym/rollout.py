@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -46,7 +45,7 @@ def run_episodes(
     seeds: range,
     optimizer: str = "firefly",
     look: Callable[[Simulation], None] = look_away,
-    **options: Any,
+    **options: object,
 ) -> Episodes:
     """Run one episode per seed, all side by side, on one scenario.
 
@@ -71,7 +70,7 @@ def run_episodes(
     )
 
 
-def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: Any) -> SwarmVectorEnv:
+def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: object) -> SwarmVectorEnv:
     """Return swarms with the options that a controller needs, for one episode each."""
     return SwarmVectorEnv(
         num_swarms,

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
@@ -23,6 +24,7 @@ from swarm_gym.vector_env import SwarmVectorEnv
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 except ImportError as error:
     raise MissingExtraError("swarm_gym.sb3", "stable-baselines3", "train") from error
 
@@ -33,7 +35,7 @@ def make_vec(
     *,
     seed: int | None = None,
     num_threads: int | None = None,
-    **options: Any,
+    **options: object,
 ) -> "NativeVecEnv":
     """Return a vector of swarms as a `VecEnv`; `VecMonitor` and `VecNormalize` may wrap it.
 
@@ -50,9 +52,9 @@ def make_vec(
         UnknownNameError: for an option, optimizer, scenario, layout or reward that does not exist.
         SettingError: for a value that an option cannot have.
     """
-    options = {"observation": "scaled", "action": "normalised", **options}
+    chosen: dict[str, Any] = {"observation": "scaled", "action": "normalised", **options}
     mode = AutoresetMode.SAME_STEP
-    env = SwarmVectorEnv(num_envs, optimizer, autoreset_mode=mode, num_threads=num_threads, **options)
+    env = SwarmVectorEnv(num_envs, optimizer, autoreset_mode=mode, num_threads=num_threads, **chosen)
     made = NativeVecEnv(env)
     made.seed(seed)
     return made
@@ -75,7 +77,7 @@ class NativeVecEnv(VecEnv):
 
     autoreset_mode = AutoresetMode.SAME_STEP
 
-    def __init__(self, env: VectorEnv, observation_space: Any = None):
+    def __init__(self, env: VectorEnv, observation_space: Space | None = None):
         if (given := env.metadata.get("autoreset_mode")) != self.autoreset_mode:
             raise ValueError(f"expected autoreset mode {self.autoreset_mode.name}, got {given}")
         self.env = env
@@ -163,25 +165,25 @@ class NativeVecEnv(VecEnv):
         """Close the vector environment."""
         self.env.close()
 
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of the whole vector, once per requested swarm."""
         return [getattr(self.env.unwrapped, attr_name)] * len(self._rows(indices))
 
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:  # noqa: ARG002
+    def set_attr(self, attr_name: str, value: object, indices: VecEnvIndices = None) -> None:  # noqa: ARG002
         """Raise an error: attributes belong to all swarms at once."""
         raise AttributeError(f"cannot set {attr_name!r} of single swarms in a native vector")
 
     def env_method(
         self,
         method_name: str,
-        *method_args: Any,  # noqa: ARG002
-        indices: Any = None,  # noqa: ARG002
-        **method_kwargs: Any,  # noqa: ARG002
+        *method_args: object,  # noqa: ARG002
+        indices: VecEnvIndices = None,  # noqa: ARG002
+        **method_kwargs: object,  # noqa: ARG002
     ) -> list[Any]:
         """Raise an error: swarms of a native vector have no methods of their own."""
         raise AttributeError(f"cannot call {method_name!r} of single swarms in a native vector")
 
-    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ARG002
+    def env_is_wrapped(self, wrapper_class: type, indices: VecEnvIndices = None) -> list[bool]:  # noqa: ARG002
         """Return False for every swarm: none is wrapped by itself."""
         return [False] * len(self._rows(indices))
 
@@ -205,7 +207,7 @@ class NativeVecEnv(VecEnv):
             "evaluations": int(evaluations),
         }
 
-    def _rows(self, indices: int | Sequence[int] | None) -> list[int]:
+    def _rows(self, indices: VecEnvIndices) -> list[int]:
         return list(self._get_indices(indices))
 
     def _alike(self) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:

@@ -1,29 +1,18 @@
-"""The options of environments: one dataclass for single and vector environments."""
+"""The options of environments: one dataclass for single and vector environments.
+
+`swarm_gym.worlds` makes the problems that they describe.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from swarm_gym.checks import look_up, require_integer, require_number
-from swarm_gym.compiler.elementary import exp, log
 from swarm_gym.errors import SettingError, UnknownNameError, shown
-from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, kind_of, names_of_kinds
+from swarm_gym.kinds import ENCODINGS, PROBLEM_OPTIONS, Kind, kind_of
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.problem import Problem
-from swarm_gym.problem.grid.winding import warn_of_winding
-from swarm_gym.scenarios import (
-    AnyScenario,
-    GridScenario,
-    Scenario,
-    StaticScenario,
-    World,
-    grown,
-    make_scenarios,
-    worlds_of,
-)
+from swarm_gym.scenarios import AnyScenario, make_scenarios, worlds_of
 from swarm_gym.sources import AMPLITUDES, GUIDED, MIXED, SMOOTH, SOURCES, UNIFORM, Source, kind_of_bends
 
 
@@ -126,7 +115,7 @@ class Settings:
             require_integer("max_evaluations", self.max_evaluations, self.initial_population_size)
 
     @classmethod
-    def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, Any]) -> "Settings":
+    def from_options(cls, optimizer: type[Optimizer], options: Mapping[str, object]) -> "Settings":
         """Return settings from keyword options; parameters of the optimizer are options like the others.
 
         Raises:
@@ -138,17 +127,17 @@ class Settings:
             if name not in own and name not in optimizer.parameters:
                 valid = own | set(optimizer.parameters)
                 raise UnknownNameError("option", name, valid, "swarm_gym.settings.Settings")
-        values = {name: value for name, value in options.items() if name in own}
+        values: dict[str, Any] = {name: value for name, value in options.items() if name in own}
         if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
             raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)
         scenario = values.get("scenario", cls.scenario)
         if isinstance(scenario, Iterable) and not isinstance(scenario, str):
             values["scenario"] = tuple(scenario)
-        parameters = {name: value for name, value in options.items() if name in optimizer.parameters}
-        optimizer.parameter_values(parameters)
-        settings = cls(**values, knobs=parameters)
+        knobs: dict[str, Any] = {name: options[name] for name in options if name in optimizer.parameters}
+        optimizer.parameter_values(knobs)
+        settings = cls(**values, knobs=knobs)
         require_integer("min_population_size", settings.min_population_size, optimizer.smallest_population)
-        settings._refuse_unused(options)
+        settings.refuse_unused(options)
         settings._refuse_compiled(optimizer)
         return settings
 
@@ -166,58 +155,9 @@ class Settings:
         return scenarios
 
     @cached_property
-    def worlds(self) -> tuple[World, ...]:
-        """The worlds of all scenarios, one scenario after the other; episodes begin with iteration 0.
-
-        Raises:
-            SettingError: if an event follows the last iteration of an episode, or comes after it.
-            ScenarioError: if obstacles that have grown by the clearance leave no path.
-        """
-        worlds = tuple(world for scenario in self.scenarios for world in worlds_of(scenario))
-        for world in worlds:
-            if world.iteration >= self.iterations:
-                raise SettingError(
-                    f"scenario {world.scenario.name!r} has an event after iteration {world.iteration}, "
-                    f"expected one after iteration 1 to {self.iterations - 1}, since episodes have "
-                    f"{self.iterations}"
-                )
-        if self.clearance == 0.0:
-            return worlds
-        return tuple(
-            world._replace(scenario=grown(world.scenario, self.clearance))
-            if isinstance(world.scenario, Scenario | GridScenario)
-            else world
-            for world in worlds
-        )
-
-    def problems(self) -> list[Problem]:
-        """Return the problems of all worlds, which are of one kind and dimension.
-
-        Raises:
-            SettingError: if there is no scenario, if problems differ in kind or dimension, or if the encoding
-                needs another kind of map.
-            ScenarioError: if a map cannot be converted to cells of this size.
-        """
-        scenarios = [world.scenario for world in self.worlds]
-        first, kind = scenarios[0], kind_of(scenarios[0])
-        for scenario in scenarios:
-            if (other := kind_of(scenario)) is not kind:
-                raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
-        if self.encoding not in kind.options:
-            raise SettingError(
-                f"encoding {self.encoding!r} needs {names_of_kinds(self.encoding)}, but scenario "
-                f"{first.name!r} is one of the {kind.name}; choose another encoding or scenario"
-            )
-        problems = [kind.problem(self, scenario) for scenario in scenarios]
-        dimension = problems[0].dimension
-        for problem in problems:
-            if problem.dimension != dimension:
-                raise SettingError(
-                    _clash(first, problem.scenario, "dimensions", dimension, problem.dimension)
-                )
-        if self.encoding == "waypoints":
-            warn_of_winding([scenario for scenario in scenarios if isinstance(scenario, GridScenario)])
-        return problems
+    def kind(self) -> Kind:
+        """The kind of the first scenario; `worlds.problems_for` refuses scenarios of several kinds."""
+        return kind_of(worlds_of(self.scenarios[0])[0].scenario)
 
     @property
     def new_members(self) -> Source:
@@ -243,16 +183,15 @@ class Settings:
         Raises:
             SettingError: if decision vectors are not whole paths.
         """
-        kind = kind_of(self.worlds[0].scenario)
-        if self.encoding in kind.sourced or self.encoding not in kind.options:
+        if self.encoding in self.kind.sourced or self.encoding not in self.kind.options:
             return  # an encoding that this kind of scenario does not have is refused when problems are made
-        vectors = "points of a walk" if self.encoding == "walk" else f"vectors of {kind.name}"
+        vectors = "points of a walk" if self.encoding == "walk" else f"vectors of {self.kind.name}"
         raise SettingError(
             f"{asked}: smooth new members are whole paths, but here members are {vectors}; the only source "
             f"is {UNIFORM!r}"
         )
 
-    def _refuse_unused(self, given: Iterable[str]) -> None:
+    def refuse_unused(self, given: Iterable[str]) -> None:
         """Raise an error if an option has no effect on this kind of scenario, encoding or source."""
         if self.source != UNIFORM:
             self.require_sources(f"source {self.source!r}")
@@ -265,33 +204,24 @@ class Settings:
                 f"option {name!r} has no effect with source {self.source!r}; remove it, or choose source "
                 f"{' or '.join(map(repr, others))}"
             )
-        kind = kind_of(self.worlds[0].scenario)
         for name in (name for name in given if name in PROBLEM_OPTIONS):
-            if not any(name in options for options in kind.options.values()):
-                raise SettingError(f"option {name!r} has no effect on {kind.name}; remove it")
-            if name not in kind.options.get(self.encoding, (name,)):
+            if not any(name in options for options in self.kind.options.values()):
+                raise SettingError(f"option {name!r} has no effect on {self.kind.name}; remove it")
+            if name not in self.kind.options.get(self.encoding, (name,)):
                 raise SettingError(
                     f"option {name!r} has no effect with encoding {self.encoding!r}; remove it"
                 )
 
     def _refuse_compiled(self, optimizer: type[Optimizer]) -> None:
         """Raise an error if Python code evaluates the scenario, and the optimizer is compiled."""
-        scenario = self.worlds[0].scenario
-        kind = kind_of(scenario)
+        name, kind = self.scenarios[0].name, self.kind
         if kind.calls_python and not getattr(optimizer, "calls_python", False):
             raise SettingError(
-                f"scenario {scenario.name!r}: optimizer {optimizer.name!r} is compiled and cannot call "
+                f"scenario {name!r}: optimizer {optimizer.name!r} is compiled and cannot call "
                 f"{kind.name}, which Python evaluates; choose an optimizer of swarm_gym.adapters, such as "
                 f"swarm_gym.adapters.pymoo:ParticleSwarm, or a function that is compiled, too, such as "
                 f"function:bbob-8-5-1"
             )
-
-    def draw_price(self, generator: np.random.Generator) -> float:
-        """Draw the price of an episode."""
-        if not isinstance(self.price, tuple):
-            return self.price
-        low, high = log(self.price)
-        return float(exp(low + (high - low) * generator.random()))
 
     def _check_price(self) -> None:
         if not isinstance(self.price, tuple | list):
@@ -312,23 +242,3 @@ class Settings:
             SettingError: if it is not.
         """
         require_integer(name, value, self.min_population_size, self.max_population_size)
-
-
-def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object, other: object) -> str:
-    return (
-        f"scenario: {first.name!r} and {second.name!r} cannot be in one environment, since they are of "
-        f"different {what}, {one} and {other}; make an environment for each"
-    )
-
-
-def make_problem(scenario: str | AnyScenario, **options: Any) -> Problem:
-    """Return the problem of an environment of that scenario and these options of `Settings`.
-
-    If the map changes, this is the problem at the end of an episode, which results refer to.
-
-    Raises:
-        SettingError: for a value that an option cannot have, or an option that would change nothing.
-    """
-    settings = Settings(scenario=scenario, **options)
-    settings._refuse_unused(options)
-    return settings.problems()[len(worlds_of(settings.scenarios[0])) - 1]

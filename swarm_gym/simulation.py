@@ -11,11 +11,12 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, Namespace, as_numpy, assign, at_least, divided, floats, placed
+from swarm_gym.arrays import Array, Namespace, as_numpy, assign, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
 from swarm_gym.history import columns_of, write_state
+from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
@@ -56,12 +57,13 @@ class Simulation:
         device: device of the arrays, as the library of the arrays names it.
         number: type of the floats that kernels compute with.
         rows: (B,) numbers of the swarms, 0 to B - 1.
-        worlds: problems of the scenarios that episodes draw from; `problems`, `lower_bounds`, `gap_units` and
-            `optima` are its attributes, too.
+        worlds: problems of the scenarios that episodes draw from; `problems` is its attribute, too.
         robots: robots that drive during planning; None if no robot does.
         dimension: length of a decision vector.
         swarms: state that the kernels work on.
         paths: the best paths so far, as points on the map.
+        gaps: gaps of the best fitness so far.
+        prices: prices of evaluations in the present episodes.
         iteration: (B,) iterations done in this episode.
         running: (B,) whether an episode is under way.
         columns: names of the columns of `history`: `HISTORY`, then the optimizer's parameters, and
@@ -69,9 +71,6 @@ class Simulation:
         history: (B, iterations + 1, number of columns) the record.
         parameters: (B, number of parameters) of the optimizer, where no action decides them.
         sources: (B, 3) sources of new members, where no action decides them.
-        initial_gap: (B,) best fitness of the first population above the lower bound; where the map has
-            changed since, times what that did to the gap.
-        price: (B,) cost of `reference_evaluations` evaluations in this episode.
     """
 
     xp: ClassVar[Namespace] = np
@@ -97,11 +96,12 @@ class Simulation:
         self.worlds = Worlds(settings, num_swarms)
         self._anything_happens = self.worlds.ever_change
         self.worlds.place(self.place)
-        self.problems, self.optima = self.worlds.problems, self.worlds.optima
-        self.lower_bounds, self.gap_units = self.worlds.lower_bounds, self.worlds.gap_units
+        self.problems = self.worlds.problems
         self.dimension = self.problems[0].dimension
         self.swarms = self.make_swarms(num_swarms, arrival_window)
         self.paths = BestPaths(self.swarms, self.worlds)
+        self.gaps = Gaps(self.swarms, self.worlds, self.place(np.ones(num_swarms)))
+        self.prices = Prices(self.place(np.zeros(num_swarms)), settings)
         self.swarms.source[:, KIND_OF_BENDS] = kind_of_bends(settings.bends)
         self.sources = self.place(np.tile(settings.new_members.decisions, (num_swarms, 1)))
         self.swarms.iterations[:] = settings.iterations
@@ -113,8 +113,6 @@ class Simulation:
         self.running = self.place(np.zeros(num_swarms, dtype=np.bool_))
         self.columns = columns_of(optimizer, settings)
         self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
-        self.initial_gap = self.place(np.ones(num_swarms))
-        self.price = self.place(np.zeros(num_swarms))
 
     def full(self, value: float) -> Floats:
         """Return (B,) this value for each swarm."""
@@ -156,7 +154,7 @@ class Simulation:
         self,
         chosen: Flags,
         seeds: list[np.random.SeedSequence],
-        options: Mapping[str, Any] | None = None,
+        options: Mapping[str, object] | None = None,
     ) -> None:
         """Begin new episodes in the chosen swarms.
 
@@ -178,7 +176,7 @@ class Simulation:
         drawn = draw_beginnings(seeds, self.settings, self.worlds, scenario)
         place, rows = self.place, self.place(numbers)
         swarms.problem[rows], swarms.stream[rows] = place(drawn.problem), place(drawn.stream)
-        self.price[rows] = place(drawn.price)
+        self.prices.of_reference[rows] = place(drawn.price)
         swarms.budget[rows] = NO_BUDGET if budget is None else budget
         if population is not None:
             given = np.asarray(population, dtype=self.number)
@@ -192,7 +190,7 @@ class Simulation:
         self.running[rows] = True
         self.history[rows] = np.nan
         self._record(chosen, 0.0, self.parameters)
-        self.initial_gap[rows] = self.gap()[rows]
+        self.gaps.initial[rows] = self.gaps.now()[rows]
 
     def begin(self, chosen: Flags, size: int, given: bool) -> None:
         """Begin the chosen swarms with first populations of this size, by the compiled kernels.
@@ -217,7 +215,7 @@ class Simulation:
         assign(self.xp, self.swarms.source[:, :KIND_OF_BENDS], decisions.sources, chosen[:, None])
         self.advance(chosen, decisions)
         self.iteration += chosen
-        reached, ended = self.gap(), self._ended()
+        reached, ended = self.gaps.now(), self._ended()
         if self._anything_happens:
             self._let_happen(chosen & ~ended)
             ended = self._ended()
@@ -245,7 +243,7 @@ class Simulation:
 
     def _let_happen(self, going: Flags) -> None:
         """Apply what follows the iteration that these swarms, (B,), have done: events, then drives."""
-        before, next_event = self.gap(), self.worlds.next_event[self.swarms.problem]
+        before, next_event = self.gaps.now(), self.worlds.next_event[self.swarms.problem]
         changed = going & (next_event > 0) & (next_event <= self.iteration)
         if self.robots is not None:
             changed = self.robots.enter_next_worlds(changed)
@@ -253,7 +251,7 @@ class Simulation:
             self.swarms.problem[...] += changed
         self._re_evaluate(changed, before)
         if self.robots is not None:
-            before = self.gap()
+            before = self.gaps.now()
             self._re_evaluate(self.robots.drive(going & ~self._ended()), before)
 
     def _re_evaluate(self, changed: Flags, before: Floats) -> None:
@@ -266,7 +264,7 @@ class Simulation:
         if self.xp is np and not changed.any():
             return  # kernels on tensors get no swarm to evaluate instead, so that nothing waits for a GPU
         self.re_evaluate(changed)
-        self.initial_gap *= divided(self.xp, self.gap(), before, changed, 1.0)
+        self.gaps.carry_over(before, changed)
 
     def re_evaluate(self, changed: Flags) -> None:
         """Evaluate the memory of these swarms, (B,), again, by the compiled kernels; there may be none."""
@@ -279,43 +277,11 @@ class Simulation:
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i, a copy of swarm rows[i]: state, random stream and record."""
         rows = self.place(as_numpy(rows))
-        state = (self.running, self.history, self.initial_gap, self.price)
+        state = (self.running, self.history, self.gaps.initial, self.prices.of_reference)
         for array in (*self.swarms, *state):
             array[...] = array[rows]
         if self.robots is not None:
             self.robots.copy_rows(rows)
-
-    def offline_weight(self) -> Floats:
-        """Return (B,) share of the last iteration in averages since the first event, see `reward`.
-
-        An episode that ends early, for lack of a budget, stays as it is: its last iteration has the weight of
-        those that are left out.
-        """
-        xp, length = self.xp, self.settings.iterations
-        first = at_least(xp, self.worlds.first_event[self.swarms.problem], 1)
-        left = length - xp.maximum(self.iteration, first) + 1
-        share = xp.where(self.running, self.iteration >= first, left)
-        return floats(xp, share) / (length - first + 1)
-
-    def gap(self) -> Floats:
-        """Return (B,) best fitness so far minus the lower bound; positive, so that it has a logarithm."""
-        return self.gap_of(self.swarms.best_fitness)
-
-    def gap_of(self, fitness: Floats) -> Floats:
-        """Return (B,) gaps of other fitness values (B,): fitness minus the lower bound, kept positive."""
-        bound, unit = self.lower_bounds[self.swarms.problem], self.gap_units[self.swarms.problem]
-        return self.xp.maximum(fitness - bound, 1e-9 * unit)
-
-    def optimality_gap(self) -> Floats:
-        """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
-
-        If the optimum is 0, as for test functions, it is the best fitness itself. An optimum that is not
-        known is computed when it is first asked for, if that takes less than about a second.
-        """
-        self.worlds.compute_optima()
-        optimum = self.optima[self.swarms.problem]
-        unit = self.xp.where(optimum == 0.0, 1.0, optimum)
-        return (self.swarms.best_fitness - optimum) / unit
 
     def detours(self) -> Floats:
         """Return (B,) detours, see `Robots.detours`; infinity where no robot drives."""
@@ -342,7 +308,7 @@ class Simulation:
         """Return the problem that a swarm works on."""
         return self.problems[self.swarms.problem[row]]
 
-    def read_options(self, options: Mapping[str, Any] | None) -> Beginning:
+    def read_options(self, options: Mapping[str, object] | None) -> Beginning:
         """Return how the episodes of these reset options begin.
 
         Raises:

@@ -14,6 +14,7 @@ from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
+from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
 Flags = NDArray[np.bool_]
@@ -71,7 +72,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         precision: str = "float64",
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
-        **options: Any,
+        **options: object,
     ):
         if render_mode is not None:
             raise SettingError(
@@ -98,12 +99,12 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
     @property
-    def settings(self) -> Any:
+    def settings(self) -> Settings:
         """The `Settings` of this environment."""
         return self._batch.settings
 
     @property
-    def simulation(self) -> Any:
+    def simulation(self) -> Simulation:
         """The `Simulation` in this environment: populations, histories and problems."""
         return self._batch.simulation
 
@@ -137,7 +138,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         return self._batch.observe(), self._infos(chosen)
 
     def begin(
-        self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, Any] | None
+        self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, object] | None
     ) -> None:
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)

@@ -52,14 +52,15 @@ def warm_up(num_processes: int = 1, report: Callable[[str], None] = _say_nothing
             raise
 
 
-def warm_up_single(optimizer: str, **options: Any) -> None:
+def warm_up_single(optimizer: str, **options: object) -> None:
     """Compile, or load from the cache, the kernels of single environments of one optimizer.
 
     Args:
         optimizer: name of the optimizer.
         options: options of the environment; by default it has an analytic map.
     """
-    _run(gymnasium.make(environment_id(optimizer), **OPTIONS, **options), np.array([6.0, 1.0]))
+    chosen: dict[str, Any] = {**OPTIONS, **options}
+    _run(gymnasium.make(environment_id(optimizer), **chosen), np.array([6.0, 1.0]))
 
 
 def _hush() -> None:

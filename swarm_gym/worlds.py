@@ -1,16 +1,28 @@
-"""The problems that the swarms of a simulation work on, stacked in arrays for the kernels."""
+"""The problems that the settings describe, and those of a simulation, stacked in arrays for the kernels."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import Array, as_numpy
 from swarm_gym.errors import SettingError
+from swarm_gym.kinds import kind_of, names_of_kinds
 from swarm_gym.problem import MapProblem, Problem
+from swarm_gym.problem.grid.winding import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
-from swarm_gym.scenarios import drive_of
+from swarm_gym.scenarios import (
+    AnyScenario,
+    GridScenario,
+    Scenario,
+    StaticScenario,
+    World,
+    drive_of,
+    grown,
+    worlds_of,
+)
 from swarm_gym.settings import Settings
 from swarm_gym.sources import GUIDED
 from swarm_gym.ways import with_ways
@@ -19,6 +31,84 @@ Floats = NDArray[np.float64]
 
 # Attributes of `Worlds` that the arithmetic of many swarms reads, in the arrays of the simulation.
 CONSTANTS = ("next_event", "begins", "first_event", "lower_bounds", "gap_units", "optima")
+
+
+def worlds_for(settings: Settings) -> tuple[World, ...]:
+    """Return the worlds of all scenarios, one scenario after the other; episodes begin with iteration 0.
+
+    Raises:
+        SettingError: if an event follows the last iteration of an episode, or comes after it.
+        ScenarioError: if obstacles that have grown by the clearance leave no path.
+    """
+    worlds = tuple(world for scenario in settings.scenarios for world in worlds_of(scenario))
+    for world in worlds:
+        if world.iteration >= settings.iterations:
+            raise SettingError(
+                f"scenario {world.scenario.name!r} has an event after iteration {world.iteration}, "
+                f"expected one after iteration 1 to {settings.iterations - 1}, since episodes have "
+                f"{settings.iterations}"
+            )
+    if settings.clearance == 0.0:
+        return worlds
+    return tuple(
+        world._replace(scenario=grown(world.scenario, settings.clearance))
+        if isinstance(world.scenario, Scenario | GridScenario)
+        else world
+        for world in worlds
+    )
+
+
+def problems_for(settings: Settings, worlds: Sequence[World] | None = None) -> list[Problem]:
+    """Return the problems of all worlds, which are of one kind and dimension.
+
+    Args:
+        settings: options of the environment.
+        worlds: worlds of these settings; None makes them by `worlds_for`.
+
+    Raises:
+        SettingError: if there is no scenario, if problems differ in kind or dimension, or if the encoding
+            needs another kind of map.
+        ScenarioError: if a map cannot be converted to cells of this size.
+    """
+    scenarios = [world.scenario for world in (worlds_for(settings) if worlds is None else worlds)]
+    first, kind = scenarios[0], settings.kind
+    for scenario in scenarios:
+        if (other := kind_of(scenario)) is not kind:
+            raise SettingError(_clash(first, scenario, "kinds", kind.name, other.name))
+    if settings.encoding not in kind.options:
+        raise SettingError(
+            f"encoding {settings.encoding!r} needs {names_of_kinds(settings.encoding)}, but scenario "
+            f"{first.name!r} is one of the {kind.name}; choose another encoding or scenario"
+        )
+    problems = [kind.problem(settings, scenario) for scenario in scenarios]
+    dimension = problems[0].dimension
+    for problem in problems:
+        if problem.dimension != dimension:
+            raise SettingError(_clash(first, problem.scenario, "dimensions", dimension, problem.dimension))
+    if settings.encoding == "waypoints":
+        warn_of_winding([scenario for scenario in scenarios if isinstance(scenario, GridScenario)])
+    return problems
+
+
+def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object, other: object) -> str:
+    return (
+        f"scenario: {first.name!r} and {second.name!r} cannot be in one environment, since they are of "
+        f"different {what}, {one} and {other}; make an environment for each"
+    )
+
+
+def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
+    """Return the problem of an environment of that scenario and these options of `Settings`.
+
+    If the map changes, this is the problem at the end of an episode, which results refer to.
+
+    Raises:
+        SettingError: for a value that an option cannot have, or an option that would change nothing.
+    """
+    chosen: dict[str, Any] = options
+    settings = Settings(scenario=scenario, **chosen)
+    settings.refuse_unused(options)
+    return problems_for(settings)[len(worlds_of(settings.scenarios[0])) - 1]
 
 
 class Worlds:
@@ -42,13 +132,14 @@ class Worlds:
     """
 
     def __init__(self, settings: Settings, num_swarms: int):
-        problems = settings.problems()
+        worlds = worlds_for(settings)
+        problems = problems_for(settings, worlds)
         num_spare = num_swarms if any(map(drive_of, settings.scenarios)) else 0
         if num_spare > 0:
             _refuse_for_robots(settings)
         if settings.source == GUIDED:
             problems = [with_ways(problem) for problem in problems]
-        begins = np.array([world.iteration for world in settings.worlds])
+        begins = np.array([world.iteration for world in worlds])
         self.begins = np.append(begins, np.zeros(num_spare, dtype=np.int64))
         self.num_worlds = len(problems)
         self.first = np.flatnonzero(begins == 0)

@@ -44,9 +44,8 @@ class Masked(Wrapper):
     def act(self, observations: NDArray) -> NDArray:
         """Return the decisions of the controller on masked observations."""
         seen = observations.copy()
-        course = self._courses[min(self._iteration, len(self._courses) - 1)]
-        seen[:, self._columns] = course[self._columns]
-        self._iteration += 1
+        courses = self._courses[np.minimum(self._count(observations), len(self._courses) - 1)]
+        seen[:, self._columns] = courses[:, self._columns]
         return self._controller.act(seen)
 
 

@@ -82,7 +82,7 @@ def watch(
         np.array(seen),
         tuple(np.array(of_one) for of_one in zip(*decided, strict=True)),
         np.array(running),
-        simulation.optimality_gap(),
+        simulation.gaps.optimality(),
         simulation.swarms.evaluations.astype(np.float64),
         returns,
     )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,18 +65,18 @@ class Changed(Wrapper):
         space = make_action(Settings(action=controller.action), get_optimizer(OPTIMIZER)).space
         self._low, self._high = (float(end[change.column]) for end in (space.low, space.high))
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the change, the window and the identity of the controller."""
         return "changed", tuple(self._change), self._window, self._controller.identity()
 
     def act(self, observations: NDArray) -> NDArray:
-        """Return the actions of the controller, changed if the iteration is in the window."""
+        """Return the actions of the controller, changed where the iteration is in the window."""
         actions = np.array(self._controller.act(observations), dtype=np.float64)
         first, end = self._window
-        if first <= self._iteration < end:
-            column, factor, offset = self._change[1:]
-            actions[:, column] = np.clip(factor * actions[:, column] + offset, self._low, self._high)
-        self._iteration += 1
+        iterations = self._count(observations)
+        inside = (first <= iterations) & (iterations < end)
+        column, factor, offset = self._change[1:]
+        actions[inside, column] = np.clip(factor * actions[inside, column] + offset, self._low, self._high)
         return actions
 
 

@@ -12,7 +12,7 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import RunKey, Snapshot
 from experiments.runs.suite import Suite
 from swarm_gym.reference import known_optimum
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 
 class Stored:

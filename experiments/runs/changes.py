@@ -14,6 +14,7 @@ from experiments.runs.run import Floats, Run
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import gap_to_optimum, known_optimum
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for, worlds_for
 
 
 class Changes(NamedTuple):
@@ -32,8 +33,8 @@ class Changes(NamedTuple):
     def of(cls, scenario: str) -> "Changes":
         """Return the changes of the scenario of a name, in the default encoding."""
         settings = Settings(scenario=scenario)
-        begins = np.array([world.iteration for world in settings.worlds])
-        return cls(begins, np.array([known_optimum(problem) for problem in settings.problems()]))
+        begins = np.array([world.iteration for world in worlds_for(settings)])
+        return cls(begins, np.array([known_optimum(problem) for problem in problems_for(settings)]))
 
     @property
     def events(self) -> NDArray[np.int64]:

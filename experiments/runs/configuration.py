@@ -12,7 +12,8 @@ from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of
 from swarm_gym.reference.optima import digest
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.settings import Settings
+from swarm_gym.worlds import make_problem
 
 
 def configuration(experiment: Experiment) -> dict[str, Any]:

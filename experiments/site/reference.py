@@ -36,7 +36,8 @@ PAGES = {
         "Environments of one swarm and of many, and their options.",
         (
             "swarm_gym", "swarm_gym.env", "swarm_gym.vector_env", "swarm_gym.settings",
-            "swarm_gym.reset_options", "swarm_gym.registration", "swarm_gym.simulation",
+            "swarm_gym.worlds", "swarm_gym.measures", "swarm_gym.reset_options",
+            "swarm_gym.registration", "swarm_gym.simulation",
             "swarm_gym.rendering",
         ),
     ),

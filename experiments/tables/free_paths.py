@@ -17,7 +17,7 @@ from swarm_gym.final_repair import final_repair
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 SEEDS = 50  # of each controller and scenario, at most
 COLUMNS = (

@@ -17,6 +17,7 @@ from swarm_gym.adapters.swarm_view import SwarmView
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.optimizers.firefly import Firefly as CompiledFirefly
 from swarm_gym.optimizers.parameter import Parameter, Parameters
+from swarm_gym.problem.tables import Table
 
 try:
     from niapy.algorithms.algorithm import Algorithm
@@ -47,7 +48,7 @@ class NiapyOptimizer(LibraryOptimizer):
 
     @classmethod
     @abstractmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: Any) -> Algorithm:
+    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:
         """Return the algorithm for a population of this size; `options` are passed on to its constructor."""
 
     @classmethod
@@ -56,7 +57,7 @@ class NiapyOptimizer(LibraryOptimizer):
         return len(cls.vectors) * dimension + len(cls.numbers)
 
     @classmethod
-    def field_size(cls, tables: Any) -> int:  # noqa: ARG003
+    def field_size(cls, tables: Table) -> int:  # noqa: ARG003
         """Return F, how many numbers a swarm stores for itself."""
         return len(cls.scalars)
 
@@ -145,7 +146,7 @@ class NiapySwarmParameters(NamedTuple):
     ]
 
 
-class ParticleSwarm(NiapyOptimizer):
+class NiapyParticleSwarm(NiapyOptimizer):
     """niapy's `ParticleSwarmAlgorithm`, with an inertia and a velocity limit."""
 
     name = "swarm_gym.adapters.niapy:ParticleSwarm"
@@ -154,7 +155,7 @@ class ParticleSwarm(NiapyOptimizer):
     numbers = ("personal_best_fitness",)
 
     @classmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: Any) -> Algorithm:
+    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:
         """Return the algorithm for a population of this size."""
         limit = parameters.velocity_limit * (swarm.upper - swarm.lower)
         return ParticleSwarmAlgorithm(
@@ -186,7 +187,7 @@ class NiapyFireflyParameters(NamedTuple):
     ]
 
 
-class Firefly(NiapyOptimizer):
+class NiapyFirefly(NiapyOptimizer):
     """niapy's `FireflyAlgorithm`; a firefly moves towards each that is as bright or brighter, itself too."""
 
     name = "swarm_gym.adapters.niapy:Firefly"
@@ -194,7 +195,7 @@ class Firefly(NiapyOptimizer):
     scalars = ("alpha",)
 
     @classmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: Any) -> Algorithm:  # noqa: ARG003
+    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:  # noqa: ARG003
         """Return the algorithm for a population of this size."""
         return FireflyAlgorithm(
             size,
@@ -209,3 +210,7 @@ class Firefly(NiapyOptimizer):
     def affordable_size(cls, evaluations: Floats) -> Floats:
         """Return the size that compiled fireflies could afford: about half of the pairs move."""
         return CompiledFirefly.affordable_size(evaluations)
+
+
+# What users name, as in `swarm_gym.adapters.niapy:Firefly`.
+ParticleSwarm, Firefly = NiapyParticleSwarm, NiapyFirefly

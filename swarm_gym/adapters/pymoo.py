@@ -14,6 +14,7 @@ from swarm_gym.adapters.library import LibraryOptimizer
 from swarm_gym.adapters.swarm_view import SwarmView
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.optimizers.parameter import Parameter, Parameters
+from swarm_gym.problem.tables import Table
 
 try:
     from pymoo.algorithms.soo.nonconvex.ga import GA
@@ -34,7 +35,7 @@ class PymooOptimizer(LibraryOptimizer):
     """A single-objective algorithm of pymoo; a subclass implements `make`.
 
     That is enough for an algorithm whose whole memory is its population, as most evolutionary ones are. One
-    that remembers more implements `restore` and `store`, too; `ParticleSwarm` is the example.
+    that remembers more implements `restore` and `store`, too; `PymooParticleSwarm` is the example.
     """
 
     @classmethod
@@ -120,7 +121,7 @@ class PymooSwarmParameters(NamedTuple):
     ]
 
 
-class ParticleSwarm(PymooOptimizer):
+class PymooParticleSwarm(PymooOptimizer):
     """pymoo's `PSO`, which adapts inertia and weights itself; members are the particles where they are now.
 
     Each member remembers its velocity, its best position and that fitness and collision.
@@ -136,9 +137,9 @@ class ParticleSwarm(PymooOptimizer):
         return 2 * dimension + 2
 
     @staticmethod
-    def field_size(tables: Any) -> int:  # noqa: ARG004
+    def field_size(tables: Table) -> int:  # noqa: ARG004
         """Return F: the numbers that pymoo adapts, inertia and two weights."""
-        return len(ParticleSwarm.adapted)
+        return len(PymooParticleSwarm.adapted)
 
     @classmethod
     def make(cls, size: int, parameters: Parameters) -> Algorithm:
@@ -170,3 +171,6 @@ class ParticleSwarm(PymooOptimizer):
         swarm.memory[:] = np.column_stack([velocity, best, fitness, collision])
         swarm.notes[:] = [getattr(algorithm, name) for name in cls.adapted]
         return algorithm.particles
+
+
+ParticleSwarm = PymooParticleSwarm  # what users name, `swarm_gym.adapters.pymoo:ParticleSwarm`

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import known_optimum, quick_optima
 from swarm_gym.scenarios import GridScenario
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 Floats = NDArray[np.float64]
 

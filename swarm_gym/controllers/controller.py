@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.size_limits import SizeLimits
+from swarm_gym.observation import ITERATION
 from swarm_gym.sources import Source
 
 Floats = NDArray[np.float64]
@@ -52,7 +53,7 @@ class Controller(ABC):
         """
 
     @abstractmethod
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return what this controller is: values by which two controllers that decide differently differ.
 
         They are parameters and the content of files, never numbers that are computed when it decides, which
@@ -86,8 +87,8 @@ class Controller(ABC):
 class Wrapper(Controller):
     """A controller around another one, with the same environment; it changes observations or decisions.
 
-    A subclass implements `identity`, and `act`, which is called once per iteration: it asks `_controller` and
-    adds one to `_iteration`.
+    A subclass implements `identity`, and `act`, which is called once per iteration and asks `_controller`. A
+    subclass that needs the iteration calls `_count` there, once.
 
     Args:
         controller: controller to wrap.
@@ -95,7 +96,7 @@ class Wrapper(Controller):
 
     def __init__(self, controller: Controller):
         self._controller = controller
-        self._iteration = 0
+        self._iterations = np.zeros(0, dtype=np.int64)
         self.observation = controller.observation
         self.action = controller.action
         self.initial_population_size = controller.initial_population_size
@@ -107,9 +108,15 @@ class Wrapper(Controller):
         self.needed_limits = controller.needed_limits
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
-        """Begin episodes; all swarms are in the same iteration."""
-        self._iteration = 0
+        """Begin episodes."""
+        self._iterations = np.zeros(num_swarms, dtype=np.int64)
         self._controller.reset(num_swarms, seed)
+
+    def _count(self, observations: NDArray) -> NDArray[np.int64]:
+        """Return (B,) the iterations of the swarms; iteration 0 in an observation begins an episode."""
+        begins = observations[:, ITERATION] == 0
+        self._iterations = np.where(begins, 0, self._iterations + 1)
+        return self._iterations
 
 
 def require_fitting(controller: Controller, max_evaluations: int | None) -> None:

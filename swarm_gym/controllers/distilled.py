@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,7 +171,7 @@ class DistilledRule(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the rule as text, which states all its numbers."""
         return "distilled", self.lines(), self.optimizer, self.max_evaluations
 
@@ -225,7 +224,7 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
         raise DistilledFileError(f"{path}: not a readable distilled rule ({shown(error)})") from error
 
 
-def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Mapping[str, Any]) -> None:
+def save_rule(path: Path, rule: DistilledRule, limits: SizeLimits, manifest: Mapping[str, object]) -> None:
     """Write a rule, as text and as numbers, with the manifest of its origin, atomically."""
     content = {
         "format": FORMAT,

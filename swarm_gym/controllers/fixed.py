@@ -72,7 +72,7 @@ class Fixed(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the size, and the source of the first population."""
         source = self.first_source
         return "fixed", int(self.initial_population_size), source.identity() if source else None
@@ -94,7 +94,7 @@ class Random(Controller):
         """Seed one generator per swarm."""
         self._generators = [np.random.default_rng(seed + row) for row in range(num_swarms)]
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the population sizes that it draws from."""
         return "random", self.limits.identity()
 

@@ -55,7 +55,7 @@ class OpenLoop(Controller):
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Do nothing; the controller has no state."""
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the knots and the decisions at them, not those between them, which are computed."""
         knots = self.knots
         return "open loop", {

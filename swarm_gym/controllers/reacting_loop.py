@@ -5,8 +5,6 @@ path worse, and no other. What it decides then is what it decides at the beginni
 included: a restart from the present population. `reacting-loop:<name>` takes the file of `open-loop:<name>`.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +34,7 @@ class ReactingLoop(Wrapper):
         self.loop = loop
         self.observation = "paper+jumps"
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the identity of the open loop."""
         return "reacting loop", self.loop.identity()
 

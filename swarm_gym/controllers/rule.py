@@ -54,7 +54,7 @@ class Rule(Controller):
         values: dict[str, Any] = parse_parameters(argument, cls.parameter_ranges(limits))
         return cls(**values, limits=limits)
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the name of the rule, its parameters, and the population sizes that it may choose."""
         parameters = {name: getattr(self, name) for name in self.parameter_ranges(self.limits)}
         return type(self).__name__, parameters, self.limits.identity()

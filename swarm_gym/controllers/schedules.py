@@ -78,7 +78,7 @@ class SelfAdaptiveSchedule(Controller):
         }
         return str(ControllerName(family, parameters=format_parameters(changed) if changed else None))
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return all parameters, and the population sizes that the environment allows."""
         parameters = {name: getattr(self, name) for name in parameter_ranges(self.limits)}
         return "spsfa", self.treats_infeasible_paths, parameters, self.limits.identity()

@@ -7,7 +7,7 @@ population sizes that it was tuned with.
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.names import ControllerName
@@ -60,7 +60,7 @@ def load_tuned(name: str) -> Tuned:
         raise TunedFileError(f"{path}: not a readable tuned controller ({error})") from error
 
 
-def save_tuned(path: Path, controller: str, manifest: Mapping[str, Any]) -> None:
+def save_tuned(path: Path, controller: str, manifest: Mapping[str, object]) -> None:
     """Write the name of a controller and the manifest of its origin to a file, atomically."""
     content = {"format": FORMAT, "controller": controller, "manifest": dict(manifest)}
     write_atomically(path, json.dumps(content, indent=2) + "\n")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.final_repair.obstacles import obstacles_of, push_out
 from swarm_gym.final_repair.replanning import replanned
-from swarm_gym.final_repair.tightening import Cells, tighten
+from swarm_gym.final_repair.tightening import CellMap, tighten
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import GridScenario, Scenario
@@ -52,7 +52,7 @@ def final_repair(problem: MapProblem, path: Floats) -> FinalRepair | None:
         return None
     if isinstance(scenario, GridScenario):
         grid = scenario.map
-        points, compared = tighten(Cells(grid.blocked), grid.to_cells(freed.path), MOST_ROUNDS)
+        points, compared = tighten(CellMap(grid.blocked), grid.to_cells(freed.path), MOST_ROUNDS)
         tight = grid.to_map(points)
     else:
         tight, compared = tighten(obstacles_of(scenario), freed.path, MOST_ROUNDS)

@@ -16,7 +16,7 @@ BISECTIONS = 8  # of the way that a point is moved
 ENOUGH = 1e-5  # relative gain of a round below which a path counts as tight
 
 
-class Cells(NamedTuple):
+class CellMap(NamedTuple):
     """The cells of a grid map; points are (column, row)."""
 
     blocked: NDArray[np.bool_]  # (height, width)
@@ -31,15 +31,15 @@ def _clears_obstacles(obstacles: Obstacles, x0: float, y0: float, x1: float, y1:
 
 
 @kernel
-def _clears_cells(cells: Cells, x0: float, y0: float, x1: float, y1: float) -> bool:
+def _clears_cells(cells: CellMap, x0: float, y0: float, x1: float, y1: float) -> bool:
     return segment_is_free(cells.blocked, x0, y0, x1, y1)
 
 
-clears = kernel_by_class({Obstacles: _clears_obstacles, Cells: _clears_cells})
+clears = kernel_by_class({Obstacles: _clears_obstacles, CellMap: _clears_cells})
 
 
 @entry
-def tighten(free_map: Obstacles | Cells, path: Floats, most_rounds: int) -> tuple[Floats, int]:
+def tighten(free_map: Obstacles | CellMap, path: Floats, most_rounds: int) -> tuple[Floats, int]:
     """Pull a free path, (k, 2), tight; its ends stay.
 
     A round drops points whose neighbours see each other, and moves the others as far as the path gets shorter
@@ -61,7 +61,7 @@ def tighten(free_map: Obstacles | Cells, path: Floats, most_rounds: int) -> tupl
 
 
 @kernel
-def _drop(free_map: Obstacles | Cells, points: Floats, number: int) -> tuple[int, int]:
+def _drop(free_map: Obstacles | CellMap, points: Floats, number: int) -> tuple[int, int]:
     """Drop points whose neighbours see each other; return the number of those left, and of comparisons."""
     kept, compared = 1, 0
     for k in range(1, number - 1):
@@ -74,7 +74,7 @@ def _drop(free_map: Obstacles | Cells, points: Floats, number: int) -> tuple[int
 
 
 @kernel
-def _move(free_map: Obstacles | Cells, points: Floats, number: int) -> int:
+def _move(free_map: Obstacles | CellMap, points: Floats, number: int) -> int:
     """Move points as far as the path stays free; return the number of comparisons.
 
     A point moves towards the line between its neighbours, then along its segments towards each of them. All
@@ -95,7 +95,7 @@ def _move(free_map: Obstacles | Cells, points: Floats, number: int) -> int:
 
 
 @kernel
-def _approach(free_map: Obstacles | Cells, points: Floats, k: int, x: float, y: float) -> int:
+def _approach(free_map: Obstacles | CellMap, points: Floats, k: int, x: float, y: float) -> int:
     """Move point `k` towards (x, y) as far as its segments stay free; return the number of comparisons."""
     from_x, from_y = points[k, 0], points[k, 1]
     reached, step = 0.0, 0.5

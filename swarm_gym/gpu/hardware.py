@@ -28,7 +28,9 @@ def entry(function: Callable[..., None]) -> Any:
     return cuda.jit(function)
 
 
-def launch(function: Any, num_swarms: int, num_lanes: int, arguments: tuple[Any, ...], stream: Any) -> None:
+def launch(
+    function: Any, num_swarms: int, num_lanes: int, arguments: tuple[object, ...], stream: object
+) -> None:
     """Run an entry on the device, with one warp for each swarm, in a stream of CUDA."""
     function[num_swarms, num_lanes, stream](*arguments)
 

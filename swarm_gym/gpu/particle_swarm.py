@@ -12,8 +12,10 @@ from swarm_gym.gpu.population import (
 )
 from swarm_gym.gpu.random_stream import Stream, draw
 from swarm_gym.gpu.warps import NUM_LANES, ONE, TWO, kernel, wait
+from swarm_gym.optimizers.parameter import Parameters
 from swarm_gym.optimizers.particle_swarm import ParticleSwarmParameters, particle_columns
 from swarm_gym.population import Swarms
+from swarm_gym.problem.tables import Table
 
 _COLUMN = ParticleSwarmParameters(*range(len(ParticleSwarmParameters._fields)))
 _FIRST, _LAST, _FACTOR = _COLUMN.first_inertia, _COLUMN.last_inertia, _COLUMN.inertia_factor
@@ -31,7 +33,7 @@ def remember(swarms: Swarms, b: int, lane: int, i: int, place: float, fitness: f
 
 
 @kernel
-def settle(swarms: Swarms, b: int, tables: Any, p: int, lane: int, first: int, size: int) -> None:
+def settle(swarms: Swarms, b: int, tables: Table, p: int, lane: int, first: int, size: int) -> None:
     """Let the members from `first` on begin at rest; their best positions are the present ones."""
     for i in range(first, size):
         swarms.memory[b, i, VELOCITY + lane] = 0.0
@@ -41,7 +43,14 @@ def settle(swarms: Swarms, b: int, tables: Any, p: int, lane: int, first: int, s
 
 @kernel
 def start(
-    parameters: Any, swarms: Swarms, b: int, tables: Any, p: int, lane: int, size: int, stream: Stream
+    parameters: Parameters,
+    swarms: Swarms,
+    b: int,
+    tables: Table,
+    p: int,
+    lane: int,
+    size: int,
+    stream: Stream,
 ) -> Stream:
     """Draw velocities up to their limit for a first population; return the stream after it."""
     fastest = parameters[b, _LIMIT] * (tables.upper[p, lane] - tables.lower[p, lane])
@@ -58,7 +67,7 @@ def make_recall(population: PopulationKernels) -> Any:
     evaluate_path = population.evaluate_path
 
     @kernel
-    def recall(swarms: Swarms, b: int, tables: Any, p: int, lane: int, size: int, tally: Tally) -> Tally:
+    def recall(swarms: Swarms, b: int, tables: Table, p: int, lane: int, size: int, tally: Tally) -> Tally:
         """Keep the better of the position and the best position of each particle; return the tally."""
         for i in range(size):
             own_best = math.inf
@@ -80,10 +89,10 @@ def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
 
     @kernel
     def iterate(
-        parameters: Any,
+        parameters: Parameters,
         swarms: Swarms,
         b: int,
-        tables: Any,
+        tables: Table,
         p: int,
         lane: int,
         size: int,

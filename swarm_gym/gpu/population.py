@@ -6,7 +6,7 @@ Lane k holds component k of a position; numbers of a whole swarm are the same in
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from swarm_gym.gpu.random_stream import Stream, draw
 from swarm_gym.gpu.warps import BLOCK, NUM_LANES, from_lane, kernel, total, wait
@@ -20,6 +20,7 @@ from swarm_gym.population import (
 )
 from swarm_gym.population import outlives as _outlives
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.tables import Table
 from swarm_gym.sources import AMPLITUDE, BECAME_BEST, BEST_SMOOTH, IMMIGRANTS, KIND_OF_BENDS, SMOOTH_SHARE
 
 
@@ -86,7 +87,7 @@ def store_member(
 
 
 @kernel
-def num_rounds(tables: Any, p: int) -> int:
+def num_rounds(tables: Table, p: int) -> int:
     """Return how often eight random numbers are drawn for the components of a position."""
     return (tables.dimension[p] + BLOCK) // BLOCK
 
@@ -209,7 +210,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
 
     @kernel
     def evaluate_path(
-        swarms: Swarms, b: int, tables: Any, p: int, lane: int, place: float, tally: Tally
+        swarms: Swarms, b: int, tables: Table, p: int, lane: int, place: float, tally: Tally
     ) -> tuple[float, float, Tally]:
         """Return fitness and collision of a path; count the evaluation and update the best paths so far."""
         fitness, collision = evaluate(tables, p, lane, place)
@@ -224,7 +225,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
 
     @kernel
     def adopt_members(
-        swarms: Swarms, b: int, tables: Any, p: int, lane: int, count: int, tally: Tally
+        swarms: Swarms, b: int, tables: Table, p: int, lane: int, count: int, tally: Tally
     ) -> Tally:
         """Evaluate the first `count` positions as they stand, as the members; return the tally."""
         for i in range(count):
@@ -237,7 +238,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
     def add_members(
         swarms: Swarms,
         b: int,
-        tables: Any,
+        tables: Table,
         p: int,
         lane: int,
         size: int,
@@ -276,7 +277,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
     def change_size(
         swarms: Swarms,
         b: int,
-        tables: Any,
+        tables: Table,
         p: int,
         lane: int,
         size: int,

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from swarm_gym.arrays import tensors
+from swarm_gym.arrays import Array, tensors
 from swarm_gym.errors import DeviceError, SettingError
 from swarm_gym.gpu.loop import OPTIMIZERS, PROBLEMS, Entries, entries_for
 from swarm_gym.gpu.state import (
@@ -25,6 +25,7 @@ from swarm_gym.population import Swarms
 from swarm_gym.problem.padding import columns
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
+from swarm_gym.worlds import problems_for
 
 
 class DeviceSimulation(Simulation):
@@ -73,22 +74,22 @@ class DeviceSimulation(Simulation):
         swarms = allocate(num_swarms, capacity, _memory_columns(self.optimizer), arrival_window)
         return Swarms._make(self.place(with_numbers(array, self.number)) for array in swarms)
 
-    def begin(self, chosen: Any, size: int, given: bool) -> None:
+    def begin(self, chosen: Array, size: int, given: bool) -> None:
         """Begin the chosen swarms with first populations of this size."""
         self._sizes.fill_(size)
         self._launch(self._entries.begin, chosen, self.parameters, given)
 
-    def advance(self, chosen: Any, decisions: Decisions) -> None:
+    def advance(self, chosen: Array, decisions: Decisions) -> None:
         """Advance the chosen swarms by one iteration."""
         self._sizes.copy_(decisions.sizes)
         self._degrees.copy_(decisions.repair_degrees)
         self._launch(self._entries.step, chosen, decisions.parameters, self._degrees)
 
-    def re_evaluate(self, chosen: Any) -> None:
+    def re_evaluate(self, chosen: Array) -> None:
         """Evaluate anew what the chosen swarms remember, since their problems have changed."""
         self._launch(self._entries.re_evaluate, chosen, self.parameters, False)
 
-    def _launch(self, entry: Any, chosen: Any, parameters: Any, last: Any) -> None:
+    def _launch(self, entry: Any, chosen: Array, parameters: Any, last: Any) -> None:
         """Run an entry for the chosen swarms, and wait for it.
 
         Raises:
@@ -140,7 +141,7 @@ def _refuse_what_has_no_kernels(optimizer: type[Optimizer], settings: Settings) 
             f"device 'cuda': optimizer {optimizer.name!r} runs on the CPU only; on a GPU there are "
             f"{', '.join(OPTIMIZERS)}"
         )
-    problem = settings.problems()[0]
+    problem = problems_for(settings)[0]
     kind = type(problem.table)
     if kind not in PROBLEMS:
         raise SettingError(

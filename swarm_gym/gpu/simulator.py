@@ -40,7 +40,7 @@ def kernel(function: Function) -> Function:
 def entry(function: Callable[..., None]) -> Any:
     """Return a function that the host launches."""
 
-    def run(*arguments: Any) -> None:
+    def run(*arguments: object) -> None:
         function(*arguments)
 
     return cuda.jit(run)
@@ -50,8 +50,8 @@ def launch(
     function: Any,
     num_swarms: int,
     num_lanes: int,
-    arguments: tuple[Any, ...],
-    stream: Any,  # the simulator runs nothing beside others
+    arguments: tuple[object, ...],
+    stream: object,  # the simulator runs nothing beside others
 ) -> None:
     """Run an entry, one swarm after the other."""
     interval = sys.getswitchinterval()

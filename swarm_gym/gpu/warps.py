@@ -38,7 +38,7 @@ sine, cosine = _functions.sine, _functions.cosine
 ZERO, HALF, ONE, TWO = map(np.float32, (0.0, 0.5, 1.0, 2.0))
 
 
-def launch(function: Any, num_swarms: int, *arguments: Any, stream: Any = 0) -> None:
+def launch(function: Any, num_swarms: int, *arguments: object, stream: object = 0) -> None:
     """Run an entry on the device, with one warp for each swarm, in a stream of CUDA; 0 is the default one."""
     _functions.launch(function, num_swarms, NUM_LANES, arguments, stream)
 

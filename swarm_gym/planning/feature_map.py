@@ -18,7 +18,7 @@ from swarm_gym.planning.geographic import (
 )
 from swarm_gym.planning.geojson import Shape, read_features
 from swarm_gym.planning.shapes import extent_of, obstacles_of, require_outside, thinnest
-from swarm_gym.planning.workspace import Workspace, confined, require_within
+from swarm_gym.planning.workspace import RobotWorkspace, confined, require_within
 from swarm_gym.scenarios import Point, Scenario
 from swarm_gym.scenarios.obstacles import require_numbers
 
@@ -28,7 +28,12 @@ MARGIN = 0.1  # of the extent of obstacles and ends, around them where no worksp
 
 
 def read_feature_map(
-    path: Path, start: Point, goal: Point, margin: float, workspace: Workspace | None, coordinates: str | None
+    path: Path,
+    start: Point,
+    goal: Point,
+    margin: float,
+    workspace: RobotWorkspace | None,
+    coordinates: str | None,
 ) -> tuple[Scenario, Projection | None]:
     """Return the task among the features of a file.
 
@@ -79,7 +84,7 @@ def read_feature_map(
 
 
 def _kind(
-    path: Path, reference: object, workspace: Workspace | None, points: Floats, coordinates: str | None
+    path: Path, reference: object, workspace: RobotWorkspace | None, points: Floats, coordinates: str | None
 ) -> str:
     """Return the kind of the coordinates: what the user says, else what the file names, else a plane."""
     if coordinates is not None:

@@ -102,7 +102,7 @@ def require_coordinates(name: object) -> None:
         raise SettingError(f"coordinates must be one of {', '.join(COORDINATES)}, got {shown(name)}")
 
 
-def named_by(where: str, reference: Any) -> str | None:
+def named_by(where: str, reference: object) -> str | None:
     """Return the kind of coordinates that the member "crs" of a file names; None if it names none.
 
     Its form is that of the GeoJSON specification of 2008. RFC 7946 has removed it, but programs write it.

@@ -10,7 +10,7 @@ from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.planning.geographic import GEOGRAPHIC, Projection
 from swarm_gym.planning.map_names import ending_of, is_map_file
 from swarm_gym.planning.shapes import thinnest
-from swarm_gym.planning.workspace import Workspace, confined, require_within
+from swarm_gym.planning.workspace import RobotWorkspace, confined, require_within
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import read_map
@@ -25,7 +25,7 @@ def read_any_map(
     start: Point | None,
     goal: Point | None,
     margin: float,
-    workspace: Workspace | None,
+    workspace: RobotWorkspace | None,
     coordinates: str | None,
 ) -> tuple[MapScenario, Projection | None]:
     """Return the map with start and goal, and the projection that it comes from.
@@ -70,7 +70,7 @@ def _of_name(where: str | Path | AnyScenario, start: Point | None, goal: Point |
     return replace(scenario, start=ends[0], target=ends[1])
 
 
-def _within(scenario: MapScenario, workspace: Workspace | None, margin: float) -> MapScenario:
+def _within(scenario: MapScenario, workspace: RobotWorkspace | None, margin: float) -> MapScenario:
     """Return the scenario, confined to the workspace if there is one."""
     if workspace is None:
         return scenario

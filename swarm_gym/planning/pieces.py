@@ -9,13 +9,16 @@ pieces is at most four times the least possible.
 
 import math
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import ScenarioError
 from swarm_gym.scenarios import Point, Polygon
+
+if TYPE_CHECKING:
+    import shapely
 
 Floats = NDArray[np.float64]
 Ring = list[Point]  # corners; the first is not repeated at the end
@@ -62,7 +65,7 @@ def as_convex(ring: Ring, extent: float) -> Ring | None:
     return kept
 
 
-def cut(area: Any, extent: float) -> list[Ring] | None:
+def cut(area: "shapely.Polygon", extent: float) -> list[Ring] | None:
     """Return the convex pieces of a polygon, counter-clockwise; None if some of its triangles are flat.
 
     Args:
@@ -73,7 +76,7 @@ def cut(area: Any, extent: float) -> list[Ring] | None:
     return None if triangles is None else _merged(triangles, extent)
 
 
-def rounded(area: Any, extent: float) -> Any:
+def rounded(area: "shapely.Geometry", extent: float) -> "shapely.Geometry":
     """Return a shapely geometry with corners on a grid so that none lies nearly on another edge.
 
     Args:

@@ -21,7 +21,7 @@ WIDTH = 0.1  # of the frame, as a share of the extent of the workspace
 BOX = "x_min,y_min,x_max,y_max"
 
 
-class Workspace(NamedTuple):
+class RobotWorkspace(NamedTuple):
     """A polygon that the robot stays in.
 
     Attributes:
@@ -33,7 +33,7 @@ class Workspace(NamedTuple):
     reference: Any = None
 
 
-def read_workspace(given: str | Path | ArrayLike) -> Workspace:
+def read_workspace(given: str | Path | ArrayLike) -> RobotWorkspace:
     """Return a workspace.
 
     Args:
@@ -46,17 +46,17 @@ def read_workspace(given: str | Path | ArrayLike) -> Workspace:
     """
     if isinstance(given, Path | str):
         numbers = _numbers(str(given))
-        return _of_file(str(given)) if numbers is None else Workspace(_box(numbers))
+        return _of_file(str(given)) if numbers is None else RobotWorkspace(_box(numbers))
     try:
         values = np.array(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise _refused(given) from error
     if values.shape == (4,):
-        return Workspace(_box(values.tolist()))
+        return RobotWorkspace(_box(values.tolist()))
     if values.ndim != 2 or values.shape[1] != 2 or len(values) < 3 or not np.isfinite(values).all():
         raise _refused(given)
     ring: tuple[Point, ...] = tuple(map(tuple, values.tolist()))
-    return Workspace(_checked(Shape("workspace", "Polygon", ((*ring, ring[0]),))))
+    return RobotWorkspace(_checked(Shape("workspace", "Polygon", ((*ring, ring[0]),))))
 
 
 def confined(scenario: Scenario, shape: Shape) -> Scenario:
@@ -130,14 +130,14 @@ def _frame(shape: Shape, outer: Box) -> list[Obstacle]:
     return found
 
 
-def _of_file(name: str) -> Workspace:
+def _of_file(name: str) -> RobotWorkspace:
     path = Path(name) if Path(name).is_file() else find_data_file(name)
     features = read_features(path)
     if len(features.shapes) != 1 or features.shapes[0].kind != "Polygon":
         kinds = [shape.kind for shape in features.shapes]
         raise ScenarioError(f"workspace {path}: expected one Polygon and nothing else, got {shown(kinds)}")
     (shape,) = features.shapes
-    return Workspace(_checked(shape._replace(name=f"workspace of {path}")), features.reference)
+    return RobotWorkspace(_checked(shape._replace(name=f"workspace of {path}")), features.reference)
 
 
 def _numbers(text: str) -> list[float] | None:

@@ -1,7 +1,6 @@
 """The interface of all problems, whatever their map and encoding."""
 
 from abc import ABC, abstractmethod
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,7 +54,7 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def identity(self) -> tuple[Any, ...]:
+    def identity(self) -> tuple[object, ...]:
         """Numbers and lists that the fitness depends on: equal for equal problems, whatever their names."""
 
     @abstractmethod

@@ -17,7 +17,7 @@ from swarm_gym.problem.geometry.traversal import segment_is_free
 from swarm_gym.reference.grid_input import as_grid, as_point
 from swarm_gym.reference.grid_sight import (
     SHIFT,
-    Sight,
+    CornerSight,
     SightGrid,
     make_sight,
     make_sight_grid,
@@ -96,7 +96,7 @@ def search(
     goal_x: float,
     goal_y: float,
     queue: PriorityQueue,
-    sight: Sight,
+    sight: CornerSight,
     arrival: NDArray[np.int64],
 ) -> None:
     """Search over the n corners of a grid, and the goal as number n, which the start does not see.

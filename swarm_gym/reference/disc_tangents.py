@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.reference.disc_arcs import QUARTER, SLACK, FreeArcs, cells_are_free
-from swarm_gym.reference.grid_sight import Sight, SightGrid, see_every_corner
+from swarm_gym.reference.grid_sight import CornerSight, SightGrid, see_every_corner
 
 
-class Tangents(NamedTuple):
+class DiscTangents(NamedTuple):
     """Free tangents from a corner or a point, which a path follows from the lane it is on to another one."""
 
     from_lanes: NDArray[np.int64]
@@ -48,8 +48,8 @@ class Touch(NamedTuple):
 
 @entry
 def tangents_from_corner(
-    grid: SightGrid, arcs: FreeArcs, corner: int, radius: float, sight: Sight
-) -> Tangents:
+    grid: SightGrid, arcs: FreeArcs, corner: int, radius: float, sight: CornerSight
+) -> DiscTangents:
     """Find the free tangents from the circle around a corner to those around the corners that it sees.
 
     Args:
@@ -107,8 +107,8 @@ def tangents_from_corner(
 
 @entry
 def tangents_from_point(
-    grid: SightGrid, arcs: FreeArcs, x: float, y: float, radius: float, sight: Sight
-) -> Tangents:
+    grid: SightGrid, arcs: FreeArcs, x: float, y: float, radius: float, sight: CornerSight
+) -> DiscTangents:
     """Find the free tangents from a point to the circles around the corners that it sees.
 
     Args:
@@ -215,15 +215,15 @@ def _touch(
 
 
 @kernel
-def _make_tangents(most: int) -> Tangents:
-    return Tangents(
+def _make_tangents(most: int) -> DiscTangents:
+    return DiscTangents(
         np.zeros(most, np.int64), np.zeros(most), np.zeros(most, np.int64), np.zeros(most), np.zeros(most), 0
     )
 
 
 @kernel
-def _cut(found: Tangents, size: int, work: int) -> Tangents:
-    return Tangents(
+def _cut(found: DiscTangents, size: int, work: int) -> DiscTangents:
+    return DiscTangents(
         found.from_lanes[:size].copy(),
         found.from_angles[:size].copy(),
         found.to_lanes[:size].copy(),

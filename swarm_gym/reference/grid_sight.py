@@ -80,7 +80,7 @@ def make_sight_grid(blocked: NDArray[np.bool_]) -> SightGrid:
     )
 
 
-class Sight(NamedTuple):
+class CornerSight(NamedTuple):
     """Results and scratch arrays of the kernels below."""
 
     corners: NDArray[np.int64]
@@ -89,13 +89,15 @@ class Sight(NamedTuple):
     "Least and greatest slopes of the rays through a row and through the next one, (2, width + 1, 2)."
 
 
-def make_sight(grid: SightGrid) -> Sight:
+def make_sight(grid: SightGrid) -> CornerSight:
     """Allocate the arrays for a grid."""
-    return Sight(np.zeros(grid.corner_columns.size, np.int64), np.zeros((2, grid.blocked.shape[1] + 1, 2)))
+    return CornerSight(
+        np.zeros(grid.corner_columns.size, np.int64), np.zeros((2, grid.blocked.shape[1] + 1, 2))
+    )
 
 
 @kernel
-def see_from_point(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
+def see_from_point(grid: SightGrid, x: float, y: float, sight: CornerSight) -> int:
     """Find the corners to which a shortest path can lead straight from a point.
 
     They are those that are in sight, and behind which the path could turn: not where it would run into the
@@ -123,7 +125,7 @@ def see_from_point(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
 
 
 @kernel
-def see_every_corner(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
+def see_every_corner(grid: SightGrid, x: float, y: float, sight: CornerSight) -> int:
     """Find all corners that a point sees, also those where a path could not turn.
 
     The point is a corner or touches a free cell; arguments and result are those of `see_from_point`.
@@ -140,7 +142,7 @@ def see_every_corner(grid: SightGrid, x: float, y: float, sight: Sight) -> int:
 
 
 @kernel
-def see_from_corner(grid: SightGrid, corner: int, sight: Sight) -> int:
+def see_from_corner(grid: SightGrid, corner: int, sight: CornerSight) -> int:
     """Find the corners to which a shortest path can lead straight from a corner where it turns.
 
     Like `see_from_point`; in addition, nothing is sought opposite of the corner's blocked cell, since a path
@@ -163,7 +165,7 @@ def _see_rows(
     low: float,
     high: float,
     every: bool,
-    sight: Sight,
+    sight: CornerSight,
     found: int,
 ) -> int:
     """Add the corners above (step -1) or below (1) a point on rays of the slopes `low` to `high`.
@@ -231,7 +233,7 @@ def _add_corners(
     low: float,
     high: float,
     every: bool,
-    sight: Sight,
+    sight: CornerSight,
     found: int,
 ) -> int:
     """Add the corners on a line between two rays."""
@@ -248,7 +250,7 @@ def _add_corners(
 
 
 @kernel
-def _see_along_line(grid: SightGrid, x: float, y: float, every: bool, sight: Sight, found: int) -> int:
+def _see_along_line(grid: SightGrid, x: float, y: float, every: bool, sight: CornerSight, found: int) -> int:
     """Add the first corner, or every one, on both sides of a point on a horizontal grid line."""
     line = int(y)
     for step in (-1, 1):

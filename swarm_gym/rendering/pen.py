@@ -1,6 +1,7 @@
 """Tools for drawing: colours, lengths, and a pen for a pygame surface."""
 
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
@@ -131,7 +132,7 @@ class Pen:
         return self._fonts[size].render(text, True, FAINT_INK if size == SMALL else INK)
 
 
-def require_pygame() -> Any:
+def require_pygame() -> ModuleType:
     """Return pygame, which is imported only for the first picture.
 
     Raises:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.history import HISTORY
 from swarm_gym.rendering.function_view import FunctionView
 from swarm_gym.rendering.map_view import MapView
 from swarm_gym.rendering.pen import (
@@ -112,11 +111,12 @@ def _draw_headline(pen: Pen, scene: Scene) -> None:
 
 def _draw_charts(pen: Pen, scene: Scene) -> None:
     """Draw population collision, population size and repair degree by iteration."""
-    collision, size, repair = (scene.courses[name] for name in HISTORY[:3])
+    courses = scene.courses
+    collision = courses["population_collision"]
     charts = (
         ("collision E(P)", ".4g", collision, collision.max() or 1.0),
-        ("population size", ".0f", size, scene.max_population_size),
-        ("repair degree φ", ".2f", repair, 1.0),
+        ("population size", ".0f", courses["population_size"], scene.max_population_size),
+        ("repair degree φ", ".2f", courses["repair_degree"], 1.0),
     )
     height = (pen.height - pen.px(20)) // len(charts)
     area = pen.pygame.Rect(pen.width - pen.px(224), pen.px(18), pen.px(204), height)

@@ -17,7 +17,7 @@ from swarm_gym.scenarios.formats.data_files import data_folder
 TIMEOUT = 30  # seconds to wait for an answer of the server
 
 
-class Source(NamedTuple):
+class RemoteFolder(NamedTuple):
     """A folder of one commit of a repository, so that its files do not change.
 
     Attributes:
@@ -40,7 +40,7 @@ class RemoteFile(NamedTuple):
         sha256: digest of the content, 64 hexadecimal digits.
     """
 
-    source: Source
+    source: RemoteFolder
     path: str
     local: str
     size: int
@@ -51,20 +51,20 @@ class DownloadError(Exception):
     """A file could not be downloaded; the message names the file and the reason."""
 
 
-MOVING_AI = Source(
+MOVING_AI = RemoteFolder(
     "https://raw.githubusercontent.com/nathansttt/hog2/70842df4bb970ebba86c2c252c7fe7f7212fe909/",
     "Moving AI benchmarks (movingai.com), Open Data Commons Attribution License; cite N. R. Sturtevant, "
     "Benchmarks for grid-based pathfinding, IEEE TCIAIG 4(2):144-148, 2012",
 )
-TURTLEBOT3 = Source(
+TURTLEBOT3 = RemoteFolder(
     "https://raw.githubusercontent.com/ROBOTIS-GIT/turtlebot3/f5e572a5a7dd0d8d6f76b23848f8a0b9411b489f/",
     "ROBOTIS TurtleBot3, Apache License 2.0",
 )
-TURTLEBOT_SIMULATOR = Source(
+TURTLEBOT_SIMULATOR = RemoteFolder(
     "https://raw.githubusercontent.com/turtlebot/turtlebot_simulator/beae4b3cdf806fe82ab75fd933189c67e89ed8b0/",
     "TurtleBot simulator (github.com/turtlebot), BSD License",
 )
-TURTLEBOT_APPS = Source(
+TURTLEBOT_APPS = RemoteFolder(
     "https://raw.githubusercontent.com/turtlebot/turtlebot_apps/4bbafc7bfdfc5888ba03b52611bdb56d86b22967/",
     "TurtleBot applications (github.com/turtlebot), BSD License",
 )

@@ -22,21 +22,6 @@ SCENARIOS: dict[str, Callable[[], AnyScenario]] = {
     "case3": spsfa.case3,
 }
 
-FAMILIES: dict[str, Family] = {
-    "random-fields": random_fields.FAMILY,
-    "rooms": rooms_and_caves.ROOMS,
-    "caves": rooms_and_caves.CAVES,
-    "moving-ai": moving_ai.FAMILY,
-    "den400d": moa.FAMILY,
-    "ros": ros_map.FAMILY,
-    "function": function_family.FAMILY,
-    ioh_scenario.NAME: ioh_scenario.FAMILY,
-    **brand_yu.FAMILIES,
-    iafsa.NAME: iafsa.FAMILY,
-    dynamic_family.NAME: dynamic_family.FAMILY,
-    dynamic_fields.NAME: dynamic_fields.FAMILY,
-}
-
 
 def make_scenario(scenario: str | AnyScenario) -> AnyScenario:
     """Return the scenario of a name; a scenario is returned as it is.
@@ -141,6 +126,22 @@ def _tidied(name: str) -> str:
 def _family_of(name: object) -> Family | None:
     return FAMILIES.get(name.partition(":")[0]) if isinstance(name, str) else None
 
+
+# Below the functions, which dynamic scenarios call to read their bases.
+FAMILIES: dict[str, Family] = {
+    "random-fields": random_fields.FAMILY,
+    "rooms": rooms_and_caves.ROOMS,
+    "caves": rooms_and_caves.CAVES,
+    "moving-ai": moving_ai.FAMILY,
+    "den400d": moa.FAMILY,
+    "ros": ros_map.FAMILY,
+    "function": function_family.FAMILY,
+    ioh_scenario.NAME: ioh_scenario.FAMILY,
+    **brand_yu.FAMILIES,
+    iafsa.NAME: iafsa.FAMILY,
+    dynamic_family.NAME: dynamic_family.make_family(expand_name, make_scenario),
+    dynamic_fields.NAME: dynamic_fields.FAMILY,
+}
 
 _OTHERS: dict[type, str] = {
     GridScenario: "a grid map",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarm_gym.controllers.learned.residual import Base
 
 
-class Beginning(NamedTuple):
+class CommonBeginning(NamedTuple):
     """Episodes of B swarms after their common iterations.
 
     Attributes:
@@ -33,7 +33,7 @@ def begin_together(
     seed: int,
     iterations: int = 0,
     decide: Callable[[NDArray], NDArray] | None = None,
-) -> Beginning:
+) -> CommonBeginning:
     """Begin the episodes with seeds from `seed` on, and copy them to all swarms after some iterations.
 
     Args:
@@ -72,7 +72,7 @@ def begin_together(
     if iterations:
         observations = swarms.copy_swarms(models)
         returns, ended = returns[models], ended[models]
-    return Beginning(observations, returns, ended, num_steps)
+    return CommonBeginning(observations, returns, ended, num_steps)
 
 
 def _alone(base: Base) -> Callable[[NDArray], NDArray]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.registration import environment_id
-from swarm_gym.reward import LARGEST_DETOUR
+from swarm_gym.reward import LARGEST_DETOUR, offline_weight
 from swarm_gym.simulation import Simulation
 from swarm_gym.tuning.config import TuneConfig
 
@@ -53,16 +53,16 @@ class Outcomes(NamedTuple):
 
 
 def _logarithmic(simulation: Simulation) -> Floats:
-    gap = np.log(simulation.gap() / simulation.gap_units[simulation.swarms.problem])
+    gap = np.log(simulation.gaps.now() / simulation.worlds.gap_units[simulation.swarms.problem])
     return np.where(simulation.running, 0.0, gap)
 
 
 def _per_cent(simulation: Simulation) -> Floats:
-    return np.where(simulation.running, 0.0, 100.0 * simulation.optimality_gap())
+    return np.where(simulation.running, 0.0, 100.0 * simulation.gaps.optimality())
 
 
 def _offline_error(simulation: Simulation) -> Floats:
-    return 100.0 * simulation.optimality_gap() * simulation.offline_weight()
+    return 100.0 * simulation.gaps.optimality() * offline_weight(simulation)
 
 
 def _detour(simulation: Simulation) -> Floats:
@@ -131,7 +131,7 @@ class SideBySide:
             observations, _, ended = self._swarms.step_running(np.concatenate(actions))
             losses += np.where(before, 0.0, self._loss(self._simulation))
         simulation, swarms = self._simulation, self._simulation.swarms
-        losses += simulation.price * swarms.evaluations / simulation.settings.reference_evaluations
+        losses += simulation.prices.cost(swarms.evaluations)
         names = np.array([simulation.problem_of(row).scenario.name for row in range(len(losses))], np.object_)
         columns: tuple[Any, ...] = losses, swarms.best_fitness.copy(), swarms.evaluations.copy(), names
         return Outcomes(*(column.reshape(self._shape) for column in columns))

@@ -37,7 +37,7 @@ SPECIAL = (
 
 
 @dataclass(frozen=True)
-class Kind:
+class ControllerKind:
     """A kind of controller that can be tuned.
 
     Attributes:
@@ -51,14 +51,14 @@ class Kind:
     defaults: dict[str, object] = field(default_factory=dict)
 
 
-def _parameters(space: ParameterSpace) -> Kind:
-    return Kind(partial(ParameterTuner, space=space), (), {"episodes": 48})
+def _parameters(space: ParameterSpace) -> ControllerKind:
+    return ControllerKind(partial(ParameterTuner, space=space), (), {"episodes": 48})
 
 
-TUNERS: dict[str, Kind] = {
-    "open-loop": Kind(OpenLoopTuner, SPECIAL),
-    "reacting-loop": Kind(ReactingLoopTuner, SPECIAL),
-    "constant": Kind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
+TUNERS: dict[str, ControllerKind] = {
+    "open-loop": ControllerKind(OpenLoopTuner, SPECIAL),
+    "reacting-loop": ControllerKind(ReactingLoopTuner, SPECIAL),
+    "constant": ControllerKind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
     "schedule": _parameters(SCHEDULE),
     "linear-reduction": _parameters(LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),

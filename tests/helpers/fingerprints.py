@@ -41,7 +41,7 @@ def generators():
     from swarm_gym.problem.geometry.curves import nearest_curves
     from swarm_gym.scenarios import Circle, make_scenario
     from swarm_gym.scenarios.growing import grown
-    from swarm_gym.settings import make_problem
+    from swarm_gym.worlds import make_problem
 
     for count in (5, 30, 31):
         yield f"modes {count}", modes(count)

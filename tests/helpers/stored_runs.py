@@ -51,7 +51,7 @@ def outcomes_of(gaps, load=None):
     """Outcomes with these gaps, a list by controller and scenario; evaluations are 1000 per controller."""
     from experiments.runs.outcomes import Outcomes
     from swarm_gym.reference import known_optimum
-    from swarm_gym.settings import make_problem
+    from swarm_gym.worlds import make_problem
 
     controllers = tuple(dict.fromkeys(controller for controller, _ in gaps))
     scenarios = tuple(dict.fromkeys(scenario for _, scenario in gaps))

@@ -82,7 +82,7 @@ def test_newcomers_of_the_last_iterations_are_observed():
     env.reset(seed=0)
     simulation, swarms = env.simulation, env.simulation.swarms
     observe = env._batch.observe
-    bound, best = simulation.lower_bounds[0], float(swarms.best_fitness[0])
+    bound, best = simulation.worlds.lower_bounds[0], float(swarms.best_fitness[0])
     gap = best - bound
     # For each iteration, newcomers: whether they are smooth, their gap, and whether they become the best.
     newcomers = [
@@ -116,7 +116,7 @@ def test_newcomers_of_the_last_iterations_are_observed():
 def test_the_gap_of_a_newcomer_is_observed_up_to_a_bound(ratio, expected):
     env = small()
     env.reset(seed=0)
-    swarms, bound = env.simulation.swarms, env.simulation.lower_bounds[0]
+    swarms, bound = env.simulation.swarms, env.simulation.worlds.lower_bounds[0]
     swarms.arrivals[0, BEST_SMOOTH, 2] = bound + ratio * (swarms.best_fitness[0] - bound)
     assert env._batch.observe()[0, SMOOTH] == pytest.approx(expected, abs=1e-6)
 

@@ -28,6 +28,7 @@ from swarm_gym.problem import AnalyticProblem, FunctionProblem, GridProblem, Wal
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario, make_scenario
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for
 
 RAY = 1e5  # length of a ray that leaves every map
 
@@ -219,7 +220,7 @@ def test_posts_of_random_grids_are_blocked_and_separate(seed):
 
 @pytest.mark.parametrize("scenario", ["rooms:0", "caves:0"])
 def test_curves_are_classified_by_a_few_samples(scenario):
-    problem = Settings(scenario=scenario, encoding="bezier").problems()[0]
+    problem = problems_for(Settings(scenario=scenario, encoding="bezier"))[0]
     corridors = Corridors.of(problem)
     vectors = np.random.default_rng(3).uniform(*problem.initial_bounds, (60, problem.dimension))
     few, all_samples = corridors.points(vectors), problem.points(vectors)

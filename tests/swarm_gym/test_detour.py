@@ -11,6 +11,7 @@ from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Appear, Circle, Drive, DynamicScenario, Polygon, Scenario
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.worlds import worlds_for
 
 SPENT = HISTORY.index("evaluations")
 ITERATIONS = 8
@@ -47,7 +48,7 @@ def test_it_is_the_way_driven_above_the_shortest_one_on_the_last_map(seed):
     rewards = play(env, seed)
     way = env.simulation.trajectory(0)
     assert tuple(way[-1]) == FREE.target
-    shortest = shortest_path(env.settings.worlds[-1].scenario)[0]
+    shortest = shortest_path(worlds_for(env.settings)[-1].scenario)[0]
     assert shortest > 960.0
     assert rewards[-1] == pytest.approx(-100.0 * (length_of(way) / shortest - 1.0), rel=1e-9)
     assert rewards[-1] < 0.0

@@ -29,8 +29,9 @@ from swarm_gym.scenarios import (
     make_scenario,
     rasterised,
 )
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.worlds import make_problem
 
 ITERATIONS = 6
 BLOCK = Polygon.rectangle(560, 150, 640, 330)
@@ -365,10 +366,10 @@ def test_a_controller_is_paid_for_its_progress_and_not_for_what_happens():
     (_, reward, *_, info), (_, plain, *_, plain_info) = changing.step(action), still.step(action)
     # The same iteration, and then the event, whose evaluations are paid for.
     assert reward == pytest.approx(plain - (info["evaluations"] - plain_info["evaluations"]) / 1000)
-    before, spent = changing.simulation.gap()[0], info["evaluations"]
-    assert before != still.simulation.gap()[0]
+    before, spent = changing.simulation.gaps.now()[0], info["evaluations"]
+    assert before != still.simulation.gaps.now()[0]
     _, reward, *_, info = changing.step(action)
-    expected = np.log(before / changing.simulation.gap()[0]) - (info["evaluations"] - spent) / 1000
+    expected = np.log(before / changing.simulation.gaps.now()[0]) - (info["evaluations"] - spent) / 1000
     assert reward == pytest.approx(expected, rel=1e-12)
 
 
@@ -386,7 +387,7 @@ def test_the_gap_at_the_end_is_to_the_optimum_of_the_last_map(tmp_path, monkeypa
     monkeypatch.setattr(sys, "argv", ["waypoint_optimum", name, "--num-waypoints", "9"])
     main()
     env = small(scenario=name, **few)
-    first, last = env.simulation.optima
+    first, last = env.simulation.worlds.optima
     assert first < last
     *_, (_, _, info) = episode(env)
     assert info["optimality_gap"] == (info["best_fitness"] - last) / last

@@ -310,20 +310,20 @@ def test_a_range_of_prices_is_drawn_from_by_the_seed_and_seen():
     prices = []
     for seed in range(200):
         observation, _ = env.reset(seed=seed)
-        prices.append(env.simulation.price[0])
+        prices.append(env.simulation.prices.of_reference[0])
         assert observation[-1] == pytest.approx(np.log10(prices[-1] / 0.1) / 3, rel=1e-5)
     assert 0.1 <= min(prices) < 0.15
     assert 7.0 < max(prices) <= 10.0
     assert 0.6 < np.median(prices) < 1.6
     env.reset(seed=5)
-    assert env.simulation.price[0] == prices[5]
+    assert env.simulation.prices.of_reference[0] == prices[5]
 
 
 def test_the_price_drawn_is_the_price_paid():
     pair = begun({"price": (0.1, 10.0), "reference_evaluations": 100}, {"price": 0.0}, seed=4)
     rewards = [env.step(np.array([9, 0.2]))[1] for env in pair]
     spent = pair[0].simulation.history[0, 1, 4] - pair[0].simulation.history[0, 0, 4]
-    assert rewards[1] - rewards[0] == pytest.approx(pair[0].simulation.price[0] * spent / 100)
+    assert rewards[1] - rewards[0] == pytest.approx(pair[0].simulation.prices.of_reference[0] * spent / 100)
 
 
 def test_layouts_can_be_joined():
@@ -336,11 +336,11 @@ def test_layouts_can_be_joined():
 def test_rich_observations_tell_diversity_and_recent_progress():
     env = small(observation="rich", iterations=9)
     env.reset(seed=7)
-    gaps = [env.simulation.gap()[0]]
+    gaps = [env.simulation.gaps.now()[0]]
     names = [feature.name for feature in OBSERVATIONS["rich"].features]
     for _ in range(8):
         observation, *_ = env.step(np.array([10, 0.4]))
-        gaps.append(env.simulation.gap()[0])
+        gaps.append(env.simulation.gaps.now()[0])
         positions = env.simulation.positions(0)
         diversity = np.sqrt(((positions - positions.mean(axis=0)) ** 2).sum(axis=1).mean())
         then = max(len(gaps) - 6, 0)

@@ -14,8 +14,8 @@ from swarm_gym.final_repair.obstacles import MARGIN, contact, number_of, obstacl
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import Circle, GridMap, GridScenario, Polygon, Scenario
-from swarm_gym.settings import make_problem
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.worlds import make_problem
 
 START, TARGET = (20.0, 300.0), (980.0, 300.0)
 

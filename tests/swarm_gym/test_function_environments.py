@@ -65,9 +65,9 @@ def test_progress_is_paid_down_to_a_gap_of_a_billionth():
     beside, there = [1.0, 3.0 + 1e-3], [1.0, 3.0]
     _, before = env.reset(options={"initial_population": [beside] * 4})
     assert before["best_fitness"] == pytest.approx(5e-6)
-    assert env.simulation.gap()[0] == before["best_fitness"]
+    assert env.simulation.gaps.now()[0] == before["best_fitness"]
     env.reset(options={"initial_population": [there] * 4})
-    assert env.simulation.gap()[0] == 1e-9
+    assert env.simulation.gaps.now()[0] == 1e-9
     _, reward, *_ = env.step(np.array([4.0, 0.0]))
     assert reward == 0.0
 

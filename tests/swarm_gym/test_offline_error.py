@@ -10,6 +10,7 @@ from swarm_gym.history import HISTORY
 from swarm_gym.reference import ensure_optima
 from swarm_gym.scenarios import Appear, Circle, Disappear, DynamicScenario, Polygon, make_scenario
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for
 
 ITERATIONS = 8
 BEST, SPENT = HISTORY.index("best_fitness"), HISTORY.index("evaluations")
@@ -30,7 +31,7 @@ def environment(scenario, **options):
         "num_waypoints": 9,
         "initial_population_size": 8,
     }
-    ensure_optima(Settings(**settings).problems())
+    ensure_optima(problems_for(Settings(**settings)))
     return SwarmEnv(reward="offline-error", **settings, **options)
 
 
@@ -46,7 +47,7 @@ def rewards_of(env, seed=0):
 
 def gaps(env, worlds):
     """Return the gap in per cent after every iteration, on the map after the events that follow it."""
-    best, optima = env.simulation.history[0, :, BEST], env.simulation.optima
+    best, optima = env.simulation.history[0, :, BEST], env.simulation.worlds.optima
     return 100.0 * (best / optima[worlds] - 1.0)
 
 
@@ -54,7 +55,7 @@ def test_the_sum_of_an_episode_is_the_mean_gap_since_the_first_event():
     env = environment(TWICE, price=0.0)
     rewards = rewards_of(env)
     worlds = np.repeat([0, 1, 2], [3, 3, 3])  # rows 0 to 2, 3 to 5, 6 to 8
-    assert env.simulation.optima[1] > env.simulation.optima[0]
+    assert env.simulation.worlds.optima[1] > env.simulation.worlds.optima[0]
     expected = gaps(env, worlds)[3:]
     assert -rewards.sum() == pytest.approx(expected.mean(), rel=1e-12)
     assert (rewards[:2] == 0.0).all()
@@ -82,7 +83,9 @@ def test_the_gap_at_an_early_end_stays(budget):
     rewards = rewards_of(env)
     assert len(rewards) < ITERATIONS
     (number,) = env.simulation.swarms.problem
-    last = 100.0 * (env.simulation.history[0, len(rewards), BEST] / env.simulation.optima[number] - 1.0)
+    last = 100.0 * (
+        env.simulation.history[0, len(rewards), BEST] / env.simulation.worlds.optima[number] - 1.0
+    )
     if len(rewards) <= 3:
         assert -rewards.sum() == pytest.approx(last, rel=1e-12)
     else:

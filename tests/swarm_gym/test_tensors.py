@@ -70,9 +70,10 @@ def assert_same_state(ours, theirs):
     one, other = ours.simulation, theirs.simulation
     for name, mine, theirs_ in zip(one.swarms._fields, one.swarms, other.swarms, strict=True):
         np.testing.assert_array_equal(mine.numpy(), theirs_.view(mine.numpy().dtype), err_msg=name)
-    for name in ("iteration", "running", "history", "price"):
+    for name in ("iteration", "running", "history"):
         np.testing.assert_array_equal(getattr(one, name).numpy(), getattr(other, name), err_msg=name)
-    np.testing.assert_allclose(one.initial_gap.numpy(), other.initial_gap, rtol=1e-15)
+    np.testing.assert_array_equal(one.prices.of_reference.numpy(), other.prices.of_reference)
+    np.testing.assert_allclose(one.gaps.initial.numpy(), other.gaps.initial, rtol=1e-15)
 
 
 def episodes(ours, theirs, seed=0):

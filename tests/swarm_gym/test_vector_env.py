@@ -222,9 +222,15 @@ def test_copied_swarms_go_on_as_the_swarm_they_are_copies_of():
     assert ended.tolist() == [True, True, False, False, False, False]
     np.testing.assert_array_equal(native.copy_swarms(rows), expected[0][rows])
     assert native.step_running(actions)[2].all()
-    for name in ("iteration", "running", "history", "initial_gap", "price"):
-        ours, theirs = (getattr(env.simulation, name) for env in (native, reference))
+    inside = native.simulation, reference.simulation
+    for name in ("iteration", "running", "history"):
+        ours, theirs = (getattr(simulation, name) for simulation in inside)
         np.testing.assert_array_equal(ours, theirs[rows], err_msg=name)
+    for ours, theirs in (
+        [simulation.gaps.initial for simulation in inside],
+        [simulation.prices.of_reference for simulation in inside],
+    ):
+        np.testing.assert_array_equal(ours, theirs[rows])
     for name, ours, theirs in zip(
         reference.simulation.swarms._fields,
         native.simulation.swarms,

@@ -14,6 +14,7 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for, worlds_for
 
 # Groups that the figure shows, as far as they were run.
 SHOWN = (
@@ -54,8 +55,8 @@ def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
 
 def _draw_optima(axes: Axes, settings: Settings, last: int) -> None:
     """Draw the least fitness of each of the maps, and when they change."""
-    begins = [world.iteration for world in settings.worlds]
-    optima = [known_optimum(problem) for problem in settings.problems()]
+    begins = [world.iteration for world in worlds_for(settings)]
+    optima = [known_optimum(problem) for problem in problems_for(settings)]
     axes.step(
         [*begins, last], [*optima, optima[-1]], where="post", color="black", linewidth=1.0, label="optimum"
     )

@@ -21,7 +21,7 @@ from swarm_gym.corridors import Corridors, signatures
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import known_optimum
 from swarm_gym.reference.waypoint_optimum import optimum
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 MOST_NAMED = 5  # corridors of a scenario that have letters
 OPTIMAL, OTHERS = "A", "others"

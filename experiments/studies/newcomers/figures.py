@@ -11,7 +11,7 @@ from experiments.plots.style import BLUE, GREEN, ORANGE, PINK, RED, new_figure
 from experiments.runs.run import Snapshot
 from experiments.studies.newcomers.corridors import Ends, ends_of
 from swarm_gym.env import SwarmEnv
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 POPULATION_CASES = ("case1", "case2")
 POPULATION_SIZE = 60

@@ -33,7 +33,7 @@ from experiments.tables.cell import (
 from experiments.tables.table import Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import known_optimum
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 MINIMUM_TOLERANCE = 0.01  # of the published minimum
 MEAN_TOLERANCE = 0.02  # of the published mean, beyond our interval

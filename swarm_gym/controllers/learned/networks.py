@@ -97,7 +97,7 @@ class FeedforwardController(Controller):
         if self._base is not None:
             self._base.controller.reset(num_swarms, seed)
 
-    def identity(self) -> Any:
+    def identity(self) -> object:
         """Return the digest of the weights, the layouts and sizes, and the controller that is corrected.
 
         The rest of the manifest says where the policy comes from.

@@ -10,7 +10,7 @@ cohort of ants walks, as many as the population size; only the trails connect on
 """
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,8 @@ from swarm_gym.optimizers.ant_colony.walk import (
     Ants,
     learn_map,
     make_ants,
+    memory_size,
     most_steps,
-    places_size,
     set_weights,
     walk,
 )
@@ -38,7 +38,7 @@ from swarm_gym.optimizers.best_walk import re_evaluate_walk
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, is_spent
-from swarm_gym.problem.tables import evaluate
+from swarm_gym.problem.tables import Table, evaluate
 from swarm_gym.problem.walk.table import WalkTable, cell_of, to_map
 
 Floats = NDArray[np.float64]
@@ -55,7 +55,7 @@ _NEXT_SIZE, _BEST_ARRIVED = range(_NUM_REGISTERS)
 class AntColonyParameters(NamedTuple):
     """Parameters of the ant colony.
 
-    The field of a swarm holds its trails, then what it remembers of places; see `trails` and `walk`.
+    The field of a swarm holds its trails, then the memory of its ants; see `trails` and `walk`.
     """
 
     trail_weight: Annotated[
@@ -115,11 +115,11 @@ def _make_walks(num_ants: int, most_cells: int) -> Walks:
 
 @kernel
 def _make_ants(swarms: Swarms, b: int, work: Workspace) -> Ants:
-    """Return the ants of swarm `b`, with the trails and places that they know."""
-    common = trails_size(0) + places_size(0)
-    num_cells = (swarms.field.shape[1] - common) // (trails_size(1) + places_size(1) - common)
-    trails, places = swarms.field[b, : trails_size(num_cells)], swarms.field[b, trails_size(num_cells) :]
-    return make_ants(trails, places, work.noise)
+    """Return the ants of swarm `b`, with their trails and their memory."""
+    common = trails_size(0) + memory_size(0)
+    num_cells = (swarms.field.shape[1] - common) // (trails_size(1) + memory_size(1) - common)
+    trails, memory = swarms.field[b, : trails_size(num_cells)], swarms.field[b, trails_size(num_cells) :]
+    return make_ants(trails, memory, work.noise)
 
 
 @kernel(inline="late")
@@ -140,7 +140,7 @@ def _send_ants(
     size: int,
 ) -> Walks:
     """Let a cohort of up to `size` ants walk, while the budget lasts, and return the walks; no new trails."""
-    learn_map(ants.places, table)
+    learn_map(ants, table)
     walks, path = _make_walks(size, most_steps(table) + 1), work.path
     for i in range(min(size, swarms.budget[b] - swarms.evaluations[b])):
         first = walks.ends[walks.number[0]]
@@ -252,7 +252,7 @@ def iterate(
     if is_spent(swarms, b):
         return
     ants = _make_ants(swarms, b, work)
-    set_weights(ants.places, parameters.trail_weight, parameters.sight_weight)
+    set_weights(ants, parameters.trail_weight, parameters.sight_weight)
     walks = _send_ants(swarms, b, table, work, ants, swarms.registers[b, _NEXT_SIZE])
     _renew_trails(parameters, swarms, b, table, ants, walks)
 
@@ -289,13 +289,15 @@ class AntColony(Optimizer):
         return _NUM_REGISTERS
 
     @staticmethod
-    def walk_points(tables: Any, iterations: int) -> int:  # noqa: ARG004
+    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
         """Return the most points that the walk of an ant has."""
+        assert isinstance(tables, WalkTable)
         height, width = tables.blocked.shape[-2:]
         return STEP_LIMIT * (height + width) + 1
 
     @staticmethod
-    def field_size(tables: Any) -> int:
-        """Return the size of the trails and of what is remembered of places."""
+    def field_size(tables: Table) -> int:
+        """Return the size of the trails and of the memory."""
+        assert isinstance(tables, WalkTable)
         height, width = tables.blocked.shape[-2:]
-        return trails_size(height * width) + places_size(height * width)
+        return trails_size(height * width) + memory_size(height * width)

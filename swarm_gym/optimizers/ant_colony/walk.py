@@ -6,10 +6,11 @@ target) as the visibility. All other rules on grids, and the exponent beta, are 
 docs/readings.md.
 
 An ant sees the distance of a cell from the target, and knows the cells that it has visited. Both are stored
-for each cell in an array of numbers, `places`: a head of `NUM_COMMON`, then for each cell, row by row, the
-time of the last visit, and ln(eps + distance to the target in cells), or 0 if that is not computed yet. An
-array of zeros is `places` of a map without visits. Time is counted in cells: an ant has as many moments of
-its own as its walk can have cells.
+for each cell in the columns `VISIT` and `FARNESS` of a matrix, `places`, row by row of the map: the time of
+the last visit, and ln(eps + distance to the target in cells), or 0 if that is not computed yet. What all
+cells share is in the columns of `common`. The two are parts of one array of numbers, the memory of the ants;
+an array of zeros is the memory of a map without visits. Time is counted in cells: an ant has as many moments
+of its own as its walk can have cells.
 """
 
 import math
@@ -33,20 +34,21 @@ NEAREST = 0.5
 # Most steps, forward or back, of an ant, as a multiple of the map's width + height.
 STEP_LIMIT = 4
 
-# Entries of the head: the last moment before the present ant; the target's cell and the map's width for which
+# Columns of `common`: the last moment before the present ant; the target's cell and the map's width for which
 # distances are stored; alpha and beta.
 NUM_COMMON = 6
-_BEFORE, _TARGET_COLUMN, _TARGET_ROW, _WIDTH, _TRAIL_WEIGHT, _SIGHT_WEIGHT = range(NUM_COMMON)
-# Entries of a cell: the last visit, and the logarithm of its distance.
-_PER_CELL = 2
-_VISIT, _FARNESS = range(_PER_CELL)
+BEFORE, TARGET_COLUMN, TARGET_ROW, WIDTH, TRAIL_WEIGHT, SIGHT_WEIGHT = range(NUM_COMMON)
+# Columns of `places`: the last visit of a cell, and the logarithm of its distance.
+NUM_COLUMNS = 2
+VISIT, FARNESS = range(NUM_COLUMNS)
 
 
 class Ants(NamedTuple):
     """The arrays that the ants of a swarm share."""
 
     trails: Floats  # see `trails`
-    places: Floats  # visits and distances of the cells, see the head of this module
+    common: Floats  # (NUM_COMMON,) what all cells share
+    places: Floats  # (number of cells, NUM_COLUMNS) visits and distances of the cells
     noise: Floats  # (8,) random numbers
     allowed: Integers  # (8,) moves that are allowed from the cell of an ant
     farness: Floats  # (8,) ln(eps + distance) of the cells to which they lead
@@ -54,17 +56,18 @@ class Ants(NamedTuple):
 
 
 @kernel
-def make_ants(trails: Floats, places: Floats, noise: Floats) -> Ants:
-    """Return ants that know these trails and places."""
-    return Ants(
-        trails, places, noise, np.empty(NUM_MOVES, np.int64), np.empty(NUM_MOVES), np.empty(NUM_MOVES)
-    )
+def make_ants(trails: Floats, memory: Floats, noise: Floats) -> Ants:
+    """Return ants that know these trails and have this memory, see `memory_size`."""
+    num_cells = (memory.shape[0] - NUM_COMMON) // NUM_COLUMNS
+    places = memory[NUM_COMMON:].reshape((num_cells, NUM_COLUMNS))
+    allowed, farness, weights = np.empty(NUM_MOVES, np.int64), np.empty(NUM_MOVES), np.empty(NUM_MOVES)
+    return Ants(trails, memory[:NUM_COMMON], places, noise, allowed, farness, weights)
 
 
 @kernel
-def places_size(num_cells: int) -> int:
-    """Return the length of `places` for this number of cells."""
-    return NUM_COMMON + _PER_CELL * num_cells
+def memory_size(num_cells: int) -> int:
+    """Return the length of the memory for this number of cells."""
+    return NUM_COMMON + NUM_COLUMNS * num_cells
 
 
 @kernel(inline="late")
@@ -74,22 +77,22 @@ def most_steps(table: WalkTable) -> int:
 
 
 @kernel
-def set_weights(places: Floats, trail_weight: float, sight_weight: float) -> None:
+def set_weights(ants: Ants, trail_weight: float, sight_weight: float) -> None:
     """Set the exponents by which ants choose moves: alpha, and beta per cell of the straight line."""
-    places[_TRAIL_WEIGHT], places[_SIGHT_WEIGHT] = trail_weight, sight_weight
+    ants.common[TRAIL_WEIGHT], ants.common[SIGHT_WEIGHT] = trail_weight, sight_weight
 
 
 @kernel
-def learn_map(places: Floats, table: WalkTable) -> None:
+def learn_map(ants: Ants, table: WalkTable) -> None:
     """Forget the stored distances if they are to another target, or on a map of another width."""
+    common, places, width = ants.common, ants.places, table.num_columns
     column, row = cell_of(table, table.target[0], table.target[1])
-    width = table.num_columns
-    if places[_TARGET_COLUMN] == column and places[_TARGET_ROW] == row and places[_WIDTH] == width:
+    if common[TARGET_COLUMN] == column and common[TARGET_ROW] == row and common[WIDTH] == width:
         return
-    if places[_WIDTH] > 0.0:
-        for place in range(NUM_COMMON + _FARNESS, places.shape[0], _PER_CELL):
-            places[place] = 0.0
-    places[_TARGET_COLUMN], places[_TARGET_ROW], places[_WIDTH] = column, row, width
+    if common[WIDTH] > 0.0:
+        for cell in range(places.shape[0]):
+            places[cell, FARNESS] = 0.0
+    common[TARGET_COLUMN], common[TARGET_ROW], common[WIDTH] = column, row, width
 
 
 @kernel(inline="late")
@@ -126,13 +129,13 @@ def walk(
         The number of cells of the walk, and whether it ends in the target's cell.
     """
     # No NamedTuples in the loop: the references to their arrays would be counted at every step.
-    blocked, trails, places, noise = table.blocked, ants.trails, ants.places, ants.noise
-    allowed, farness, weights = ants.allowed, ants.farness, ants.weights
-    width, before, trail_weight = blocked.shape[1], places[_BEFORE], places[_TRAIL_WEIGHT]
+    blocked, trails, common, places = table.blocked, ants.trails, ants.common, ants.places
+    noise, allowed, farness, weights = ants.noise, ants.allowed, ants.farness, ants.weights
+    width, before, trail_weight = blocked.shape[1], common[BEFORE], common[TRAIL_WEIGHT]
     column, row = cell_of(table, table.start[0], table.start[1])
     end_column, end_row = cell_of(table, table.target[0], table.target[1])
-    exponent = places[_SIGHT_WEIGHT] * math.hypot(end_column - column, end_row - row)  # beta
-    places[NUM_COMMON + _PER_CELL * (row * width + column) + _VISIT] = before + 1.0
+    exponent = common[SIGHT_WEIGHT] * math.hypot(end_column - column, end_row - row)  # beta
+    places[row * width + column, VISIT] = before + 1.0
     cells[first, 0], cells[first, 1] = column, row
     length, drawn = 1, noise.shape[0]
     for _ in range(most_steps(table)):
@@ -143,13 +146,13 @@ def walk(
             if not _is_allowed(blocked, column, row, move):
                 continue
             to_column, to_row = column + STEP_COLUMNS[move], row + STEP_ROWS[move]
-            place = NUM_COMMON + _PER_CELL * (to_row * width + to_column)
-            if places[place + _VISIT] > before:
+            cell = to_row * width + to_column
+            if places[cell, VISIT] > before:
                 continue
-            if places[place + _FARNESS] == 0.0:
+            if places[cell, FARNESS] == 0.0:
                 distance = math.hypot(to_column - end_column, to_row - end_row)
-                places[place + _FARNESS] = math.log(NEAREST + distance)
-            allowed[count], farness[count] = move, places[place + _FARNESS]
+                places[cell, FARNESS] = math.log(NEAREST + distance)
+            allowed[count], farness[count] = move, places[cell, FARNESS]
             least = min(least, farness[count])
             count += 1
         if count == 0:
@@ -175,29 +178,28 @@ def walk(
         move = allowed[_first_above(weights, float(noise[drawn] * total), count)]
         drawn += 1
         column, row = column + STEP_COLUMNS[move], row + STEP_ROWS[move]
-        places[NUM_COMMON + _PER_CELL * (row * width + column) + _VISIT] = before + 1.0
+        places[row * width + column, VISIT] = before + 1.0
         cells[first + length, 0], cells[first + length, 1] = column, row
         length += 1
-    length = _cut_loops(places, blocked, cells, first, length)
-    places[_BEFORE] += most_steps(table) + 1
+    length = _cut_loops(places, before, blocked, cells, first, length)
+    common[BEFORE] += most_steps(table) + 1
     return length, column == end_column and row == end_row
 
 
 @kernel
-def _cut_loops(places: Floats, blocked: Flags, cells: Cells, first: int, length: int) -> int:
+def _cut_loops(places: Floats, before: float, blocked: Flags, cells: Cells, first: int, length: int) -> int:
     """Let each cell be followed by the last cell of the walk next to it; return the number of cells left."""
     # So far all visited cells have the first moment of this ant; cells that it backed out of keep it.
-    width, start = blocked.shape[1], places[_BEFORE] + 1.0
+    width, start = blocked.shape[1], before + 1.0
     for k in range(length):
-        place = NUM_COMMON + _PER_CELL * (cells[first + k, 1] * width + cells[first + k, 0])
-        places[place + _VISIT] = start + k
+        places[cells[first + k, 1] * width + cells[first + k, 0], VISIT] = start + k
     k, kept = 0, 1
     while k < length - 1:
         column, row = cells[first + kept - 1, 0], cells[first + kept - 1, 1]
         for move in range(NUM_MOVES):
             if _is_allowed(blocked, column, row, move):
                 cell = (row + STEP_ROWS[move]) * width + column + STEP_COLUMNS[move]
-                k = max(k, int(places[NUM_COMMON + _PER_CELL * cell + _VISIT] - start))
+                k = max(k, int(places[cell, VISIT] - start))
         cells[first + kept, 0], cells[first + kept, 1] = cells[first + k, 0], cells[first + k, 1]
         kept += 1
     return kept

@@ -13,7 +13,7 @@ paper lists only fish (docs/readings.md).
 """
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
-from swarm_gym.optimizers.parameter import Parameter
+from swarm_gym.optimizers.parameter import Parameter, Parameters
 from swarm_gym.population import Swarms, Workspace, copy_position, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table, evaluate, repair, unit_length
 
@@ -68,7 +68,7 @@ class School(NamedTuple):
 
 @kernel
 def gather(
-    parameters: Any, table: Table, visual: float, step: float, tries: float, repair_degree: float
+    parameters: Parameters, table: Table, visual: float, step: float, tries: float, repair_degree: float
 ) -> School:
     """Return the fish at the beginning of an iteration, with these limits in it."""
     width = table.lower.shape[0]

@@ -33,6 +33,7 @@ from swarm_gym.optimizers.fish.behaviour import (
     settle,
 )
 from swarm_gym.optimizers.optimizer import Optimizer
+from swarm_gym.optimizers.parameter import Parameters
 from swarm_gym.population import Swarms, Workspace, is_spent
 from swarm_gym.problem.tables import Table
 
@@ -75,7 +76,7 @@ prey_by_class = kernel_by_class(PREY)
 
 @kernel(borrows=True)
 def take_turns(
-    parameters: Any, school: School, swarms: Swarms, b: int, table: Table, work: Workspace
+    parameters: Parameters, school: School, swarms: Swarms, b: int, table: Table, work: Workspace
 ) -> None:
     """Let every fish of swarm `b` take its turn, while the evaluation budget lasts."""
     for i in range(swarms.size[b]):
@@ -105,7 +106,7 @@ def look_around(school: School, swarms: Swarms, b: int, i: int) -> tuple[int, in
 
 @kernel(borrows=True)
 def swarm(
-    parameters: Any,
+    parameters: Parameters,
     school: School,
     swarms: Swarms,
     b: int,
@@ -125,7 +126,7 @@ def swarm(
 
 @kernel(borrows=True)
 def follow(
-    parameters: Any,
+    parameters: Parameters,
     school: School,
     swarms: Swarms,
     b: int,

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,7 +99,7 @@ class AnalyticProblem(MapProblem):
         return is_clear(path, self.scenario.solids, self.scenario.tolerance)
 
     @property
-    def identity(self) -> tuple[Any, ...]:
+    def identity(self) -> tuple[object, ...]:
         """The numbers and obstacles that the fitness depends on."""
         scenario = self.scenario
         numbers = (

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,7 +31,7 @@ class BbobProblem(FunctionProblem):
         return tabulate(self.scenario)
 
     @property
-    def identity(self) -> tuple[Any, ...]:
+    def identity(self) -> tuple[object, ...]:
         """The numbers of function, dimension and instance, on which the fitness depends."""
         return "bbob", self.scenario.number, self.scenario.dimension, self.scenario.instance
 

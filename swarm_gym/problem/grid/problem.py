@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,7 +99,7 @@ class GridProblem(GridMapProblem):
         return np.clip(found, *self.bounds)
 
     @property
-    def identity(self) -> tuple[Any, ...]:
+    def identity(self) -> tuple[object, ...]:
         """The map, the ends and the parameters that the fitness depends on."""
         scenario = self.scenario
         ends = [float(number) for number in (*scenario.start, *scenario.target)]

@@ -9,13 +9,14 @@ after iterations 40, 45, 50 and so on. Robots can drive on any map.
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.dynamic.events import Appear, Disappear, Drive, Event, Move
-from swarm_gym.scenarios.dynamic.scenario import DynamicScenario
+from swarm_gym.scenarios.dynamic.scenario import AnyScenario, DynamicScenario, MapScenario
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 from swarm_gym.scenarios.obstacles import Circle, Polygon
 
@@ -60,7 +61,31 @@ EVENTS: dict[str, dict[str, tuple[Event, ...]]] = {
 }
 
 
-def expand(name: str) -> tuple[str, ...]:
+def make_family(
+    expand_base: Callable[[str], tuple[str, ...]], make_base: Callable[[str], AnyScenario]
+) -> Family:
+    """Return the family, whose bases are scenarios of other families.
+
+    Args:
+        expand_base: function that returns the names of the single scenarios that a base stands for.
+        make_base: function that returns the single scenario of a base.
+    """
+    samples = (
+        *(f"{NAME}:{base}-{event}@70" for base in EVENTS for event in EVENTS[base]),
+        f"{NAME}:case3-drive@40,every=5,distance=80",
+        f"{NAME}:rooms:0-block@50-drive@40,every=5,distance=8",
+    )
+
+    def expand(name: str) -> tuple[str, ...]:
+        return _expand(name, expand_base)
+
+    def make(name: str) -> DynamicScenario:
+        return _make(name, make_base)
+
+    return Family(USAGE, samples, expand, make)
+
+
+def _expand(name: str, expand_base: Callable[[str], tuple[str, ...]]) -> tuple[str, ...]:
     """Return the names of the single scenarios that a name stands for.
 
     Names with a range of iterations, or without event and with a range as base, stand for several scenarios.
@@ -69,8 +94,6 @@ def expand(name: str) -> tuple[str, ...]:
         UnknownNameError: if there is no such base, or the base has no events, or none of that name.
         ScenarioError: if the name has another form.
     """
-    from swarm_gym.scenarios.registry import expand_name  # which imports this module
-
     parts = _parse(name)
     # Without this check, bases could be nested as deeply as a name is long.
     if parts.base.partition(":")[0] == NAME:
@@ -85,23 +108,21 @@ def expand(name: str) -> tuple[str, ...]:
         )
     events = [""] if parts.event is None else [f"-{parts.event}@{begin}" for begin in parts.begins]
     return tuple(
-        f"{NAME}:{base}{event}{parts.drive_part}" for base in expand_name(parts.base) for event in events
+        f"{NAME}:{base}{event}{parts.drive_part}" for base in expand_base(parts.base) for event in events
     )
 
 
-def make(name: str) -> DynamicScenario:
+def _make(name: str, make_base: Callable[[str], AnyScenario]) -> DynamicScenario:
     """Return the scenario of that name.
 
     Raises:
         ScenarioError: if the base has no map, or a map that changes itself.
     """
-    from swarm_gym.scenarios.registry import make_scenario  # which imports this module
-
     parts = _parse(name)
     events = () if parts.event is None else EVENTS[parts.base][parts.event]
     shifted = (replace(one, iteration=one.iteration + begin) for begin in parts.begins for one in events)
-    made: Any = make_scenario(parts.base)  # `DynamicScenario` checks that it has a map
-    return DynamicScenario(name, made, tuple(shifted), parts.drive)
+    base = cast("MapScenario", make_base(parts.base))  # `DynamicScenario` checks that it has a map
+    return DynamicScenario(name, base, tuple(shifted), parts.drive)
 
 
 class _Parts(NamedTuple):
@@ -141,15 +162,3 @@ def _parse(name: str) -> _Parts:
         raise ScenarioError(usage)
     drive = None if drive_part is None else Drive(int(first), int(every), float(distance))
     return _Parts(base, event, begins, drive, drive_part or "")
-
-
-FAMILY = Family(
-    USAGE,
-    (
-        *(f"{NAME}:{base}-{event}@70" for base in EVENTS for event in EVENTS[base]),
-        f"{NAME}:case3-drive@40,every=5,distance=80",
-        f"{NAME}:rooms:0-block@50-drive@40,every=5,distance=8",
-    ),
-    expand,
-    make,
-)

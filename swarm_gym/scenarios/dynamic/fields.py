@@ -36,7 +36,7 @@ TRIALS = 200  # events that are tried before a field is drawn again
 Generator = np.random.Generator
 
 
-class Split(NamedTuple):
+class ChangingSplit(NamedTuple):
     """A split of the changing fields.
 
     Attributes:
@@ -159,10 +159,10 @@ def _move(
 # The ranges of seeds are disjoint, also from those of `random_fields.SPLITS`. Never change the seeds or the
 # generator of a split: results refer to them.
 SPLITS = {
-    "train": Split(10_000_000, 1_000_000, (_appear, _vanish)),
-    "validation": Split(11_000_000, 100_000, (_appear, _vanish)),
-    "test": Split(11_100_000, 100_000, (_appear, _vanish)),
-    "moving": Split(11_200_000, 100_000, (_move,)),
+    "train": ChangingSplit(10_000_000, 1_000_000, (_appear, _vanish)),
+    "validation": ChangingSplit(11_000_000, 100_000, (_appear, _vanish)),
+    "test": ChangingSplit(11_100_000, 100_000, (_appear, _vanish)),
+    "moving": ChangingSplit(11_200_000, 100_000, (_move,)),
 }
 
 

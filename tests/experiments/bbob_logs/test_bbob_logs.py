@@ -13,7 +13,7 @@ from helpers.refusals import refused
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 SMALL = {"functions": (1, 15), "dimensions": (2, 3), "instances": (1, 4), "budget": 60}
 

@@ -11,7 +11,7 @@ from helpers.stored_runs import cells_of, part_of, stored_run
 from swarm_gym.final_repair import final_repair
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 
 def _paths():

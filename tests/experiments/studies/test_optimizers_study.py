@@ -43,7 +43,7 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.reference import shortest_grid_path, shortest_path
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 SWARM = "particle-swarm"
 

@@ -12,6 +12,7 @@ from experiments.studies.dynamic.suites import DYNAMIC, TOLD
 from helpers.stored_runs import cells_of, outcomes_of, stored_run
 from swarm_gym.reference import known_optimum
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for
 
 GATE, STILL = "dynamic:case3-gate@4", "case1"
 POOR, GOOD = "fixed:60", "learned:a/0"
@@ -19,7 +20,7 @@ POOR, GOOD = "fixed:60", "learned:a/0"
 
 def run_with(scenario, before, after, feasible):
     """Return a run of 6 iterations with these gaps before and after an event, feasible (1) or not by row."""
-    optima = [known_optimum(problem) for problem in Settings(scenario=scenario).problems()]
+    optima = [known_optimum(problem) for problem in problems_for(Settings(scenario=scenario))]
     best = [optima[0] * (1.0 + before)] * 4 + [optima[-1] * (1.0 + after)] * 3
     courses = {"best_fitness": np.array(best), "feasible_fitness": np.where(feasible, 310.0, np.nan)}
     return stored_run((POOR, scenario, 0), courses, final_fitness=best[-1])

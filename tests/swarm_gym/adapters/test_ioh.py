@@ -20,10 +20,11 @@ from swarm_gym.registration import environment_id
 from swarm_gym.rendering.function_view import RESOLUTION
 from swarm_gym.scenarios import IohScenario, expand_name, make_scenario
 from swarm_gym.scenarios.ioh_scenario import called
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.testing import check_optimizer, check_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.worlds import make_problem
 
 ioh = pytest.importorskip("ioh", reason="needs the extra `benchmarks`")
 

@@ -25,7 +25,7 @@ def sizes_and_swarms(name, scenario="case3", seed=0):
     ended, sizes, best, diversity = False, [], [], []
     while not ended:
         simulation = env.simulation
-        best.append(simulation.swarms.best_fitness[0] / simulation.lower_bounds[0])
+        best.append(simulation.swarms.best_fitness[0] / simulation.worlds.lower_bounds[0])
         positions = simulation.positions(0)
         squares = ((positions - positions.mean(axis=0)) ** 2).sum(axis=1)
         diversity.append(math.sqrt(squares.mean()))

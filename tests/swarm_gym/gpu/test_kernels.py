@@ -10,8 +10,8 @@ from swarm_gym.arrays import as_numpy
 from swarm_gym.compiler.random_stream import fill_uniform, seed_stream
 from swarm_gym.problem.geometry.bends import STOMP
 from swarm_gym.problem.tables import stack
-from swarm_gym.settings import make_problem
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.worlds import make_problem
 
 CASES = ("case1", "case2", "case3")
 FUNCTIONS = ("rastrigin-10", "sum-squares-10", "easom-2", "booth-2", "bohachevsky-2")

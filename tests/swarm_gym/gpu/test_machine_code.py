@@ -9,7 +9,7 @@ import pytest
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem.tables import stack
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 pytestmark = pytest.mark.slow
 HOPPER = (9, 0)  # compute capability

@@ -103,7 +103,7 @@ def test_memory_of_places_where_nothing_was_laid_is_not_touched():
     assert 0 < (per_cell != 0.0).any(axis=1).sum() < 12
     assert AntColony.field_size(stack([problem.table])) == trails.trails_size(
         num_cells
-    ) + ant_colony_walk.places_size(num_cells)
+    ) + ant_colony_walk.memory_size(num_cells)
 
 
 def test_an_episode_on_another_map_of_the_stack_begins_as_a_fresh_one():

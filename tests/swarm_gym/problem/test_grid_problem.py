@@ -16,7 +16,8 @@ from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.tables import evaluate_entry, repair_entry, select, stack
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.settings import Settings
+from swarm_gym.worlds import make_problem, problems_for
 
 GEOMETRIES = {
     "cells": {},
@@ -239,7 +240,7 @@ def test_equal_maps_under_other_names_are_the_same_problem():
 
 
 def settings_of(**options):
-    return Settings.from_options(Firefly, options).problems()
+    return problems_for(Settings.from_options(Firefly, options))
 
 
 def refused(*words, error=SettingError, **options):

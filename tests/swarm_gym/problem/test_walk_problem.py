@@ -12,7 +12,7 @@ from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.problem import WalkProblem
 from swarm_gym.problem.tables import select, stack
 from swarm_gym.scenarios import GridScenario
-from swarm_gym.settings import make_problem
+from swarm_gym.worlds import make_problem
 
 GEOMETRIES = ({}, METRES)
 

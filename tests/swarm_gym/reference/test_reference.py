@@ -12,8 +12,8 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import swarm_gym.worlds
 from helpers.builders import CASES, make_problem, random_scenario, turned
-from swarm_gym import settings as settings_of
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
@@ -274,7 +274,7 @@ def test_the_packaged_optima_are_what_is_computed_for_every_registered_scenario(
         assert new.keys() == old.keys()
         for length in ("fitness", "shortest_path"):
             assert new[length] == pytest.approx(old[length], abs=2e-6)
-        assert known_optimum(settings_of.make_problem(old["name"])) == old["fitness"]
+        assert known_optimum(swarm_gym.worlds.make_problem(old["name"])) == old["fitness"]
         assert old["length_weight"] * old["shortest_path"] < old["fitness"]
 
 
@@ -389,7 +389,7 @@ def test_the_command_stores_what_environments_then_know(cache, monkeypatch, caps
     assert "2/2" in capsys.readouterr().err
     env = SwarmEnv(scenario=name, num_waypoints=6)
     env.reset(seed=0)
-    assert np.isfinite(env.simulation.optimality_gap()).all()
+    assert np.isfinite(env.simulation.gaps.optimality()).all()
 
 
 @pytest.mark.parametrize(

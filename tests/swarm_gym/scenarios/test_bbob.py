@@ -23,6 +23,7 @@ from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
 from swarm_gym.scenarios.bbob.random_numbers import rotation, uniform_numbers
 from swarm_gym.scenarios.bbob.scenario import FUNCTIONS
 from swarm_gym.settings import Settings
+from swarm_gym.worlds import problems_for
 
 functions = pytest.mark.parametrize("function", FUNCTIONS)
 
@@ -229,7 +230,7 @@ def test_other_test_functions_are_refused_beside_them_by_name():
     for given_names in (names, names[::-1]):
         options = {"scenario": given_names}
         refused(
-            lambda o=options: Settings.from_options(Firefly, o).problems(),
+            lambda o=options: problems_for(Settings.from_options(Firefly, o)),
             *map(repr, names),
             error=SettingError,
         )

@@ -7,7 +7,7 @@ import pytest
 
 from helpers.public_maps import needed
 from swarm_gym.scenarios import download
-from swarm_gym.scenarios.download import MAPS, RemoteFile, Source, main
+from swarm_gym.scenarios.download import MAPS, RemoteFile, RemoteFolder, main
 from swarm_gym.scenarios.formats.data_files import find_data_file
 
 CONTENT = {"maps/one.map": b"one", "maps/one.map.scen": b"problems", "two.yaml": b"two"}
@@ -40,7 +40,7 @@ def folder(tmp_path, monkeypatch, served):
 
     def remote(name):
         content = CONTENT[name]
-        source = Source(served[1], "made, cite nobody")
+        source = RemoteFolder(served[1], "made, cite nobody")
         local = f"movingai/{name.removeprefix('maps/')}"
         return RemoteFile(source, name, local, len(content), hashlib.sha256(content).hexdigest())
 
@@ -118,7 +118,8 @@ def test_a_file_that_is_gone_is_reported_with_its_address(folder, served, capsys
 
 def test_without_a_network_nothing_is_written_and_the_exit_code_is_one(folder, monkeypatch, capsys):
     file = download.MAPS["two"][0]
-    nowhere = file._replace(source=Source("http://127.0.0.1:9/", ""))  # the discard port: nobody listens
+    discard = RemoteFolder("http://127.0.0.1:9/", "")  # the discard port: nobody listens
+    nowhere = file._replace(source=discard)
     monkeypatch.setattr(download, "MAPS", {"two": (nowhere,)})
     assert main([]) == 1
     assert "http://127.0.0.1:9/two.yaml cannot be downloaded" in capsys.readouterr().err

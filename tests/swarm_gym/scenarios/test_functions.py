@@ -23,7 +23,8 @@ from swarm_gym.problem.tables import evaluate_entry, select, stack
 from swarm_gym.reference import ensure_optima, gap_to_optimum, known_optimum, shortest_path
 from swarm_gym.scenarios import FunctionScenario, expand_name, make_scenario, make_scenarios
 from swarm_gym.scenarios.function_scenario import FUNCTIONS
-from swarm_gym.settings import Settings, make_problem
+from swarm_gym.settings import Settings
+from swarm_gym.worlds import make_problem, problems_for
 
 NAMES = [f"function:{function}-2" for function in FUNCTIONS]
 
@@ -290,7 +291,7 @@ def test_problems_with_the_same_values_are_the_same_whatever_their_names():
 
 
 def problems_of(**options):
-    return Settings.from_options(Firefly, options).problems()
+    return problems_for(Settings.from_options(Firefly, options))
 
 
 def test_settings_make_the_problems_of_functions():

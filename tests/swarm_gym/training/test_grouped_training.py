@@ -42,7 +42,7 @@ def test_swarms_of_a_group_begin_alike_in_every_episode_and_groups_differ():
     for _ in range(2 * ITERATIONS):
         if env._lengths[0] == 0:
             starts.append(seen)
-            prices.append(env.env.simulation.price.copy())
+            prices.append(env.env.simulation.prices.of_reference.copy())
         seen, _, dones, _ = env.step(np.random.default_rng(0).uniform(-1, 1, (6, 2)))
         assert dones.all() == dones.any()
     for start, price in zip(starts, prices, strict=True):

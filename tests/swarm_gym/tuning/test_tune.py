@@ -75,7 +75,7 @@ def test_candidates_meet_the_same_episodes_as_in_the_single_environment_whatever
     for row, controller in enumerate(controllers[:2]):
         for episode, scenario in enumerate(outcomes.scenarios[row]):
             inside, _, info = play(controller, scenario, TRAINING_START + episode, max_population_size=12)
-            gap = inside.swarms.best_fitness[0] / inside.lower_bounds[0] - 1.0
+            gap = inside.swarms.best_fitness[0] / inside.worlds.lower_bounds[0] - 1.0
             expected = np.log(gap) + 0.7 * info["evaluations"] / 100_000
             assert outcomes.losses[row, episode] == pytest.approx(expected, rel=1e-12)
 

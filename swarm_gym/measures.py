@@ -1,0 +1,93 @@
+"""The measures of what swarms reach: gaps of the best fitness, and the price of evaluations.
+
+They work on the arrays of any library, see `swarm_gym.arrays`.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_gym.arrays import divided, namespace_of
+from swarm_gym.compiler.elementary import exp, log
+from swarm_gym.population import Swarms
+from swarm_gym.settings import Settings
+from swarm_gym.worlds import Worlds
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class Gaps:
+    """The gaps of B swarms: how far their best fitness is above a lower bound, or above the optimum.
+
+    Bounds and optima are those of the problems that the swarms work on now.
+
+    Args:
+        swarms: state of the swarms.
+        worlds: problems that the swarms work on.
+        initial: (B,) array for the initial gaps.
+
+    Attributes:
+        initial: (B,) best fitness of the first population above the lower bound; where the map has changed
+            since, times what that did to the gap.
+    """
+
+    def __init__(self, swarms: Swarms, worlds: Worlds, initial: Floats):
+        self._swarms, self._worlds = swarms, worlds
+        self.initial = initial
+
+    def of(self, fitness: Floats) -> Floats:
+        """Return (B,) fitness values (B,) minus the lower bounds; positive, so that they have logarithms."""
+        worlds, problem, xp = self._worlds, self._swarms.problem, namespace_of(fitness)
+        return xp.maximum(fitness - worlds.lower_bounds[problem], 1e-9 * worlds.gap_units[problem])
+
+    def now(self) -> Floats:
+        """Return (B,) the gaps of the best fitness so far."""
+        return self.of(self._swarms.best_fitness)
+
+    def optimality(self) -> Floats:
+        """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
+
+        If the optimum is 0, as for test functions, it is the best fitness itself. An optimum that is not
+        known is computed when it is first asked for, if that takes less than about a second.
+        """
+        self._worlds.compute_optima()
+        optimum = self._worlds.optima[self._swarms.problem]
+        unit = namespace_of(optimum).where(optimum == 0.0, 1.0, optimum)
+        return (self._swarms.best_fitness - optimum) / unit
+
+    def carry_over(self, before: Floats, changed: Flags) -> None:
+        """Scale the initial gaps of swarms whose problems have changed, (B,), by what that did to the gaps.
+
+        Args:
+            before: (B,) gaps before the change.
+            changed: (B,) swarms whose problems have changed.
+        """
+        self.initial *= divided(namespace_of(before), self.now(), before, changed, 1.0)
+
+
+class Prices:
+    """The prices of evaluations in the present episodes of B swarms.
+
+    Args:
+        of_reference: (B,) array for the prices.
+        settings: options of the environment.
+
+    Attributes:
+        of_reference: (B,) cost of `Settings.reference_evaluations` evaluations.
+    """
+
+    def __init__(self, of_reference: Floats, settings: Settings):
+        self.of_reference = of_reference
+        self._reference = settings.reference_evaluations
+
+    def cost(self, evaluations: NDArray[np.int64]) -> Floats:
+        """Return (B,) what these numbers of evaluations, (B,), cost."""
+        return self.of_reference * evaluations / self._reference
+
+
+def draw_price(settings: Settings, generator: np.random.Generator) -> float:
+    """Draw the price of an episode."""
+    if not isinstance(settings.price, tuple):
+        return settings.price
+    low, high = log(settings.price)
+    return float(exp(low + (high - low) * generator.random()))
