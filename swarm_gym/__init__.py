@@ -11,22 +11,20 @@ Importing this package registers the environments:
 """
 
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from swarm_gym.registration import register_environments
 
 if TYPE_CHECKING:
-    from swarm_gym.planning import plan as plan
+    from swarm_gym.planning import Plan
 
 __version__ = version("swarm_gym")
 
 register_environments()
 
 
-if not TYPE_CHECKING:
+def plan(*arguments: Any, **options: Any) -> "Plan":
+    """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
+    from swarm_gym import planning  # takes a second to import
 
-    def plan(*arguments, **options):
-        """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
-        from swarm_gym import planning  # takes a second to import
-
-        return planning.plan(*arguments, **options)
+    return planning.plan(*arguments, **options)
