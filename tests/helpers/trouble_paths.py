@@ -13,6 +13,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.problem import AnalyticProblem
 
 FEASIBLE = 1e-9  # degree of collision up to which a path counts as feasible, in map units
+ROUNDED = 4e-12  # the same, as a share of the extent, for large maps, on which roundings are larger
 ROUNDING = 1e-12  # depth that rounded coordinates give to a path that only touches, as a share of the extent
 UNCLEAR = 1e-7  # depth from which a path surely enters, as a share of the extent
 WAYPOINTS = (3, 7, 15, 31)
@@ -146,6 +147,7 @@ def is_entering(scene, path):
 
 def _held(seed, what, scene, problem, vectors):
     count = Count()
+    limit = max(FEASIBLE, ROUNDED * scene.blocked.extent)
     for number, (vector, path) in enumerate(zip(vectors, problem.points(vectors), strict=True)):
         entering = is_entering(scene, path)
         if entering is None:
@@ -153,7 +155,7 @@ def _held(seed, what, scene, problem, vectors):
             continue
         collision = problem.evaluate(vector)[1]
         count += Count(entering=1) if entering else Count(free=1)
-        if (collision <= FEASIBLE) == entering:
+        if (collision <= limit) == entering:
             where = "inside" if entering else "outside"
             text = f"scene {seed} ({scene.kind}), {what} path {number}: {where}, collision {collision:.3g}"
             count += Count(wrong=(text,))
