@@ -17,15 +17,15 @@ from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 Floats = NDArray[np.float64]
 # A function to the scale on which a decision is interpolated, and its inverse.
-Scale = tuple[Callable[[Any], Floats], Callable[[Any], Floats]]
+_Scale = tuple[Callable[[Any], Floats], Callable[[Any], Floats]]
 
 SIZE, DEGREE = "population size", "repair degree"  # names of the decisions that every open loop has
 # Far beyond the length of an episode; an open loop has a row for each iteration up to the last knot.
 MAX_KNOT = 10**5
 
-_LOGARITHM: Scale = (log, exp)
-_ROOT: Scale = (np.sqrt, np.square)
-_AS_IT_IS: Scale = (np.asarray, np.asarray)
+_LOGARITHM: _Scale = (log, exp)
+_ROOT: _Scale = (np.sqrt, np.square)
+_AS_IT_IS: _Scale = (np.asarray, np.asarray)
 _SCALES = {"smooth_share": _AS_IT_IS, "amplitude": _LOGARITHM, "immigrants": _ROOT}
 
 
