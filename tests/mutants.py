@@ -30,7 +30,7 @@ class Fault:
     """A fault in one place.
 
     Attributes:
-        name: fault in words, after the part of the project.
+        name: sentence about the fault, which begins with the part of the project.
         file: path of the file from the root.
         old: text that is in the file once.
         new: text in its place.

@@ -18,6 +18,7 @@ from swarm_gym.errors import MissingExtraError, ScenarioError
 from swarm_gym.plan import main
 from swarm_gym.planning import Plan, plan
 from swarm_gym.planning.drawing import OBSTACLE, PAPER, as_png, as_svg
+from swarm_gym.planning.geojson import read_features
 from swarm_gym.planning.pieces import FLAT, as_convex, cut
 from swarm_gym.planning.shapes import THIN
 from swarm_gym.scenarios import Circle, Polygon
@@ -65,6 +66,13 @@ def test_all_types_of_geometry_are_obstacles(tmp_path):
         for place in ((2, 10), (4, 12), (11, 10), (15, 10), (20, 10), (22, 10), (24, 10)):
             assert area.contains(shapely.Point(place))
         assert not area.intersects(shapely.LineString([(13, 9), (13, 11)]))
+
+
+def test_a_ring_that_is_open_is_read_as_the_closed_one(tmp_path):
+    hole = [[1, 1], [2, 1], [1.5, 1.5], [1, 2]]
+    content = {"type": "Polygon", "coordinates": [SQUARE[:-1], hole]}
+    (found,) = read_features(written(tmp_path, content)).shapes
+    assert found.parts == tuple(tuple(map(tuple, ring)) for ring in (SQUARE, [*hole, hole[0]]))
 
 
 @pytest.mark.parametrize(

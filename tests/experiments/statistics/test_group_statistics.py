@@ -14,8 +14,10 @@ from experiments.statistics import (
     draw,
     hypervolume,
     interval,
+    mean_of_present,
     means,
     non_dominated,
+    paired,
     performance_profile,
     probability_of_improvement,
     summarise_group,
@@ -90,6 +92,30 @@ def test_streams_draw_the_same_pairs_and_other_training_seeds():
     np.testing.assert_array_equal(one.pairs, two.pairs)
     assert abs(np.corrcoef(one.training[:, 0], two.training[:, 0])[0, 1]) < 0.1
     np.testing.assert_array_equal(draw(8, (3,), 2).pairs, one.pairs)
+
+
+def test_sets_of_equal_size_are_drawn_independently():
+    pairs = draw(1, (1, 1), 6).pairs
+    first, second = pairs[:, :6], pairs[:, 6:]
+    assert abs(np.corrcoef(first[:, 0], second[:, 0])[0, 1]) < 0.1
+
+
+def test_values_that_are_absent_do_not_count():
+    values, draws = sample((2, (3,), 4)), draw(2, (3,), 4)
+    values[0, 1], values[1, 2, 3] = np.nan, np.nan
+    found = means(values, draws)
+    for b in range(40):
+        drawn = [value for value in resample(values, draws, b) if not np.isnan(value)]
+        assert found[b] == pytest.approx(statistics.fmean(drawn))
+    assert mean_of_present(values) == pytest.approx(np.nanmean(values))
+    assert np.isnan(means(np.full((1, 1, 3), np.nan), draw(1, (1,), 3))).all()
+    assert np.isnan(mean_of_present(np.full(3, np.nan)))
+
+
+def test_every_scenario_of_paired_differences_is_a_stratum():
+    mean, (low, high) = paired(np.array([[1.0, 1.0, 1.0], [5.0, 5.0, 5.0]]))
+    assert mean == 3.0
+    assert (low, high) == pytest.approx((3.0, 3.0))
 
 
 def test_effects_of_training_seeds_and_pairs_both_stay():

@@ -59,6 +59,8 @@ def test_a_comparison_is_the_one_computed_by_hand():
     assert found.direction == -1
     # One large rise has the smallest rank of three when the falls are larger.
     assert compare(np.array([1.0, 0.0, 0.0, 9.0]), np.array([0.0, 2.0, 3.0, 9.0])).direction == -1
+    # Three small rises, of ranks 1 to 3, weigh less than two large falls, of ranks 4 and 5.
+    assert compare(np.array([1.0, 2.0, 3.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 8.0, 9.0])).direction == -1
     assert compare(np.array([2.0, 2.0, 5.0]), np.array([1.0, 2.0, 3.0])).direction == 1
     same = compare(np.ones(4), np.ones(4))
     assert (same.p_value, same.direction) == (1.0, 0)

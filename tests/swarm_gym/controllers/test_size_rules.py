@@ -133,6 +133,15 @@ def test_the_first_observation_is_no_progress():
     assert controller.act(observation)[0, 0] == 30
 
 
+def test_a_small_population_changes_by_one_member_at_least():
+    controller = make_controller("status-monitor:start=4,smallest=2,patience=1,step=0.1")
+    controller.reset(1)
+    observation = np.zeros((1, 9))
+    assert controller.act(observation)[0, 0] == 4
+    observation[0, 3] = 0.1
+    assert controller.act(observation)[0, 0] == 5
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
