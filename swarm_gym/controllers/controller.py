@@ -96,7 +96,7 @@ class Wrapper(Controller):
 
     def __init__(self, controller: Controller):
         self._controller = controller
-        self._iterations = np.zeros(0, dtype=np.int64)
+        self._iterations = np.array(-1)  # of all swarms, before the first decision
         self.observation = controller.observation
         self.action = controller.action
         self.initial_population_size = controller.initial_population_size
@@ -109,7 +109,7 @@ class Wrapper(Controller):
 
     def reset(self, num_swarms: int, seed: int = 0) -> None:
         """Begin episodes."""
-        self._iterations = np.zeros(num_swarms, dtype=np.int64)
+        self._iterations = np.full(num_swarms, -1)
         self._controller.reset(num_swarms, seed)
 
     def _count(self, observations: NDArray) -> NDArray[np.int64]:

@@ -58,6 +58,8 @@ class Knots:
     optimizer: str = "firefly"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.knobs, Mapping):
+            raise ValueError(f"open loop: knobs must have a list for each name, got {shown(self.knobs)}")
         self._check_iterations()
         if not all(0 < value < np.inf for column in (self.sizes, *self.knobs.values()) for value in column):
             raise ValueError("open loop: sizes and parameters must be positive and finite")

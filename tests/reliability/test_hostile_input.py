@@ -16,8 +16,9 @@ from agents import make_controller
 from helpers.mutations import bounded_memory, fuzzed, mutated
 from helpers.parsers import decides
 from swarm_gym.controllers.distilled import DistilledFileError, packaged_rules
+from swarm_gym.controllers.knots import MAX_KNOT
 from swarm_gym.controllers.learned.policy_file import PolicyFileError
-from swarm_gym.controllers.open_loop import MAX_KNOT, OpenLoopFileError, packaged_open_loops
+from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE
 from swarm_gym.controllers.tuned import TunedFileError, packaged_tuned
 from swarm_gym.env import SwarmEnv
@@ -285,7 +286,7 @@ def test_parts_of_scenarios_that_are_right_are_taken():
 
 # Presets and controllers.
 
-PRESET = PRESETS.find("three-cases").read_bytes() + b"\nseed = 3\n"
+PRESET = b"seed = 3\n" + PRESETS.find("three-cases").read_bytes()
 TOML = (b"[", b"{", b"=", b'"', b"'''", b"9" * 5000, b"nan", b"inf", b"[[a]]", b"1979-05-27",
         b"like = 'mine'")  # fmt: skip
 

@@ -224,7 +224,7 @@ def test_a_source_counts_as_it_was_executed(call, tmp_path):
     edit = """
 from pathlib import Path
 import mine.own, mine.helper
-Path(mine.helper.__file__).write_text(Path(mine.helper.__file__).read_text().replace("2.0", "4.0"))
+Path(mine.helper.__file__).write_text(Path(mine.helper.__file__).read_text().replace("2.0", "4.00"))
 """
     assert call(edit + CALL_MINE) == ["11.0", "0"]  # compiled after the edit, from what was imported before
     assert call(CALL_MINE) == ["21.0", "0"]
