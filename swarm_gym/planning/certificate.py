@@ -47,13 +47,12 @@ def _begun_anew(task: Task, path: Floats) -> Floats:
             break
         behind = np.searchsorted(along, reached, side="right")
         point = np.array([np.interp(reached, along, path[:, k]) for k in range(2)])
-        rest = np.vstack([point, path[behind:]])
         before = np.vstack([path[:behind], point])
         if _keeps_margin(task, before):
             break  # it is the other end that is too close
         way = _on_part(task, before)
         if way is not None and _keeps_margin(task, way):
-            return np.vstack([way, rest[1:]])
+            return np.vstack([way, path[behind:]])
     return path
 
 
@@ -61,10 +60,8 @@ def _on_part(task: Task, path: Floats) -> Floats | None:
     """Return the exact path between the ends of a path, (k, 2), on the part of the map around it, or None."""
     assert isinstance(task.given, GridScenario)
     grid = task.given.map
-    cells, reach = (
-        grid.to_cells(path),
-        2.0 * task.margin / grid.resolution + length_of(path) / grid.resolution,
-    )
+    cells = grid.to_cells(path)
+    reach = (2.0 * task.margin + length_of(path)) / grid.resolution
     low = np.maximum(np.floor(cells.min(axis=0) - reach), 0.0).astype(np.int64)
     high = np.ceil(cells.max(axis=0) + reach + 1.0).astype(np.int64)
     part = grid.cut(slice(low[1], high[1]), slice(low[0], high[0]))

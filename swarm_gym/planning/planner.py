@@ -42,12 +42,12 @@ def plan(
 
     Where the exact shortest path is quickly known, it is the result, since no path is shorter; a swarm plans
     after it only if an optimizer or a controller is named. Elsewhere, and with `planner="swarm"`, a swarm
-    looks for paths. Its episodes run until a budget is spent, each from
-    another seed; without a budget, `EPISODES` do. The best path of each is made free, see
-    `swarm_gym.final_repair`, and the shortest is kept. With a longer budget the path is never longer. On grid
-    maps, swarms begin around a path of A*: the first around the shortest one, the others around paths that a
-    block somewhere on the best path so far leaves. With a previous path, planning goes on from it: its repair
-    is the first path, and on grid maps the first swarm begins around that.
+    looks for paths. Its episodes run until a budget is spent, each from another seed; without a budget,
+    `EPISODES` do. The best path of each is made free, see `swarm_gym.final_repair`, and the shortest is kept.
+    With a longer budget the path is never longer. On grid maps, swarms begin around a path of A*: the first
+    around the shortest one, the others around paths that a block somewhere on the best path so far leaves.
+    A swarm goes on from a previous path: its repair is kept first, and on grid maps the first swarm begins
+    around it. Where the exact path is the result, a previous path changes nothing.
 
     Args:
         where: a file (`.yaml` of ROS's map_server, `.map` of Moving AI, GeoJSON), a scenario, or its name.

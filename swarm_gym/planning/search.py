@@ -89,9 +89,11 @@ class Search:
         try:
             while True:
                 self._run(limit)
-                if time.monotonic() >= limit or self.evaluations >= most_evaluations:
-                    return False
-                if self._episodes >= most_episodes:
+                if (
+                    time.monotonic() >= limit
+                    or self.evaluations >= most_evaluations
+                    or self._episodes >= most_episodes
+                ):
                     return False
         except KeyboardInterrupt:
             self._keep_best()
@@ -111,17 +113,15 @@ class Search:
             self._keep(self._guide, "guide")
         self._seed += 1
         self._episodes += 1
-        before, ended, iteration = self.evaluations, False, 0
-        repairs = 0
+        ended, iteration, counted = False, 0, 0
         while not ended and time.monotonic() < limit:
             observation, _, ended, _, info = self._env.step(self._controller.act(observation[None])[0])
             iteration += 1
-            self.evaluations = before + repairs + int(info["evaluations"])
+            self.evaluations += int(info["evaluations"]) - counted
+            counted = int(info["evaluations"])
             is_checkpoint = self._best is None or iteration & (iteration - 1) == 0
             if ended or (is_checkpoint and limit < math.inf):
-                counted = self.evaluations
                 self._keep_best()
-                repairs += self.evaluations - counted
 
     def _keep_best(self) -> None:
         """Make the best paths of the present population free, and keep the shortest if it is shorter."""

@@ -63,9 +63,9 @@ class Task:
         Raises:
             NoPathError: if grown obstacles separate the ends.
         """
-        if self.margin == 0.0:
-            return self.bare
         bare = self.bare
+        if self.margin == 0.0:
+            return bare
         if isinstance(bare, Scenario) and isinstance(self.given, Scenario):
             # Obstacles that share an edge overlap when they have grown, so seams need not grow.
             bare = replace(bare, obstacles=bare.obstacles[: len(self.given.obstacles)])
@@ -78,7 +78,7 @@ class Task:
                     f"whose diameter is {2.0 * self.margin:g} with the clearance: try a map of finer cells, "
                     "or only the part around start and goal"
                 ) from error
-        return grown(self.bare, self.margin, self.shortest[1])
+        return grown(bare, self.margin, self.shortest[1])
 
     @cached_property
     def shortest(self) -> tuple[float, Floats] | None:
@@ -148,7 +148,7 @@ def read_task(
     frame = Frame.of(given)
     try:
         task = Task(given, margin, frame, frame.moved(given), *ends, projection)
-        assert task.grown  # making it checks the ends
+        _ = task.grown  # making it checks the ends
     except ScenarioError as error:
         raise ScenarioError(_refusal(given, margin) or str(error)) from error
     return task

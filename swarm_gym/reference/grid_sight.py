@@ -112,16 +112,7 @@ def see_from_point(grid: SightGrid, x: float, y: float, sight: CornerSight) -> i
     Returns:
         The number of corners that were found.
     """
-    # A point beside a grid line by a rounding error would see nothing along that line.
-    if abs(x - round(x)) <= TOLERANCE:
-        x = float(round(x))
-    if abs(y - round(y)) <= TOLERANCE:
-        y = float(round(y))
-    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, False, sight, 0)
-    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, False, sight, found)
-    if y == round(y):
-        found = _see_along_line(grid, x, y, False, sight, found)
-    return found
+    return _see_around(grid, x, y, False, sight)
 
 
 @kernel
@@ -130,14 +121,21 @@ def see_every_corner(grid: SightGrid, x: float, y: float, sight: CornerSight) ->
 
     The point is a corner or touches a free cell; arguments and result are those of `see_from_point`.
     """
+    return _see_around(grid, x, y, True, sight)
+
+
+@kernel
+def _see_around(grid: SightGrid, x: float, y: float, every: bool, sight: CornerSight) -> int:
+    """Find the corners that a point sees: `every` one, or those where a path could turn."""
+    # A point beside a grid line by a rounding error would see nothing along that line.
     if abs(x - round(x)) <= TOLERANCE:
         x = float(round(x))
     if abs(y - round(y)) <= TOLERANCE:
         y = float(round(y))
-    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, True, sight, 0)
-    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, True, sight, found)
+    found = _see_rows(grid, x, y, -1, -math.inf, math.inf, every, sight, 0)
+    found = _see_rows(grid, x, y, 1, -math.inf, math.inf, every, sight, found)
     if y == round(y):
-        found = _see_along_line(grid, x, y, True, sight, found)
+        found = _see_along_line(grid, x, y, every, sight, found)
     return found
 
 
