@@ -18,7 +18,6 @@ from swarm_gym.arrays import Array, at_least, divided, floats
 from swarm_gym.compiler.elementary import exp, log, log1p
 from swarm_gym.corridors import KnownCorridors
 from swarm_gym.history import COLUMN
-from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.population import (
     COLLISION_DEVIATION,
     DIVERSITY,
@@ -32,6 +31,12 @@ from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH
 Floats = NDArray[np.float64]
 
 RECENT = 5  # number of iterations over which recent progress is measured, and newcomers are watched
+# Optimizers that the layout `named` tells apart. A policy has an input for each, so the list does not grow
+# with the package: an optimizer that is not in it has 0 everywhere.
+TOLD_APART = (
+    "firefly", "generational-firefly", "particle-swarm", "elite-genetic", "multivariate", "fish-swarm",
+    "improved-fish-swarm", "hybrid-fish-swarm", "glowworm", "ant-colony",
+)  # fmt: skip
 NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
 
 
@@ -329,5 +334,5 @@ TOLD = (
 )
 NAMED = (
     *SCALED,
-    *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in OPTIMIZERS),
+    *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in TOLD_APART),
 )

@@ -12,7 +12,7 @@ A layout is a list of features, and every layout begins with three numbers about
 | `corridors` | float32 | `scaled`, and how good recent newcomers are, and the number of corridors in use |
 | `jumps` | float32 | `scaled`, and what a change of the map does: jumps of E(P) and of the best fitness |
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
-| `named` | float32 | `scaled`, and a 1 for the optimizer, among a 0 for each other one of this package |
+| `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names

@@ -8,9 +8,10 @@ from gymnasium.spaces import Box
 from helpers.trainings import STEPS, run_whole_and_stopped, tiny_config, train
 from swarm_gym.action import make_action
 from swarm_gym.controllers import make_controller
-from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, save_policy
+from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy, resolve, save_policy
+from swarm_gym.features import TOLD_APART
 from swarm_gym.observation import make_observation
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.rollout import run_episodes
 from swarm_gym.training.joined_vec_env import JoinedVecEnv
 from swarm_gym.training.learners import make_learner
@@ -132,6 +133,15 @@ def test_the_layout_named_tells_the_optimizer_apart(optimizer):
     env = SwarmVectorEnv(2, optimizer, scenario="case1", observation="named")
     seen, _ = env.reset(seed=1)
     names = [feature.name for feature in make_observation("named").features[4:]]
-    assert names == [f"whether the optimizer is {name}" for name in OPTIMIZERS]
+    assert names == [f"whether the optimizer is {name}" for name in TOLD_APART]
     np.testing.assert_array_equal(seen[:, 4:], [[name.endswith(f" {optimizer}") for name in names]] * 2)
     assert make_action(env.simulation.settings, env.simulation.optimizer).labels[:1] == ("population size",)
+
+
+def test_an_optimizer_that_is_added_leaves_the_layout_named_as_stored_policies_have_it(monkeypatch):
+    names = [feature.name for feature in make_observation("named").features[4:]]
+    manifest = load_policy(resolve("optimizers-all-named/0"))[1]
+    assert [name for name in manifest["features"] if name.startswith("whether")] == names
+    monkeypatch.setattr(get_optimizer("firefly"), "name", "added")
+    seen, _ = SwarmVectorEnv(2, "firefly", scenario="case1", observation="named").reset(seed=1)
+    assert (seen[:, 4:] == 0.0).all()
