@@ -15,6 +15,22 @@ from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import make_problem
 
+# An option that is added later is stated where it is not the default, so that databases without it stay
+# usable.
+ALWAYS_STATED = (
+    "num_waypoints", "length_weight", "cell_size", "clearance", "iterations", "min_population_size",
+    "max_population_size", "source", "smooth_share", "amplitude", "bends", "mean_weight", "reward",
+    "reference_evaluations", "knobs",
+)  # fmt: skip
+NEVER_STATED = (
+    # These vary within an experiment; they are part of the controllers and the runs.
+    "scenario", "observation", "action", "initial_population_size", "max_evaluations", "price",
+    # These change nothing that a run stores.
+    "final_repair", "made_for",
+    # These are part of the problems of the scenarios.
+    "encoding", "num_control_points", "penalty",
+)  # fmt: skip
+
 
 def configuration(experiment: Experiment) -> dict[str, Any]:
     """Return the values that the runs of an experiment depend on, by key; the database compares them."""
@@ -34,23 +50,23 @@ def identity(name: str, controller: Controller) -> Any:
 
 def environment_configuration(experiment: Experiment) -> dict[str, Any]:
     """Return the part of `configuration` without controllers, whose policies may be missing here."""
-    settings = dataclasses.asdict(
-        Settings.from_options(
-            get_optimizer(experiment.optimizer), {"scenario": experiment.scenarios[0], **experiment.options}
-        )
+    settings = Settings.from_options(
+        get_optimizer(experiment.optimizer), {"scenario": experiment.scenarios[0], **experiment.options}
     )
-    # These vary within an experiment; they are part of the controllers and the runs.
-    for name in ("scenario", "observation", "action", "initial_population_size", "max_evaluations", "price"):
-        del settings[name]
-    for name in ("final_repair", "made_for"):  # these change nothing that a run stores
-        del settings[name]
-    # These are part of the problems of the scenarios.
-    for name in ("encoding", "num_control_points", "penalty"):
-        del settings[name]
-    found: dict[str, Any] = {"optimizer": experiment.optimizer, "settings": settings}
+    found: dict[str, Any] = {"optimizer": experiment.optimizer, "settings": stated(settings)}
     if experiment.optimizer not in OPTIMIZERS:
         found["optimizer"] = f"{experiment.optimizer}, {origin_of('optimizer', experiment.optimizer)}"
     for name in experiment.scenarios:
         problem = make_problem(name, **experiment.options)
         found[f"scenario {name}"] = [digest(problem), getattr(problem.scenario, "initial_range", None)]
     return found
+
+
+def stated(settings: Settings) -> dict[str, Any]:
+    """Return the options of environments that a database compares, by name."""
+    defaults = {option.name: option.default for option in dataclasses.fields(settings)}
+    return {
+        name: value
+        for name, value in dataclasses.asdict(settings).items()
+        if name in ALWAYS_STATED or (name not in NEVER_STATED and value != defaults[name])
+    }

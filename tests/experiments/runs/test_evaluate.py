@@ -15,7 +15,7 @@ from experiments.documents.marked_blocks import fill
 from experiments.documents.suite_page import make_tables
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs import episode
-from experiments.runs.configuration import configuration
+from experiments.runs.configuration import configuration, stated
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.episode import Episode
 from experiments.runs.runner import run_missing
@@ -29,6 +29,7 @@ from swarm_gym.controllers.tuned import save_tuned
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.history import HISTORY
 from swarm_gym.scenarios import expand_name
+from swarm_gym.settings import Settings
 
 SUITE = Suite(
     name="tiny",
@@ -161,6 +162,18 @@ def test_a_database_of_another_configuration_is_refused(copied, key, value):
         Results(copied, {**configuration(SUITE), key: value})
     with closing(Results(copied, configuration(SUITE))) as again:  # nothing was changed by the refusal
         assert again.finished() == KEYS
+
+
+def test_an_option_that_is_added_to_the_environments_leaves_stored_runs_usable(monkeypatch):
+    before = configuration(SUITE)
+
+    @dataclasses.dataclass(frozen=True)
+    class Later(Settings):
+        wind: float = 0.0
+
+    monkeypatch.setattr("experiments.runs.configuration.Settings", Later)
+    assert configuration(SUITE) == before
+    assert stated(Later(wind=2.0)) == {**stated(Settings()), "wind": 2.0}
 
 
 def test_what_a_controllers_file_says_is_part_of_the_configuration(tmp_path):
