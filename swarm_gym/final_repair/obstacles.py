@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
-from swarm_gym.scenarios import Circle, Polygon, Scenario
+from swarm_gym.scenarios import Circle, Scenario
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ class Contact(NamedTuple):
 def obstacles_of(scenario: Scenario) -> Obstacles:
     """Return the solids of a scenario as arrays."""
     circles = [(o.x, o.y, o.radius) for o in scenario.solids if isinstance(o, Circle)]
-    polygons = [np.array(o.vertices) for o in scenario.solids if isinstance(o, Polygon)]
+    polygons = [np.array(o.vertices) for o in scenario.solids if not isinstance(o, Circle)]
     return Obstacles(
         np.array(circles, dtype=np.float64).reshape(-1, 3),
         np.concatenate([np.empty((0, 2)), *polygons]),

@@ -21,7 +21,7 @@ from swarm_gym.reference.free_arcs import Places, make_sites
 from swarm_gym.reference.solids import Solids, make_cells
 from swarm_gym.reference.tangents import search
 from swarm_gym.reference.taut_polyline import write_polyline
-from swarm_gym.scenarios import Circle, Polygon, Scenario
+from swarm_gym.scenarios import Circle, Scenario
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -85,7 +85,7 @@ def _scene(scenario: Scenario) -> _Scene:
     """Return a scenario as arrays, in coordinates around the start, with obstacles that are alike once."""
     obstacles = tuple(dict.fromkeys(scenario.solids))
     discs = [(o.x, o.y, o.radius) for o in obstacles if isinstance(o, Circle)]
-    outlines = [o.vertices for o in obstacles if isinstance(o, Polygon)]
+    outlines = [o.vertices for o in obstacles if not isinstance(o, Circle)]
     given_discs = np.array(discs, dtype=np.float64).reshape(-1, 3)
     corners = np.array(list(chain.from_iterable(outlines)), dtype=np.float64).reshape(-1, 2)
     ends = np.array([scenario.start, scenario.target])

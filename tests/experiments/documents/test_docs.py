@@ -15,12 +15,12 @@ ROOT = Path(__file__).parents[3]
 # Pages that `make docs` writes, which have a check of their own.
 GENERATED = ("docs/environments/", "docs/reference/", "docs/contributing.md", "docs/changelog.md")
 PAGES = [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/**/*.md"))]
-DOCUMENTS = ["README.md", *(page for page in PAGES if not page.startswith(GENERATED))]
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", *(page for page in PAGES if not page.startswith(GENERATED))]
 
 
 @looped("document", DOCUMENTS)
 def test_every_relative_link_leads_to_a_file(document):
-    targets = re.findall(r"\]\(([^)#\s]+)\)", (ROOT / document).read_text(encoding="utf-8"))
+    targets = re.findall(r"\]\(([^)#\s<]+)\)", (ROOT / document).read_text(encoding="utf-8"))
     relative = [target for target in targets if "://" not in target]
     missing = [target for target in relative if not (ROOT / document).parent.joinpath(target).exists()]
     assert missing == []
@@ -61,3 +61,11 @@ def test_readings_name_files_that_exist():
     files = [path.as_posix() for package in packages for path in (ROOT / package).rglob("*.py")]
     assert named
     assert [name for name in named if not any(file.endswith(f"/{name}") for file in files)] == []
+
+
+@looped("document", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_pages_for_contributors_name_files_and_folders_that_exist(document):
+    text = (ROOT / document).read_text(encoding="utf-8")
+    named = set(re.findall(r"`((?:swarm_gym|agents|experiments|tests)/[\w./-]+)`", text))
+    assert named
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
