@@ -9,7 +9,7 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
-from experiments.studies.moa.suites import PUBLISHED, THRESHOLDS
+from experiments.studies.moa.published import PUBLISHED, THRESHOLDS
 from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Table
