@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
 from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
-from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.history import COLUMN
@@ -22,6 +21,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import (
     NEED_AN_OPTIMUM,

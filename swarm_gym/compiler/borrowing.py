@@ -9,14 +9,14 @@ from typing import Any
 
 from numba.core import ir, types
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
 from numba.core.typed_passes import NopythonTypeInference
 
 
 class CheckedCompiler(CompilerBase):
     """Numba's compiler, with the check as soon as all types are known."""
 
-    def define_pipelines(self) -> list[Any]:
+    def define_pipelines(self) -> list[PassManager]:
         """Return Numba's passes, and the check among them."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_CheckBorrowing, NopythonTypeInference)

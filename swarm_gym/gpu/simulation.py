@@ -59,7 +59,8 @@ class DeviceSimulation(Simulation):
         super().__init__(optimizer, settings, num_swarms, num_threads, arrival_window)
         tables = self.worlds.tables
         self._entries: Entries = entries_for(optimizer.name, type(tables))  # type: ignore[arg-type]
-        placed = type(tables)._make(map(self.place, tables_with_lanes(tables, self.number)))
+        laid_out = tables_with_lanes(tables, self.number)
+        placed = type(tables)._make(self.place(np.asarray(array)) for array in laid_out)
         self._tables = as_kernels_see(placed)
         self._seen = as_kernels_see(self.swarms)
         # Tensors that kernels read, so that no argument has to be made for a launch.

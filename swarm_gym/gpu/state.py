@@ -13,10 +13,10 @@ import torch
 from numba import cuda
 
 from swarm_gym.errors import SettingError
-from swarm_gym.gpu.host_memory import free_host_memory
+from swarm_gym.gpu.host import free_host_memory
 from swarm_gym.gpu.warps import BLOCK, IS_SIMULATED, NUM_LANES
 from swarm_gym.population import Swarms
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 
 _NUM_BLOCKS = NUM_LANES // BLOCK
 
@@ -76,7 +76,7 @@ def with_numbers(array: np.ndarray, number: type[np.floating]) -> np.ndarray:
     return array.astype(number) if array.dtype == np.float64 else array
 
 
-def tables_with_lanes(tables: Table, number: type[np.floating] = np.float64) -> Table:
+def tables_with_lanes(tables: Tables, number: type[np.floating] = np.float64) -> Tables:
     """Return stacked problem tables whose arrays over components or segments have one entry for each lane.
 
     The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do. Floats have the type

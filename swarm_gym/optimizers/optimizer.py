@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.parameter import Parameter, Parameters, declared_parameters
 from swarm_gym.population import Swarms
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 from swarm_gym.threads import spread
 
 
@@ -44,6 +44,7 @@ class Optimizer:
     kernels: ClassVar[loop.Kernels]
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls.parameters = declared_parameters(cls.parameter_class)
         cls.defaults = cls.parameter_values({})
         loop.register(cls.parameter_class, cls.kernels)
@@ -52,7 +53,7 @@ class Optimizer:
     def initialise(
         cls,
         swarms: Swarms,
-        tables: Table,
+        tables: Tables,
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         mean_weight: float,
@@ -73,7 +74,7 @@ class Optimizer:
     def step(
         cls,
         swarms: Swarms,
-        tables: Table,
+        tables: Tables,
         chosen: NDArray[np.bool_],
         sizes: NDArray[np.int64],
         repair_degrees: NDArray[np.float64],
@@ -105,7 +106,7 @@ class Optimizer:
     def re_evaluate(
         cls,
         swarms: Swarms,
-        tables: Table,
+        tables: Tables,
         chosen: NDArray[np.bool_],
         mean_weight: float,
         num_threads: int = 1,
@@ -138,12 +139,12 @@ class Optimizer:
         return 0
 
     @staticmethod
-    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
+    def walk_points(tables: Tables, iterations: int) -> int:  # noqa: ARG004
         """Return L, the most points of a remembered walk, in episodes on these problems."""
         return 0
 
     @staticmethod
-    def field_size(tables: Table) -> int:  # noqa: ARG004
+    def field_size(tables: Tables) -> int:  # noqa: ARG004
         """Return F, how many numbers a swarm stores for the cells of the largest of these maps."""
         return 0
 

@@ -14,6 +14,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.datamodel import DataModelManager
 from numba.core.typing.templates import infer, infer_global, make_intrinsic_template
 from numba.extending import models, overload, register_model
 
@@ -59,7 +60,7 @@ def _vector(lanes: LanesType) -> ir.VectorType:
 class LanesModel(models.PrimitiveModel):
     """Lanes as LLVM sees them."""
 
-    def __init__(self, manager: Any, lanes: LanesType):
+    def __init__(self, manager: DataModelManager, lanes: LanesType):
         super().__init__(manager, lanes, _vector(lanes))
 
 
