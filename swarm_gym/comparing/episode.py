@@ -1,6 +1,7 @@
 """Episodes of a controller in a single environment, one iteration at a time."""
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import gymnasium
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ def environment_of(
         scenario: name of a scenario.
         options: options of all environments that are compared.
     """
-    chosen = {**options, **runs.options, **controller.env_options()}
+    chosen: dict[str, Any] = {**options, **runs.options, **controller.env_options()}
     return gymnasium.make(environment_id(runs.optimizer), scenario=scenario, **chosen)
 
 

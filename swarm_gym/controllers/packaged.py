@@ -4,7 +4,6 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from swarm_gym.controllers.laboratory import study_folders, where_it_lives
 from swarm_gym.controllers.names import ControllerName
@@ -96,8 +95,8 @@ def find_json(what: str, name: str, files: Packaged, error: type[ValueError]) ->
     return path
 
 
-def read_json(path: Path, form: str) -> Any:
-    """Return the content of a JSON file whose entry `format` has to be `form`.
+def read_json(path: Path, form: str) -> dict[str, object]:
+    """Return the content of a JSON file, an object whose entry `format` has to be `form`.
 
     Raises:
         OSError, KeyError, TypeError, ValueError: if it is not readable, or of another format.

@@ -20,7 +20,7 @@ from swarm_gym.planning.geojson import Shape, read_features
 from swarm_gym.planning.shapes import extent_of, obstacles_of, require_outside, thinnest
 from swarm_gym.planning.workspace import RobotWorkspace, confined, require_within
 from swarm_gym.scenarios import Point, Scenario
-from swarm_gym.scenarios.obstacles import require_numbers
+from swarm_gym.scenarios.obstacles import require_point
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def read_feature_map(
     if not features.shapes and workspace is None:
         raise ScenarioError(f"{path}: expected at least one polygon, line or point, got none")
     shapes = [*features.shapes, *([] if workspace is None else [workspace.shape])]
-    given = [require_numbers(str(path), name, end, 2) for name, end in (("start", start), ("goal", goal))]
+    given = [require_point(str(path), name, end) for name, end in (("start", start), ("goal", goal))]
     points = np.array([*given, *(point for shape in shapes for part in shape.parts for point in part)])
     kind = _kind(features.path, features.reference, workspace, points, coordinates)
     projection = projection_for(str(path), points) if kind == GEOGRAPHIC else None

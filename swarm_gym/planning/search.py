@@ -158,7 +158,7 @@ class Search:
             way = other_way(scenario, way, np.random.default_rng(self._seed))
         return shortest_way(scenario) if way is None else way
 
-    def _first(self) -> dict[str, Any] | None:
+    def _first(self) -> dict[str, object] | None:
         """Return the reset options of an episode: on grid maps, members around a planned way."""
         problem = self._env.simulation.problems[0]
         if self._guide is None or not isinstance(problem, GridProblem) or problem.encoding != "bezier":

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +30,7 @@ class RobotWorkspace(NamedTuple):
     """
 
     shape: Shape
-    reference: Any = None
+    reference: object = None
 
 
 def read_workspace(given: str | Path | ArrayLike) -> RobotWorkspace:

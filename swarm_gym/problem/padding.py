@@ -1,4 +1,4 @@
-"""What problem tables of all kinds have in common: types of their numbers, and padded arrays.
+"""Common parts of problem tables of all kinds: types of their numbers, and padded arrays.
 
 A table of one problem has numbers, such as its dimension. In a table of stacked problems they are arrays,
 with an entry for each problem.
