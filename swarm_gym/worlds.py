@@ -10,7 +10,7 @@ from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.kinds import kind_of, names_of_kinds, problem_of
 from swarm_gym.problem import MapProblem, Problem
-from swarm_gym.problem.grid.winding import warn_of_winding
+from swarm_gym.problem.grid.problem import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
 from swarm_gym.scenarios import (

@@ -13,8 +13,8 @@ from experiments.catalogue import SUITES
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import scenario_sets
 from swarm_gym.checks import look_up
+from swarm_gym.comparing.compared_runs import optima_of, refuse_unknown_optima
 from swarm_gym.comparing.entrants import entrant
-from swarm_gym.comparing.optima import optima_of, refuse_unknown_optima
 from swarm_gym.controllers.learned.manifest import Manifest, observes_price
 from swarm_gym.controllers.learned.policy_file import load_policy, packaged_policies, resolve
 from swarm_gym.controllers.names import BLINDED, ControllerName

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from agents.evaluation.masking import clock_columns
+from agents.evaluation.masking import clock_columns, load_blinded
 from experiments.runs import blinded
-from experiments.runs.blinded import load_blinded
 from experiments.runs.configuration import identity
 from experiments.runs.episode import Episode, _controller
 from experiments.runs.labels import label
