@@ -38,7 +38,7 @@ class Info(TypedDict, total=False):
     driven: float
     repaired_path: NDArray[np.float64]
     repaired_length: float
-    repair_evaluations: int
+    repair_evaluations: float
     optimality_gap: float
 
 

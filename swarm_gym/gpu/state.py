@@ -61,7 +61,7 @@ def as_kernels_see(arrays: Row) -> Row: ...
 def as_kernels_see(arrays: torch.Tensor) -> NDArray: ...
 
 
-def as_kernels_see(arrays: NamedTuple | torch.Tensor) -> NamedTuple | NDArray:
+def as_kernels_see(arrays: "NamedTuple | torch.Tensor") -> "NamedTuple | NDArray":
     """Return tensors, a NamedTuple or one, as arrays of kernels on the same memory.
 
     Words of random streams, the field `stream`, are unsigned there; torch has them as signed integers.
