@@ -12,22 +12,24 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numba
 from filelock import FileLock
-from numba import types
-from numba.core.base import BaseContext
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
-from numba.core.codegen import Codegen
-from numba.core.compiler import CompileResult
-from numba.core.typing.templates import Signature
 
 from swarm_gym.compiler.own_sources import UnknownSourceError, digest_of_modules, own_modules
 from swarm_gym.files import digest_of_sources, user_cache
 
+if TYPE_CHECKING:  # private names, which may change without any harm
+    from numba import types
+    from numba.core.base import BaseContext
+    from numba.core.codegen import Codegen
+    from numba.core.compiler import CompileResult
+    from numba.core.typing.templates import Signature
+
 # The types of the arguments for which a function is compiled, and perhaps that of the result.
-Signed: TypeAlias = tuple[types.Type, ...] | Signature
+Signed: TypeAlias = "tuple[types.Type, ...] | Signature"
 
 # Only these folders and files of the package hold kernels, which call nothing from outside of them.
 KERNEL_SOURCES = (
@@ -102,7 +104,7 @@ class KernelCache(FunctionCache):
         if folder:
             self._move_to(folder)
 
-    def load_overload(self, signature: Signed, context: BaseContext) -> CompileResult | None:
+    def load_overload(self, signature: Signed, context: "BaseContext") -> "CompileResult | None":
         """Return what is cached for a signature, or None: then this process has to compile it."""
         place = self._place(signature)
         if place is None:
@@ -155,7 +157,7 @@ class KernelCache(FunctionCache):
         self._compiling[signature] = lock
         return True
 
-    def _load(self, signature: Signed, context: BaseContext) -> CompileResult | None:
+    def _load(self, signature: Signed, context: "BaseContext") -> "CompileResult | None":
         try:
             return super().load_overload(signature, context)
         except OSError:
@@ -166,7 +168,7 @@ class KernelCache(FunctionCache):
                 self.flush()
             return None
 
-    def save_overload(self, signature: Signed, data: CompileResult) -> None:
+    def save_overload(self, signature: Signed, data: "CompileResult") -> None:
         """Cache what was compiled for a signature, or log a warning where that is not possible."""
         place = self._place(signature)
         if place is None:
@@ -182,7 +184,7 @@ class KernelCache(FunctionCache):
                 "SWARM_GYM_CACHE names another folder"
             )
 
-    def _index_key(self, signature: Signed, codegen: Codegen) -> tuple[object, ...]:
+    def _index_key(self, signature: Signed, codegen: "Codegen") -> tuple[object, ...]:
         return (*super()._index_key(signature, codegen), self._options)
 
 

@@ -8,13 +8,12 @@ compiled as a function of its own, which would take most of the time that a smal
 import operator
 from collections.abc import Callable
 from functools import partial, wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.datamodel import DataModelManager
 from numba.core.typing.templates import infer, infer_global, make_intrinsic_template
 from numba.extending import models, overload, register_model
 
@@ -34,6 +33,9 @@ from swarm_gym.compiler.simd.functions import (
     total,
     where,
 )
+
+if TYPE_CHECKING:
+    from numba.core.datamodel import DataModelManager
 
 
 class LanesType(types.Type):
@@ -60,7 +62,7 @@ def _vector(lanes: LanesType) -> ir.VectorType:
 class LanesModel(models.PrimitiveModel):
     """Lanes as LLVM sees them."""
 
-    def __init__(self, manager: DataModelManager, lanes: LanesType):
+    def __init__(self, manager: "DataModelManager", lanes: LanesType):
         super().__init__(manager, lanes, _vector(lanes))
 
 
