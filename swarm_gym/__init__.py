@@ -18,6 +18,7 @@ from swarm_gym.registration import register_environments
 if TYPE_CHECKING:
     from swarm_gym.planning import plan as plan
 
+__all__ = ["plan"]
 __version__ = version("swarm_gym")
 
 register_environments()
