@@ -18,13 +18,12 @@ from agents.backends.many_runs import train as train_quietly
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.runs.folder import RunFolderError
-from swarm_gym.training.command_line import KEPT, train
+from swarm_gym.training.command_line import KEPT, named_options, train, without_foreign
 from swarm_gym.training.config import TrainConfig
-from swarm_gym.training.given_options import named_options, without_foreign
 
 
 @dataclass(frozen=True)
-class CommandLine:
+class TrainCommand:
     """A training configuration, further presets and seeds to run it with, and options of the backend."""
 
     config: tyro.conf.OmitArgPrefixes[TrainConfig]
@@ -35,7 +34,7 @@ class CommandLine:
     where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
 
 
-def read_command_line(arguments: Sequence[str] | None = None, preset: str | None = None) -> CommandLine:
+def read_command_line(arguments: Sequence[str] | None = None, preset: str | None = None) -> TrainCommand:
     """Return the configuration of a preset, by default of `--preset`, changed by the other options.
 
     Raises:
@@ -43,12 +42,12 @@ def read_command_line(arguments: Sequence[str] | None = None, preset: str | None
     """
     named = named_options(arguments, preset)
     left = without_foreign(arguments, named.algorithm.name)
-    given = tyro.cli(CommandLine, default=CommandLine(named), description=__doc__, args=left)
+    given = tyro.cli(TrainCommand, default=TrainCommand(named), description=__doc__, args=left)
     # The name of a preset that is given as a file is the file's name.
     return dataclasses.replace(given, config=dataclasses.replace(given.config, preset=named.preset))
 
 
-def read_configs(given: CommandLine, arguments: Sequence[str] | None = None) -> list[TrainConfig]:
+def read_configs(given: TrainCommand, arguments: Sequence[str] | None = None) -> list[TrainConfig]:
     """Return the configurations of all runs of a command line.
 
     Raises:

@@ -23,7 +23,7 @@ from swarm_gym.tuning.config import TuneConfig
 
 
 @dataclass(frozen=True)
-class CommandLine:
+class TuneCommand:
     """A tuning configuration, further seeds to run it with, and options of the backend."""
 
     config: tyro.conf.OmitArgPrefixes[TuneConfig]
@@ -32,10 +32,10 @@ class CommandLine:
     where: tyro.conf.OmitArgPrefixes[BackendOptions] = field(default_factory=BackendOptions)
 
 
-def read_command_line(arguments: Sequence[str] | None = None) -> CommandLine:
+def read_command_line(arguments: Sequence[str] | None = None) -> TuneCommand:
     """Return the configuration of `--what` and `--preset`, changed by the other options."""
-    defaults = CommandLine(defaults_of(arguments))
-    return tyro.cli(CommandLine, default=defaults, description=__doc__, args=arguments)
+    defaults = TuneCommand(defaults_of(arguments))
+    return tyro.cli(TuneCommand, default=defaults, description=__doc__, args=arguments)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -23,9 +23,8 @@ from sphinx.application import Sphinx  # noqa: E402
 
 import swarm_gym  # noqa: E402
 from experiments.playground.playground_page import playground_page  # noqa: E402
-from experiments.site.documents import on_site  # noqa: E402
 from experiments.site.markup import accessible, to_restructured_text  # noqa: E402
-from experiments.site.pages import write_pages  # noqa: E402
+from experiments.site.pages import on_site, write_pages  # noqa: E402
 from swarm_gym.files import write_atomically  # noqa: E402
 
 # Kernels say on each start that they use TCP, which is no news on a machine of one's own: errors only.

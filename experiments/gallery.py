@@ -18,7 +18,7 @@ from tqdm import tqdm
 from agents import make_controller
 from experiments.plots.video_files import Picture, nearest, palette_of
 from swarm_gym.command import command
-from swarm_gym.comparing.episode import iterate
+from swarm_gym.comparing.entrants import iterate
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import OPTIMIZERS

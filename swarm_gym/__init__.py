@@ -11,20 +11,23 @@ Importing this package registers the environments:
 """
 
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from swarm_gym.registration import register_environments
 
 if TYPE_CHECKING:
-    from swarm_gym.planning import Plan
+    from swarm_gym.planning import plan as plan
 
+__all__ = ["plan"]
 __version__ = version("swarm_gym")
 
 register_environments()
 
 
-def plan(*arguments: Any, **options: Any) -> "Plan":
-    """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
-    from swarm_gym import planning  # takes a second to import
+if not TYPE_CHECKING:
 
-    return planning.plan(*arguments, **options)
+    def plan(*arguments, **options):
+        """Return a free path on a map; arguments and errors are those of `swarm_gym.planning.plan`."""
+        from swarm_gym import planning  # takes a second to import
+
+        return planning.plan(*arguments, **options)

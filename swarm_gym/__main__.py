@@ -55,11 +55,11 @@ def _module_of(name: str) -> ModuleType:
     """Return the module of a command; end with a message if the installation lacks what it needs."""
     module = COMMANDS[name].module
     if module.startswith("experiments."):
-        from swarm_gym.controllers import laboratory
+        from swarm_gym.controllers import packaged
 
-        if not laboratory.has_laboratory():
-            sys.exit(f"error: swarm-gym {name} {laboratory.WITHOUT}")
-        sys.path.append(str(laboratory.LABORATORY.parent))
+        if not packaged.has_laboratory():
+            sys.exit(f"error: swarm-gym {name} {packaged.WITHOUT_LABORATORY}")
+        sys.path.append(str(packaged.LABORATORY.parent))
     try:
         return import_module(module)
     except ModuleNotFoundError as error:

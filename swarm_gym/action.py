@@ -34,7 +34,6 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import (
-    Array,
     Constant,
     as_numpy,
     at_least,
@@ -130,7 +129,7 @@ class Action:
         space = self.space
         return np.clip(np.stack(numbers, axis=1), space.low, space.high).astype(self._dtype)
 
-    def decode(self, actions: object, chosen: Array, simulation: Simulation) -> Decisions:
+    def decode(self, actions: object, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
         """Return the decisions that actions (B, k) ask for; sizes are rounded to the nearest integer.
 
         Only the chosen rows, (B,), have to be valid.
@@ -144,7 +143,7 @@ class Action:
             self.refuse(numbers, wrong)
         return self.decide(numbers, chosen, simulation)
 
-    def read(self, actions: object, simulation: Simulation) -> tuple[Array, Array]:
+    def read(self, actions: object, simulation: Simulation) -> tuple[Floats, NDArray[np.bool_]]:
         """Return the numbers of actions, (B, k) float64, and which rows are in the action space, (B,).
 
         Args:
@@ -164,9 +163,9 @@ class Action:
         numbers = floats(xp, given)
         low, high = self._low.on(xp, device), self._high.on(xp, device)
         within = (numbers >= low) & (numbers <= high)  # False for NaN
-        return numbers, within.all(axis=1)
+        return numbers, xp.all(within, axis=1)
 
-    def refuse(self, numbers: Array, wrong: Array) -> NoReturn:
+    def refuse(self, numbers: Floats, wrong: NDArray[np.bool_]) -> NoReturn:
         """Raise an error about the first row that is wrong.
 
         Args:
@@ -186,7 +185,7 @@ class Action:
             f"{float(action[number])}"
         )
 
-    def decide(self, numbers: Array, chosen: Array, simulation: Simulation) -> Decisions:
+    def decide(self, numbers: Floats, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
         """Return the decisions that numbers of actions, (B, k), ask for, see `decode`.
 
         Rows that are not chosen may hold anything.
@@ -213,7 +212,7 @@ class Action:
             sources,
         )
 
-    def _as_array(self, actions: object, simulation: Simulation) -> Array:
+    def _as_array(self, actions: object, simulation: Simulation) -> NDArray:
         """Return actions as an array of numbers, of the simulation's library and on its device.
 
         Raises:

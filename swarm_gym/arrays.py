@@ -2,7 +2,8 @@
 
 The state of a simulation is NumPy arrays, or torch tensors if its kernels leave it on a GPU. `Simulation.xp`
 is the namespace of its arrays: the module `numpy`, or torch under the names of the Python array API standard.
-This module has what that standard lacks.
+This module has what that standard lacks. Annotations of a simulation's state name arrays of NumPy; where its
+kernels leave it on a GPU, these are tensors with the same operators.
 
 A program that asks for the value of a tensor waits for all work of the GPU. Nothing here does so, except
 `as_numpy`. For the same reason, functions of this module take Python's numbers where those of torch would
@@ -11,7 +12,8 @@ first copy them to the GPU.
 
 import operator
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -19,8 +21,12 @@ from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError
 
-Array = Any  # an array of NumPy or a tensor
-Namespace = Any  # the module `numpy`, or that of tensors
+if TYPE_CHECKING:
+    import torch
+
+AnyArray: TypeAlias = "NDArray | torch.Tensor"
+Array = TypeVar("Array", NDArray, "torch.Tensor")  # arguments and result are of one library
+Namespace = ModuleType  # `numpy`, or that of tensors
 
 _OPERATORS = {
     "add": operator.add,
@@ -44,17 +50,17 @@ def tensors() -> Namespace:
     return torch
 
 
-def namespace_of(array: Array) -> Namespace:
+def namespace_of(array: AnyArray) -> Namespace:
     """Return the namespace of the functions for an array: the module `numpy`, or that of tensors."""
     return np if isinstance(array, np.ndarray) else tensors()
 
 
-def as_numpy(array: Array) -> NDArray:
+def as_numpy(array: AnyArray) -> NDArray:
     """Return an array as one of NumPy; a tensor on a GPU is copied, when the GPU has done all its work."""
     return array if isinstance(array, np.ndarray) else np.asarray(array.cpu())
 
 
-def placed(xp: Namespace, array: NDArray, device: object) -> Array:
+def placed(xp: Namespace, array: NDArray, device: object) -> NDArray:
     """Return a NumPy array as an array of a namespace on a device, which may share its memory.
 
     Words of 64 bits become signed integers with the same bits, since torch computes with those only.
@@ -69,9 +75,9 @@ class Constant:
 
     def __init__(self, values: NDArray):
         self._values = values
-        self._copies: dict[tuple[str, str], Array] = {}
+        self._copies: dict[tuple[str, str], NDArray] = {}
 
-    def on(self, xp: Namespace, device: object) -> Array:
+    def on(self, xp: Namespace, device: object) -> NDArray:
         """Return the values as an array of a namespace on a device; callers must not change it."""
         if xp is np:
             return self._values
@@ -83,27 +89,27 @@ class Constant:
 
 def floats(xp: Namespace, array: Array) -> Array:
     """Return a copy of an array of numbers in float64, in which torch does not divide integers by itself."""
-    return array.astype(np.float64) if xp is np else xp.astype(array, xp.float64)
+    return xp.array(array, dtype=xp.float64) if xp is np else xp.astype(array, xp.float64)
 
 
 def integers(xp: Namespace, array: Array) -> Array:
     """Return a copy of an array of whole numbers in int64."""
-    return array.astype(np.int64) if xp is np else xp.astype(array, xp.int64)
+    return xp.array(array, dtype=xp.int64) if xp is np else xp.astype(array, xp.int64)
 
 
 def copy_of(xp: Namespace, array: Array) -> Array:
     """Return a copy of an array."""
-    return array.copy() if xp is np else xp.asarray(array, copy=True)
+    return xp.array(array, order="C") if xp is np else xp.asarray(array, copy=True)
 
 
 def at_least(xp: Namespace, array: Array, smallest: float) -> Array:
     """Return max(array, smallest) elementwise; NaN stays."""
-    return np.maximum(array, smallest) if xp is np else xp.clip(array, smallest, None)
+    return xp.maximum(array, smallest) if xp is np else xp.clip(array, smallest, None)
 
 
 def at_most(xp: Namespace, array: Array, largest: float) -> Array:
     """Return min(array, largest) elementwise; NaN stays."""
-    return np.minimum(array, largest) if xp is np else xp.clip(array, None, largest)
+    return xp.minimum(array, largest) if xp is np else xp.clip(array, None, largest)
 
 
 def divided(xp: Namespace, numerator: Array, denominator: Array, where: Array, otherwise: float) -> Array:
@@ -122,7 +128,7 @@ def divided(xp: Namespace, numerator: Array, denominator: Array, where: Array, o
 def assign(xp: Namespace, target: Array, values: Array, where: Array) -> None:
     """Write values into an array where a condition holds; both must broadcast to the shape of the array."""
     if xp is np:
-        np.copyto(target, values, where=where)
+        xp.copyto(target, values, where=where)
     else:
         target[...] = xp.where(where, values, target)
 
@@ -135,7 +141,7 @@ def with_columns(xp: Namespace, array: Array, columns: dict[int, Array]) -> Arra
     return new
 
 
-def applied(function: Callable[[Array], Array], xp: Namespace, array: Array) -> Array:
+def applied(function: Callable[[NDArray], NDArray], xp: Namespace, array: NDArray) -> NDArray:
     """Return function(array), where the function may use operators and NumPy's elementwise functions.
 
     Optimizers are written with NumPy, so a tensor is wrapped for them: see `_Elementwise`.
@@ -143,16 +149,22 @@ def applied(function: Callable[[Array], Array], xp: Namespace, array: Array) -> 
     Raises:
         TypeError: if the function calls one of NumPy's that has no namesake in the array API standard.
     """
-    return function(array) if xp is np else function(_Elementwise(xp, array)).array
+    if xp is np:
+        return function(array)
+    tensor: Any = _Elementwise(xp, array)
+    found: Any = function(tensor)
+    return found.array
 
 
 class _Elementwise(NDArrayOperatorsMixin):
     """A tensor to which operators and NumPy's elementwise functions, such as np.sqrt, can be applied."""
 
-    def __init__(self, xp: Namespace, array: Array):
+    def __init__(self, xp: Namespace, array: AnyArray):
         self.xp, self.array = xp, array
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: object, **options: object
+    ) -> "_Elementwise":
         # Operators do not copy Python's numbers to the GPU, as the functions of the same names do.
         function = _OPERATORS.get(ufunc.__name__) or getattr(self.xp, ufunc.__name__, None)
         if function is None or method != "__call__" or options:

@@ -11,8 +11,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
-from swarm_gym.arrays import Array, Constant, as_numpy, copy_of
-from swarm_gym.clearance import clearance_of
+from swarm_gym.arrays import Constant, as_numpy, copy_of
 from swarm_gym.errors import ActionError, StepOrderError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.history import COLUMN
@@ -22,6 +21,7 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import (
     NEED_AN_OPTIMUM,
@@ -152,7 +152,7 @@ class SwarmBatch:
         self._reward_check.check_numbers(paid, simulation.iteration, xp)
         return paid, ended
 
-    def _refuse_idle(self, chosen: Array) -> None:
+    def _refuse_idle(self, chosen: NDArray[np.bool_]) -> None:
         """Raise an error if any of these swarms, (B,), is to take a step although no episode is under way.
 
         Raises:
@@ -164,14 +164,14 @@ class SwarmBatch:
             reason = "the episode has ended" if started.all() else "there was no reset yet"
             raise StepOrderError(f"step of swarm {waiting[0]}: {reason}; call reset() first") from None
 
-    def observe(self) -> Array:
+    def observe(self) -> NDArray:
         """Return the observations of all swarms, (B, k), a new array."""
         simulation = self.simulation
         xp, device = simulation.xp, simulation.device
         found = self._observation.observe(simulation)
         return xp.minimum(xp.maximum(found, self._low.on(xp, device)), self._high.on(xp, device))
 
-    def numbers(self) -> dict[str, Array]:
+    def numbers(self) -> dict[str, NDArray]:
         """Return the infos on all swarms that are plain numbers of the state: new arrays (B,).
 
         These are arrays of the simulation's library; nothing waits for a GPU.

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, as_numpy, namespace_of
+from swarm_gym.arrays import as_numpy, namespace_of
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.worlds import Worlds
@@ -53,7 +53,7 @@ class BestPaths:
         paths[np.isnan(as_numpy(self.feasible_fitness()))] = np.nan
         return paths
 
-    def feasible_fitness(self) -> Array:
+    def feasible_fitness(self) -> Floats:
         """Return (B,) fitness of the best feasible paths; NaN where there is none.
 
         An event on the map forgets all paths but those of members and the best one by fitness.
@@ -63,7 +63,7 @@ class BestPaths:
             return xp.where(swarms.best_collision <= FEASIBILITY_TOLERANCE, swarms.best_fitness, np.nan)
         return xp.where(xp.isfinite(swarms.feasible_fitness), swarms.feasible_fitness, np.nan)
 
-    def _points(self, positions: Array) -> Floats:
+    def _points(self, positions: Floats) -> Floats:
         return self._worlds.points(as_numpy(positions)[:, : self._dimension], as_numpy(self._swarms.problem))
 
     def _walks(self) -> Floats:

@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn
+from typing import NoReturn
 
 LONGEST = 5_000  # characters of an error message
 # Exit statuses of shells for processes that a signal ended.
@@ -26,8 +26,14 @@ class NumberParser(argparse.ArgumentParser):
     Before, it does so for plain numbers only.
     """
 
-    def __init__(self, *arguments: Any, **options: Any):
-        super().__init__(*arguments, **options)
+    def __init__(
+        self,
+        prog: str | None = None,
+        description: str | None = None,
+        epilog: str | None = None,
+        formatter_class: type[argparse.HelpFormatter] = argparse.HelpFormatter,
+    ):
+        super().__init__(prog, description=description, epilog=epilog, formatter_class=formatter_class)
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
 
@@ -101,7 +107,7 @@ def _raising_on_signals() -> Iterator[None]:
         return
     process = os.getpid()
 
-    def terminate(*_: Any) -> None:
+    def terminate(*_: object) -> None:
         if os.getpid() != process:  # a forked copy of this process must not run the command's clean-up
             os._exit(TERMINATED)
         raise _Terminated

@@ -1,6 +1,6 @@
 """The environment of a single swarm, for `gymnasium.make`."""
 
-from typing import Any
+from typing import Any, TypedDict, cast
 
 import gymnasium
 import numpy as np
@@ -15,6 +15,31 @@ from swarm_gym.simulation import Simulation
 
 ALL = np.ones(1, dtype=np.bool_)
 RENDER_MODES = ("human", "rgb_array")
+
+
+class Info(TypedDict, total=False):
+    """The entries of `info`, as `SwarmEnv` describes them; some are not always there."""
+
+    best_fitness: float
+    best_collision: float
+    feasible: bool
+    best_path: NDArray[np.float64]
+    feasible_path: NDArray[np.float64]
+    feasible_fitness: float
+    feasible_length: float
+    feasible_clearance: float
+    evaluations: np.int64
+    population_size: np.int64
+    feasible_share: float
+    repair_degree: float
+    scenario: str
+    made_for: str
+    robot: NDArray[np.float64]
+    driven: float
+    repaired_path: NDArray[np.float64]
+    repaired_length: float
+    repair_evaluations: float
+    optimality_gap: float
 
 
 class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
@@ -132,9 +157,10 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         """The `Simulation` in this environment, a batch of one swarm: `swarms`, `history` and `problems`."""
         return self._batch.simulation
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray, dict[str, Any]]:
+    # Gymnasium has plain dictionaries for infos.
+    def reset(  # type: ignore[override]
+        self, *, seed: int | None = None, options: dict[str, object] | None = None
+    ) -> tuple[NDArray, Info]:
         """Begin an episode and return the first observation and info.
 
         Args:
@@ -156,7 +182,9 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         self._show()
         return self._batch.observe()[0], self._info()
 
-    def step(self, action: NDArray) -> tuple[NDArray, float, bool, bool, dict[str, Any]]:
+    def step(  # type: ignore[override]
+        self, action: NDArray
+    ) -> tuple[NDArray, float, bool, bool, Info]:
         """Resize the population and advance it by one iteration with this repair degree.
 
         Args:
@@ -199,16 +227,16 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
             self._renderer = Renderer(self.render_width, self.render_height, fps=self.metadata["render_fps"])
         return self._renderer
 
-    def _info(self) -> dict[str, Any]:
-        info = {name: values[0] for name, values in self._batch.info().items()}
+    def _info(self) -> Info:
+        info: dict[str, Any] = {name: values[0] for name, values in self._batch.info().items()}
         # Of NumPy's bool, Gymnasium's vectors would make an array of objects.
         info["feasible"] = bool(info["feasible"])
         for name in SOMETIMES:
             if name in info and not is_there(info[name][None])[0]:
                 del info[name]
-        return info
+        return cast(Info, info)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         # A copy opens its own window.
         return {**self.__dict__, "_renderer": None}
 

@@ -4,7 +4,6 @@ import reprlib
 from collections.abc import Iterable
 from difflib import get_close_matches
 from itertools import islice
-from typing import Any
 
 # Limits of the values in messages, so that a message is not longer than a screen.
 _SHORT = reprlib.Repr()
@@ -46,11 +45,11 @@ def listed(names: Iterable[str], given: object = "", where: str = "") -> str:
 class SwarmGymError(Exception):
     """Base class of the errors that swarm_gym raises on purpose; workers can send any of them."""
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return _received, (type(self), self.args), self.__dict__
 
 
-def _received(kind: type[SwarmGymError], args: tuple[Any, ...]) -> SwarmGymError:
+def _received(kind: type[SwarmGymError], args: tuple[object, ...]) -> SwarmGymError:
     # The message is complete, so the constructor that composes it is not called again.
     return kind.__new__(kind, *args)
 

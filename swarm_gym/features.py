@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, at_least, divided, floats
+from swarm_gym.arrays import at_least, divided, floats
 from swarm_gym.compiler.elementary import exp, log, log1p
 from swarm_gym.corridors import KnownCorridors
 from swarm_gym.history import COLUMN
@@ -96,7 +96,7 @@ def _log_extent(simulation: Simulation) -> float:
     return float(log1p(max(extents))) / 8.0
 
 
-def _clock(simulation: Simulation, iterations: Array) -> Array:
+def _clock(simulation: Simulation, iterations: NDArray[np.int64]) -> Floats:
     """Return log(1 + iterations), relative to that of all iterations of an episode."""
     xp = simulation.xp
     return log1p(floats(xp, iterations), xp) / _log_of_one_and(simulation.settings.iterations)

@@ -7,61 +7,64 @@ everywhere, and adapted optimizers evaluate what has this value, see `swarm_gym.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_number
 from swarm_gym.problem.function.problem import FunctionProblem
-from swarm_gym.problem.function.table import SUM_SQUARES, FunctionTable
-from swarm_gym.problem.padding import pad
+from swarm_gym.problem.function.table import SUM_SQUARES, FunctionTable, FunctionTables
+from swarm_gym.problem.padding import Floats, Integers, Whole, pad
 from swarm_gym.scenarios.ioh_scenario import SUITES, IohScenario, called, uncounted
-
-Floats = NDArray[np.float64]
 
 _SUITES = tuple(SUITES)
 
 
-class IohTable(NamedTuple):
+class IohTable(NamedTuple, Generic[Whole]):
     """The problem table of a function of `ioh`; in a stacked table every field has a leading problem axis.
 
     Numbers name the function. It has the fields that the tables of all problems have, see
     `swarm_gym.problem.tables`, but no kernels.
     """
 
-    dimension: Any  # D: a number, in a stacked table an array
-    suite: Any  # number of the suite in the order of `SUITES`
-    function: Any  # number of the function in `ioh`
-    instance: Any  # number of the instance
+    dimension: Whole  # D
+    suite: Whole  # number of the suite in the order of `SUITES`
+    function: Whole  # number of the function in `ioh`
+    instance: Whole  # number of the instance
     lower: Floats  # (C,) bounds of decision vectors: the domain
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population: the domain
     initial_upper: Floats  # (C,)
 
-    def row(self, index: int) -> "IohTable":
-        """Return one problem out of stacked ones, as views."""
-        return IohTable._make(column[index] for column in self)
 
-    def drawing(self) -> FunctionTable:
-        """Return a table by which compiled code draws members; their fitness is NaN until `ioh` gives it."""
-        unknown = np.full_like(self.lower, np.nan)
-        kinds = np.full_like(self.function, SUM_SQUARES)  # which has no value without an optimum
-        return FunctionTable(
-            self.dimension, kinds, self.lower, self.upper, self.initial_lower, self.initial_upper, unknown
-        )
+IohTables = IohTable[Integers]  # of stacked problems
 
-    def value(self, vector: Floats, counted: bool = True) -> float:
-        """Return the value of the function at a decision vector, (D,), above its least one.
 
-        Args:
-            vector: decision vector.
-            counted: whether the evaluation counts for `ioh`, and appears in its logs.
-        """
-        kept = called if counted else uncounted
-        parts = int(self.function), int(self.dimension), int(self.instance)
-        problem = kept(_SUITES[int(self.suite)], *parts)
-        return max(0.0, float(problem(vector)) - float(problem.optimum.y))
+def select(tables: IohTables, index: int) -> IohTable:
+    """Return one problem table out of stacked ones, as views."""
+    return IohTable._make(column[index] for column in tables)
+
+
+def drawing(tables: IohTables) -> FunctionTables:
+    """Return tables by which compiled code draws members; their fitness is NaN until `ioh` gives it."""
+    unknown = np.full_like(tables.lower, np.nan)
+    kinds = np.full_like(tables.function, SUM_SQUARES)  # which has no value without an optimum
+    bounds = tables.lower, tables.upper, tables.initial_lower, tables.initial_upper
+    return FunctionTable(tables.dimension, kinds, *bounds, unknown)
+
+
+def value(table: IohTable, vector: Floats, counted: bool = True) -> float:
+    """Return the value of the function at a decision vector, (D,), above its least one.
+
+    Args:
+        table: problem table of the function.
+        vector: decision vector.
+        counted: whether the evaluation counts for `ioh`, and appears in its logs.
+    """
+    kept = called if counted else uncounted
+    problem = kept(_SUITES[table.suite], int(table.function), int(table.dimension), int(table.instance))
+    return max(0.0, float(problem(vector)) - float(problem.optimum.y))
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class IohProblem(FunctionProblem):
 
     def evaluate(self, vector: ArrayLike) -> tuple[float, float]:
         """Return fitness and degree of collision, 0, of one decision vector."""
-        return self.table.value(self._path(vector)[1 : self.dimension + 1], counted=False), 0.0
+        return value(self.table, self._path(vector)[1 : self.dimension + 1], counted=False), 0.0
 
     def repaired(self, vector: ArrayLike, repair_degree: float) -> Floats:
         """Return a decision vector as it is, since there are no obstacles."""
@@ -107,4 +110,4 @@ class IohProblem(FunctionProblem):
 
     def _value_at(self, vector: Floats, start: Sequence[float]) -> float:
         vector[:2] = start
-        return self.table.value(vector, counted=False)
+        return value(self.table, vector, counted=False)

@@ -1,11 +1,17 @@
 """Kinds of scenarios: which problems the settings make of them, and which options have an effect there."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.ioh_problem import IohProblem
-from swarm_gym.problem import AnalyticProblem, GridProblem, Problem, WalkProblem, problem_of_function
+from swarm_gym.problem import (
+    AnalyticProblem,
+    FunctionProblem,
+    GridProblem,
+    Problem,
+    WalkProblem,
+    problem_of_function,
+)
 from swarm_gym.problem.grid.problem import MAX_POINTS
 from swarm_gym.scenarios import (
     BbobScenario,
@@ -18,14 +24,56 @@ from swarm_gym.scenarios import (
 )
 
 
-def _analytic_problem(settings: Any, scenario: Scenario) -> Problem:
+class ProblemOptions(Protocol):
+    """The settings that problems depend on; `swarm_gym.settings.Settings` describes them."""
+
+    @property
+    def encoding(self) -> str:
+        """Name of the encoding."""
+
+    @property
+    def num_waypoints(self) -> int:
+        """Number of waypoints of a path."""
+
+    @property
+    def num_control_points(self) -> int:
+        """Number of control points of a Bezier curve."""
+
+    @property
+    def length_weight(self) -> float:
+        """Weight of the length in the fitness."""
+
+    @property
+    def penalty(self) -> float:
+        """Fitness of a blocked part of a path."""
+
+    @property
+    def cell_size(self) -> float:
+        """Side of the cells that analytic maps are converted to."""
+
+
+def problem_of(scenario: StaticScenario, settings: ProblemOptions) -> Problem:
+    """Return the problem that the settings make of a scenario, whose kind has their encoding."""
+    if isinstance(scenario, FunctionScenario):
+        return problem_of_any_function(scenario)
+    if isinstance(scenario, GridScenario):
+        return _grid_problem(scenario, settings)
+    return _analytic_problem(scenario, settings)
+
+
+def problem_of_any_function(scenario: FunctionScenario) -> FunctionProblem:
+    """Return the problem of a test function, which Python code may evaluate."""
+    return IohProblem(scenario) if isinstance(scenario, IohScenario) else problem_of_function(scenario)
+
+
+def _analytic_problem(scenario: Scenario, settings: ProblemOptions) -> Problem:
     if settings.encoding == "walk":
         require_number("cell_size", settings.cell_size, 1e-3, 1e6)
         return WalkProblem(rasterised(scenario, settings.cell_size), settings.penalty)
     return AnalyticProblem(scenario, settings.num_waypoints, settings.length_weight)
 
 
-def _grid_problem(settings: Any, scenario: GridScenario) -> Problem:
+def _grid_problem(scenario: GridScenario, settings: ProblemOptions) -> Problem:
     if settings.encoding == "walk":
         return WalkProblem(scenario, settings.penalty)
     option = {"waypoints": "num_waypoints", "bezier": "num_control_points"}[settings.encoding]
@@ -34,27 +82,17 @@ def _grid_problem(settings: Any, scenario: GridScenario) -> Problem:
     return GridProblem(scenario, settings.encoding, num_points, settings.penalty)
 
 
-def _function_problem(settings: Any, scenario: FunctionScenario) -> Problem:  # noqa: ARG001
-    return problem_of_function(scenario)
-
-
-def _ioh_problem(settings: Any, scenario: IohScenario) -> Problem:  # noqa: ARG001
-    return IohProblem(scenario)
-
-
 class Kind(NamedTuple):
     """A kind of scenario: the class, and what the settings do with it.
 
     Attributes:
         name: name of such scenarios, in messages.
-        problem: function of `Settings` and a scenario that makes its problem.
         options: options that have an effect on such scenarios, by encoding.
         sourced: encodings whose decision vectors are whole paths, which can come from every source.
         calls_python: whether Python code evaluates decision vectors, which no compiled optimizer can call.
     """
 
     name: str
-    problem: Callable[[Any, Any], Problem]
     options: dict[str, tuple[str, ...]]
     sourced: tuple[str, ...] = ()
     calls_python: bool = False
@@ -63,7 +101,6 @@ class Kind(NamedTuple):
 KINDS: dict[type, Kind] = {
     Scenario: Kind(
         "analytic maps",
-        _analytic_problem,
         {
             "waypoints": ("encoding", "num_waypoints", "length_weight", "clearance", "final_repair"),
             "walk": ("encoding", "penalty", "cell_size", "clearance", "final_repair"),
@@ -72,7 +109,6 @@ KINDS: dict[type, Kind] = {
     ),
     GridScenario: Kind(
         "grid maps",
-        _grid_problem,
         {
             "waypoints": ("encoding", "num_waypoints", "penalty", "clearance", "final_repair"),
             "bezier": ("encoding", "num_control_points", "penalty", "clearance", "final_repair"),
@@ -81,9 +117,9 @@ KINDS: dict[type, Kind] = {
         sourced=("waypoints", "bezier"),
     ),
     # Before the test functions, which they are subclasses of: their problem tables are others.
-    BbobScenario: Kind("BBOB functions", _function_problem, {"waypoints": ()}),
-    IohScenario: Kind("functions of ioh", _ioh_problem, {"waypoints": ()}, calls_python=True),
-    FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
+    BbobScenario: Kind("BBOB functions", {"waypoints": ()}),
+    IohScenario: Kind("functions of ioh", {"waypoints": ()}, calls_python=True),
+    FunctionScenario: Kind("test functions", {"waypoints": ()}),
 }
 ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))
 PROBLEM_OPTIONS = {

@@ -7,10 +7,12 @@ arrays, and to convert the arrays inside.
 
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
+
+Shape = TypeVar("Shape", bound=tuple[int, ...])
+Kind = TypeVar("Kind", bound=np.dtype)
 
 # Modules of Gymnasium, and the function there that converts infos: the first since version 1.2.
 _CONVERSIONS = {
@@ -25,8 +27,11 @@ class ObjectArray(np.ndarray):
     Make one as a view: `array.view(ObjectArray)`. Comparisons and functions return plain arrays.
     """
 
-    def __array_wrap__(self, array: NDArray, _context: Any = None, return_scalar: bool = False) -> Any:
-        return array[()] if return_scalar else np.asarray(array)
+    def __array_wrap__(
+        self, array: np.ndarray[Shape, Kind], _context: object = None, return_scalar: bool = False
+    ) -> np.ndarray[Shape, Kind]:
+        plain = array[()] if return_scalar else np.asarray(array)
+        return cast(np.ndarray[Shape, Kind], plain)
 
 
 def let_wrappers_keep_objects() -> None:

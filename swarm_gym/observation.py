@@ -33,8 +33,8 @@ from functools import cached_property
 
 import numpy as np
 from gymnasium.spaces import Box
+from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array
 from swarm_gym.corridors import require_paths
 from swarm_gym.errors import SettingError
 from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, NAMED, PAPER, PRICED, RICH, SCALED, TOLD, Feature
@@ -78,7 +78,7 @@ class Observation:
         high = np.array([feature.high(simulation) for feature in self.features], dtype=self.dtype)
         return Box(low, high, dtype=self.dtype)
 
-    def observe(self, simulation: Simulation) -> Array:
+    def observe(self, simulation: Simulation) -> NDArray:
         """Return new observations (B, number of features), up to rounding inside the bounds.
 
         They are an array of the simulation's library, on its device.

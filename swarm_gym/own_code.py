@@ -31,7 +31,7 @@ from importlib.metadata import EntryPoint, entry_points
 from inspect import getsource
 from pathlib import Path
 from types import CodeType, FunctionType
-from typing import Any, TypeVar
+from typing import TypeVar, cast
 
 from swarm_gym.errors import SwarmGymError, UnknownNameError, shown
 
@@ -85,10 +85,10 @@ def find(
         return registry[name]
     if not is_own(kind, name):
         raise UnknownNameError(kind, name, [*registry, *_installed(GROUPS[kind]), "<module>:<attribute>"])
-    return own(kind, str(name), fits, expected)
+    return cast(Entry, own(kind, str(name), fits, expected))
 
 
-def own(kind: str, name: str, fits: Callable[[object], bool], expected: str) -> Any:
+def own(kind: str, name: str, fits: Callable[[object], bool], expected: str) -> object:
     """Import what a name of own code stands for; `find` describes the arguments and errors."""
     found = _imported(kind, name)
     if not fits(found):
@@ -194,7 +194,7 @@ def _refuse_shadow(kind: str, name: str) -> None:
         )
 
 
-def _imported(kind: str, name: str) -> Any:
+def _imported(kind: str, name: str) -> object:
     """Return the attribute that a name stands for."""
     point = _installed(GROUPS[kind]).get(name)
     module, _, attribute = (name if point is None else point.value).partition(":")

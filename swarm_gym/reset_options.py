@@ -5,7 +5,7 @@ The options are the scenario, and the size, source or content of the first popul
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +74,7 @@ def draw_beginnings(
 
 
 def read_reset_options(
-    options: Mapping[str, Any] | None, settings: Settings, optimizer: type[Optimizer], worlds: Worlds
+    options: Mapping[str, object] | None, settings: Settings, optimizer: type[Optimizer], worlds: Worlds
 ) -> Beginning:
     """Return how episodes begin with these options; what they leave out is as in the settings.
 
@@ -108,18 +108,19 @@ def read_reset_options(
         population = _read_population(options["initial_population"], worlds)
         size = len(population)
     settings.check_population_size("initial_population_size", size)
+    size = cast(int, size)
     budget = settings.max_evaluations
     if budget is not None and size > budget:
         raise SettingError(f"initial_population_size must be at most max_evaluations, {budget}, got {size}")
     return Beginning(int(size), population, scenario, _read_source(options, settings))
 
 
-def _read_source(options: Mapping[str, Any], settings: Settings) -> Source:
+def _read_source(options: Mapping[str, object], settings: Settings) -> Source:
     """Return the source of a first population, with what the options change of that of the settings."""
     given = {name: options[name] for name in SOURCE_OPTIONS if name in options}
     for name in given:
         settings.require_sources(name)
-    source = replace(settings.new_members, **given)
+    source = replace(settings.new_members, **cast(dict[str, float], given))  # which checks them
     if "amplitude" in given and "smooth_share" not in given and source.smooth_share == 0.0:
         raise SettingError(
             "amplitude has no effect with uniform members; remove it, or give smooth_share in (0, 1], too"

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -72,12 +73,8 @@ def run_episodes(
 
 def swarms_for(controller: Controller, num_swarms: int, optimizer: str, **options: object) -> SwarmVectorEnv:
     """Return swarms with the options that a controller needs, for one episode each."""
-    return SwarmVectorEnv(
-        num_swarms,
-        optimizer,
-        autoreset_mode=AutoresetMode.DISABLED,
-        **{**options, **controller.env_options()},
-    )
+    chosen: dict[str, Any] = {**options, **controller.env_options()}
+    return SwarmVectorEnv(num_swarms, optimizer, autoreset_mode=AutoresetMode.DISABLED, **chosen)
 
 
 def run_swarms(

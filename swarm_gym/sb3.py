@@ -125,19 +125,19 @@ class NativeVecEnv(VecEnv):
         super().set_options(list(by_swarm))
 
     @property
-    def reset_infos(self) -> list[dict[str, Any]]:
+    def reset_infos(self) -> list[dict[str, object]]:
         """The infos, by swarm, with which the episodes under way began."""
         return [_info_of(row, infos) for row, infos in enumerate(self._began)]
 
     @reset_infos.setter
-    def reset_infos(self, infos: list[dict[str, Any]]) -> None:
+    def reset_infos(self, infos: list[dict[str, object]]) -> None:
         pass  # `VecEnv` begins with empty ones
 
     def step_async(self, actions: NDArray) -> None:
         """Keep the actions for `step_wait`."""
         self._actions = actions
 
-    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[NDArray, NDArray, NDArray, list[dict[str, object]]]:
         """Advance all swarms; infos of ended episodes have `episode` and `terminal_observation`."""
         *found, infos = self.env.step(self._actions)
         observations, rewards, terminated, truncated = map(as_numpy, found)
@@ -145,7 +145,7 @@ class NativeVecEnv(VecEnv):
         rewards = self._rewarded(rewards, dones)
         self._returns += rewards
         self._lengths += 1
-        by_env: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        by_env: list[dict[str, object]] = [{} for _ in range(self.num_envs)]
         last: Any = as_numpy(infos["final_obs"]) if dones.any() else None
         for row in np.flatnonzero(dones):
             final = infos["final_info"]
@@ -165,7 +165,7 @@ class NativeVecEnv(VecEnv):
         """Close the vector environment."""
         self.env.close()
 
-    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[object]:
         """Return an attribute of the whole vector, once per requested swarm."""
         return [getattr(self.env.unwrapped, attr_name)] * len(self._rows(indices))
 
@@ -179,7 +179,7 @@ class NativeVecEnv(VecEnv):
         *method_args: object,  # noqa: ARG002
         indices: VecEnvIndices = None,  # noqa: ARG002
         **method_kwargs: object,  # noqa: ARG002
-    ) -> list[Any]:
+    ) -> list[object]:
         """Raise an error: swarms of a native vector have no methods of their own."""
         raise AttributeError(f"cannot call {method_name!r} of single swarms in a native vector")
 
@@ -197,7 +197,7 @@ class NativeVecEnv(VecEnv):
 
     def _ended(
         self, row: int, last: NDArray, best_fitness: float, evaluations: int, *, truncated: bool = False
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         """Return the info of an episode that ended with an observation, of the swarm in that row."""
         return {
             "terminal_observation": self._last(last),
@@ -227,7 +227,7 @@ def _equal(options: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
     )
 
 
-def _info_of(row: int, infos: Mapping[str, Any]) -> dict[str, Any]:
+def _info_of(row: int, infos: Mapping[str, Any]) -> dict[str, object]:
     """Return the info of one swarm in those of a vector, without what belongs to the episode before."""
     names = [name for name in infos if not name.startswith(("_", "final_"))]
     return {name: as_numpy(infos[name])[row] for name in names if as_numpy(infos[f"_{name}"])[row]}

@@ -5,13 +5,13 @@ subclass with other arrays defines is listed at `Simulation`.
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, Namespace, as_numpy, assign, placed
+from swarm_gym.arrays import Namespace, as_numpy, assign, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
@@ -74,7 +74,7 @@ class Simulation:
     """
 
     xp: ClassVar[Namespace] = np
-    device: Any = "cpu"
+    device: object = "cpu"
     number: ClassVar[type[np.floating]] = np.float64
 
     def __init__(
@@ -138,7 +138,7 @@ class Simulation:
         )
         return Swarms._make(map(self.place, swarms))
 
-    def place(self, array: NDArray) -> Array:
+    def place(self, array: NDArray) -> NDArray:
         """Return a NumPy array as an array of this simulation, on its device.
 
         Words of random streams, uint64, become int64 with the same bits in tensors.

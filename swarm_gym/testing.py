@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.controllers.trial import require_trial
-from swarm_gym.env import SwarmEnv
+from swarm_gym.env import Info, SwarmEnv
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -75,7 +75,7 @@ def check_optimizer(name: str, scenario: str = "case3") -> None:
         _check_state(name, env, info, asked, before)
         before = info["best_fitness"]
     _require(
-        info["evaluations"] <= BUDGET,
+        int(info["evaluations"]) <= BUDGET,
         f"optimizer {name}: {BUDGET} evaluations allowed, {info['evaluations']} made",
     )
     _check_bits(name, options)
@@ -107,7 +107,7 @@ def check_scenario(name: str, optimizer: str = "firefly") -> None:
     )
 
 
-def _check_state(name: str, env: SwarmEnv, info: Mapping[str, Any], asked: int, before: float) -> None:
+def _check_state(name: str, env: SwarmEnv, info: Info, asked: int, before: float) -> None:
     """Check the state of an optimizer after an iteration; `before` is the best fitness before it."""
     where = f"optimizer {name}, iteration {env.simulation.iteration[0]}"
     size, best = int(info["population_size"]), info["best_fitness"]
@@ -143,7 +143,7 @@ def _check_bits(name: str, options: Mapping[str, Any]) -> None:
     envs.reset(seed=SEED)
     for _ in range(ITERATIONS):
         infos = envs.step(np.tile([11.0, 0.5], (NUM_SWARMS, 1)))[-1]
-    together = infos["best_fitness"].tolist()
+    together = np.asarray(infos["best_fitness"]).tolist()
     _require(
         found == together,
         f"optimizer {name}: the same seeds give {found} one by one, and {together} side by side; draw random "

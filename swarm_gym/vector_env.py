@@ -1,7 +1,7 @@
 """The environment of many swarms, for `gymnasium.make_vec`; all advance in one compiled call."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, as_numpy, copy_of
+from swarm_gym.arrays import AnyArray, as_numpy, copy_of
 from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
 from swarm_gym.checks import refuse_negative_seed
 from swarm_gym.errors import SettingError, UnknownNameError, shown
@@ -18,6 +18,9 @@ from swarm_gym.settings import Settings
 from swarm_gym.simulation import Simulation
 
 Flags = NDArray[np.bool_]
+
+# What `info` holds, by name; `final_info` is a dictionary of its own.
+Infos: TypeAlias = "dict[str, NDArray | Infos]"
 
 DEVICES = ("cpu", "cuda")
 PRECISIONS = ("float64", "float32")
@@ -92,7 +95,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
-        self._ended: Array = self.simulation.place(np.zeros(num_envs, dtype=np.bool_))
+        self._ended: Flags = self.simulation.place(np.zeros(num_envs, dtype=np.bool_))
         self.single_action_space = self._batch.action_space
         self.single_observation_space = self._batch.observation_space
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -112,8 +115,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self,
         *,
         seed: int | list[int | None] | None = None,
-        options: dict[str, Any] | None = None,
-    ) -> tuple[NDArray, dict[str, Any]]:
+        options: dict[str, object] | None = None,
+    ) -> tuple[NDArray, Infos]:
         """Begin episodes in all swarms, or in those of the boolean array `options["reset_mask"]`.
 
         Args:
@@ -151,11 +154,11 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._batch.reset(chosen, self._generators, options)
         self._ended &= self.simulation.place(~chosen)
 
-    def observe(self) -> Array:
+    def observe(self) -> NDArray:
         """Return the observations of all swarms, (B, k), a new array."""
         return self._batch.observe()
 
-    def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
+    def step(self, actions: AnyArray) -> tuple[NDArray, NDArray, NDArray, NDArray, Infos]:
         """Advance every swarm by one iteration; swarms whose episode has ended follow the autoreset mode.
 
         Args:
@@ -173,7 +176,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         nobody = self._ended & False
         restarting = copy_of(self.simulation.xp, self._ended) if next_step else nobody
         rewards, terminated = self._batch.step(~restarting, actions)
-        infos: dict[str, Any] = {}
+        infos: Infos = {}
         if self._autoreset_mode == AutoresetMode.SAME_STEP and terminated.any():
             restarting = terminated
             infos = self._final_infos(terminated)
@@ -183,7 +186,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos = {**self._infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
         return self._batch.observe(), rewards, terminated, nobody, infos
 
-    def _final_infos(self, terminated: Array) -> dict[str, Any]:
+    def _final_infos(self, terminated: Flags) -> Infos:
         """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
         final, rows = self._batch.observe(), as_numpy(terminated).copy()
         if isinstance(final, np.ndarray):
@@ -198,7 +201,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             "_final_info": rows.copy(),
         }
 
-    def step_running(self, actions: Array, chosen: Array | None = None) -> tuple[Array, Array, Array]:
+    def step_running(self, actions: AnyArray, chosen: Flags | None = None) -> tuple[NDArray, NDArray, Flags]:
         """Advance the swarms whose episode is under way, so that whole episodes run side by side.
 
         Args:
@@ -222,7 +225,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._ended |= terminated
         return self._batch.observe(), rewards, copy_of(self.simulation.xp, self._ended)
 
-    def copy_swarms(self, rows: Array) -> Array:
+    def copy_swarms(self, rows: NDArray[np.int64]) -> NDArray:
         """Make swarm i, for every i, a copy of swarm rows[i], to continue differently from the same state.
 
         Copies develop identically, down to their random numbers, as long as their actions are identical. The
@@ -238,18 +241,19 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._ended = self._ended[self.simulation.place(as_numpy(rows))]
         return self._batch.observe()
 
-    def _infos(self, rows: Flags) -> dict[str, Any]:
+    def _infos(self, rows: Flags) -> Infos:
         """Return the infos of these swarms, on a GPU only those that are numbers of its memory."""
         if self.simulation.xp is np:
             return self._whole_infos(rows)
-        there, infos = self.simulation.place(rows), {}
+        there = self.simulation.place(rows)
+        infos: Infos = {}
         for name, values in self._batch.numbers().items():
             infos[name], infos[f"_{name}"] = values, there
         return infos
 
-    def _whole_infos(self, rows: Flags) -> dict[str, Any]:
+    def _whole_infos(self, rows: Flags) -> Infos:
         """Return the infos of these swarms; entries of the others are zero or None, and masked."""
-        infos: dict[str, Any] = {}
+        infos: Infos = {}
         everyone = bool(rows.all())
         for name, values in self._batch.info(rows).items():
             if everyone and name not in SOMETIMES:

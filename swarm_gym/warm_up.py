@@ -20,9 +20,9 @@ from swarm_gym.command import command
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 
-OPTIONS: dict[str, Any] = {"initial_population_size": 4, "max_population_size": 8}
+OPTIONS = {"initial_population_size": 4, "max_population_size": 8}
 # All grid maps and encodings share their kernels. Walks have the same problem table on all maps.
-GRID: dict[str, Any] = {"scenario": "rooms:0", "encoding": "bezier"}
+GRID = {"scenario": "rooms:0", "encoding": "bezier"}
 
 
 def _say_nothing(what: str) -> None:
@@ -68,13 +68,13 @@ def _hush() -> None:
     logging.getLogger("swarm_gym").addFilter(lambda record: not record.getMessage().startswith("compiling "))
 
 
-def _warm_up_kind(optimizer: str, options: dict[str, Any]) -> str:
+def _warm_up_kind(optimizer: str, options: dict[str, str]) -> str:
     """Compile the kernels of one kind of environment; return what is ready then."""
     warm_up_single(optimizer, **options)
     return f"{optimizer} on grid maps" if options else optimizer
 
 
-def _kinds_of_maps(optimizer: str) -> list[dict[str, Any]]:
+def _kinds_of_maps(optimizer: str) -> list[dict[str, str]]:
     """Return the options of one environment for each set of kernels of an optimizer."""
     return [{}, GRID] if GRID["encoding"] in get_optimizer(optimizer).encodings else [{}]
 

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, as_numpy
+from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import SettingError
-from swarm_gym.kinds import kind_of, names_of_kinds
+from swarm_gym.kinds import kind_of, names_of_kinds, problem_of
 from swarm_gym.problem import MapProblem, Problem
-from swarm_gym.problem.grid.winding import warn_of_winding
+from swarm_gym.problem.grid.problem import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
 from swarm_gym.scenarios import (
@@ -80,7 +80,7 @@ def problems_for(settings: Settings, worlds: Sequence[World] | None = None) -> l
             f"encoding {settings.encoding!r} needs {names_of_kinds(settings.encoding)}, but scenario "
             f"{first.name!r} is one of the {kind.name}; choose another encoding or scenario"
         )
-    problems = [kind.problem(settings, scenario) for scenario in scenarios]
+    problems = [problem_of(scenario, settings) for scenario in scenarios]
     dimension = problems[0].dimension
     for problem in problems:
         if problem.dimension != dimension:
@@ -157,7 +157,7 @@ class Worlds:
         scenario = np.cumsum(begins == 0) - 1
         return np.append(self.next_event[self.first][scenario], np.zeros(num_spare, dtype=np.int64))
 
-    def place(self, place: Callable[[NDArray], Array]) -> None:
+    def place(self, place: Callable[[NDArray], NDArray]) -> None:
         """Replace the arrays named in `CONSTANTS` by what a function makes of them, such as tensors."""
         for name in CONSTANTS:
             setattr(self, name, place(getattr(self, name)))

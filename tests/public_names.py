@@ -262,7 +262,9 @@ def _options_of(file: Path) -> Iterator[str]:
     tree = ast.parse(file.read_text(encoding="utf-8"))
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         if ast.unparse(call.func) == "tyro.cli":
-            yield from _fields(tree, ast.unparse(call.args[0]))
+            name = ast.unparse(call.args[0])
+            if name[0].isupper():  # a class, and not one that is made while the command runs
+                yield from _fields(tree, name)
         elif ast.unparse(call.func) == "tyro.extras.subcommand_cli_from_dict":
             for key, cls in zip(call.args[0].keys, call.args[0].values, strict=True):
                 yield from (f"{key.value} {option}" for option in [*_fields(tree, ast.unparse(cls))])

@@ -1,4 +1,9 @@
-"""Masked controllers: some of their inputs are replaced by the mean of these inputs at the same iteration."""
+"""Masked controllers: some of their inputs are replaced by the mean of these inputs at the same iteration.
+
+A blinded policy has all inputs but the clock replaced by their mean courses, so that it decides by the
+iteration alone. What a policy gains over itself blinded is what it makes of what it sees; what it gains over
+other controllers may be a better course of decisions.
+"""
 
 import copy
 from collections.abc import Sequence
@@ -6,8 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller, Floats, Wrapper
+from agents.evaluation.observers import watch
+from swarm_gym.controllers.controller import Controller, Floats, SizeLimits, Wrapper
+from swarm_gym.controllers.registry import load_learned
 from swarm_gym.observation import make_observation
+from swarm_gym.runs.seeds import ANALYSIS
+from swarm_gym.training.config import stored_config
 
 # Inputs that are functions of the iteration: masking them changes nothing.
 CLOCKS = (
@@ -15,6 +24,8 @@ CLOCKS = (
     "share of the iterations done",
     "log(1 + iteration), relative to that of the last",
 )
+
+NUM_EPISODES = 192  # of the courses of a blinded policy
 
 
 class Masked(Wrapper):
@@ -80,3 +91,31 @@ def clock_columns(controller: Controller) -> list[int]:
 
 def _features(controller: Controller) -> list[str]:
     return [feature.name for feature in make_observation(controller.observation).features]
+
+
+def load_blinded(policy: str, limits: SizeLimits | None = None) -> Masked:
+    """Return a learned policy, blinded by its mean courses over all scenarios that it was trained on.
+
+    The episodes of the courses have seeds that neither trainings nor tests have.
+
+    Args:
+        policy: name or path of the policy, as after `learned:`.
+        limits: population sizes that the environment allows.
+
+    Raises:
+        PolicyFileError: if the file is missing, damaged or made for something else.
+    """
+    controller = load_learned(policy, limits)
+    training = stored_config(controller.manifest)
+    watched = watch(
+        controller,
+        [],
+        training.scenarios,
+        ANALYSIS[:NUM_EPISODES],
+        controller.observation,
+        training.optimizer,
+        **training.env_options(),
+    )
+    courses = mean_courses(watched.seen, watched.running)
+    clocks = clock_columns(controller)
+    return Masked(controller, courses, [k for k in range(courses.shape[1]) if k not in clocks])

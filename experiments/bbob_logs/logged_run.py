@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents import Controller, make_controller
-from swarm_gym.comparing.entrants import Entrant
-from swarm_gym.comparing.episode import iterate
+from swarm_gym.comparing.entrants import Entrant, iterate
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import BbobScenario, make_scenario

@@ -6,11 +6,10 @@ from functools import cache
 from typing import Any
 
 from agents import Controller, make_controller
-from experiments.runs.blinded import load_blinded
+from agents.evaluation.masking import load_blinded
 from experiments.runs.experiment import Experiment
 from experiments.runs.run import Run, RunKey, Snapshot
-from swarm_gym.comparing.entrants import entrant
-from swarm_gym.comparing.episode import environment_of, iterate
+from swarm_gym.comparing.entrants import entrant, environment_of, iterate
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.own_code import is_own, own

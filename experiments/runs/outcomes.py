@@ -11,7 +11,7 @@ from experiments.runs.changes import offline_errors
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.runs.run import Floats
 from experiments.statistics import Draws, draw
-from swarm_gym.comparing.optima import optima_of, refuse_unknown_optima
+from swarm_gym.comparing.compared_runs import optima_of, refuse_unknown_optima
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum
 

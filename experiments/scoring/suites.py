@@ -8,15 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache, cached_property
-from typing import Any
 
 from experiments.catalogue import SUITES
 from experiments.runs.experiment import Experiment
 from experiments.runs.groups import scenario_sets
 from swarm_gym.checks import look_up
+from swarm_gym.comparing.compared_runs import optima_of, refuse_unknown_optima
 from swarm_gym.comparing.entrants import entrant
-from swarm_gym.comparing.optima import optima_of, refuse_unknown_optima
-from swarm_gym.controllers.learned.manifest import observes_price
+from swarm_gym.controllers.learned.manifest import Manifest, observes_price
 from swarm_gym.controllers.learned.policy_file import load_policy, packaged_policies, resolve
 from swarm_gym.controllers.names import BLINDED, ControllerName
 from swarm_gym.registration import environment_id
@@ -107,12 +106,12 @@ class ScoredSuite:
         """Return the name of an entrant, which has the optimizer if the suite has several."""
         return controller if len(self.optimizers) == 1 else f"{optimizer}+{controller}"
 
-    def fitting(self, manifest: dict[str, Any]) -> list[str]:
+    def fitting(self, manifest: Manifest) -> list[str]:
         """Return those optimizers of the suite that a policy was trained on."""
         trained_on = {manifest["optimizer"], *manifest.get("also_on", ())}
         return [optimizer for optimizer in self.optimizers if optimizer in trained_on]
 
-    def entrants_of(self, policy: str, manifest: dict[str, Any]) -> list[str]:
+    def entrants_of(self, policy: str, manifest: Manifest) -> list[str]:
         """Return the entrants of a policy, one for each fitting optimizer.
 
         Args:
@@ -154,7 +153,7 @@ class ScoredSuite:
 
 
 @cache
-def packaged_manifest(policy: str) -> dict[str, Any]:
+def packaged_manifest(policy: str) -> Manifest:
     """Return the manifest of a packaged policy by its name, e.g. `three-cases/0`."""
     return load_policy(resolve(policy))[1]
 

@@ -12,9 +12,9 @@ from experiments.runs.suite import Suite
 from experiments.statistics import draw, interval, mean_of_present, means
 from experiments.tables.cell import MISSING, Entry, number, share, share_in
 from experiments.tables.table import Table
-from swarm_gym.clearance import clearance_of
 from swarm_gym.final_repair import final_repair
 from swarm_gym.problem import MapProblem
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.worlds import make_problem

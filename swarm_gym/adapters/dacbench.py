@@ -9,12 +9,13 @@ instance of DACBench is a scenario here; the seed of an episode comes from the g
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict, cast
 
+import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.env import SwarmEnv
+from swarm_gym.env import Info, SwarmEnv
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.scenarios import expand_name
 
@@ -24,8 +25,35 @@ try:
 except ImportError as error:
     raise MissingExtraError("swarm_gym.adapters.dacbench", "DACBench", "dacbench") from error
 
+
+@dataclass(frozen=True)
+class SwarmInstance:
+    """An instance: wrappers of DACBench file results under the attributes of such an object.
+
+    Attributes:
+        scenario: name of the scenario.
+    """
+
+    scenario: str
+
+
+class Configuration(TypedDict, total=False):
+    """A configuration; `SwarmBenchmark` describes the entries, which may be left out."""
+
+    optimizer: str
+    scenarios: list[str]
+    test_scenarios: list[str]
+    options: dict[str, object]
+    cutoff: int
+    seed: int
+    reward_range: tuple[float, float]
+    benchmark_info: dict[str, object]
+    instance_set: dict[int, SwarmInstance]
+    test_set: dict[int, SwarmInstance]
+
+
 # What a configuration has unless it says otherwise; plain data, so that DACBench can write it as JSON.
-DEFAULTS: dict[str, Any] = {
+DEFAULTS: Configuration = {
     "optimizer": "firefly",
     "scenarios": ["case1", "case2", "case3"],
     "test_scenarios": ["random-fields:test:0-9"],
@@ -42,17 +70,6 @@ DEFAULTS: dict[str, Any] = {
     },
 }
 TRAINING, TEST = "scenarios", "test_scenarios"
-
-
-@dataclass(frozen=True)
-class SwarmInstance:
-    """An instance: wrappers of DACBench file results under the attributes of such an object.
-
-    Attributes:
-        scenario: name of the scenario.
-    """
-
-    scenario: str
 
 
 class SwarmDACEnv(AbstractEnv):
@@ -73,13 +90,14 @@ class SwarmDACEnv(AbstractEnv):
         SettingError: for a value that an option cannot have.
     """
 
-    def __init__(self, config: dict[str, Any]):
+    def __init__(self, config: "Configuration"):
+        options: dict[str, Any] = config["options"]
         instances = [*config["instance_set"].values(), *config.get("test_set", {}).values()]
         self.swarm_env = SwarmEnv(
             config["optimizer"],
             scenario=list(dict.fromkeys(instance.scenario for instance in instances)),
             iterations=int(config["cutoff"]),
-            **config["options"],
+            **options,
         )
         spaces = {
             "observation_space": self.swarm_env.observation_space,
@@ -88,8 +106,8 @@ class SwarmDACEnv(AbstractEnv):
         super().__init__(objdict({**config, **spaces}))
 
     def reset(
-        self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray, dict[str, Any]]:
+        self, seed: int | None = None, options: dict[str, object] | None = None
+    ) -> tuple[NDArray, dict[str, float]]:
         """Go on to the next instance, begin an episode there, and return the first observation and info.
 
         Args:
@@ -105,7 +123,7 @@ class SwarmDACEnv(AbstractEnv):
         )
         return observation, _numbers(info)
 
-    def step(self, action: NDArray) -> tuple[NDArray, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray) -> tuple[NDArray, float, bool, bool, dict[str, float]]:
         """Advance the swarm by one iteration; an action has the layout of the option `action`."""
         self.step_()
         observation, reward, terminated, truncated, info = self.swarm_env.step(action)
@@ -134,9 +152,9 @@ class SwarmBenchmark(AbstractBenchmark):
         config: a configuration.
     """
 
-    config: Any  # an `objdict` of DACBench
+    config: objdict
 
-    def __init__(self, config_path: str | None = None, config: dict[str, Any] | None = None):
+    def __init__(self, config_path: str | None = None, config: "Configuration | None" = None):
         super().__init__(config_path, None if config is None else objdict(config))
         given = self.config or {}
         self.config = objdict({**DEFAULTS, **given})
@@ -150,21 +168,22 @@ class SwarmBenchmark(AbstractBenchmark):
         expanded = [SwarmInstance(one) for name in names for one in expand_name(name)]
         self.config["test_set" if test else "instance_set"] = dict(enumerate(expanded))
 
-    def get_environment(self) -> Any:
+    def get_environment(self) -> gymnasium.Env[NDArray, NDArray]:
         """Return the environment of the configuration, in the wrappers that are registered."""
         for test, name in ((False, "instance_set"), (True, "test_set")):
             if name not in self.config:
                 self.read_instance_set(test)
-        env: Any = SwarmDACEnv(self.config)
+        env: gymnasium.Env[NDArray, NDArray] = SwarmDACEnv(self.config)
         for wrap in self.wrap_funcs:
             env = wrap(env)
         return env
 
-    def get_benchmark(self, seed: int = 0) -> Any:
+    def get_benchmark(self, seed: int = 0) -> gymnasium.Env[NDArray, NDArray]:
         """Return the environment of the default configuration and this seed."""
         self.config = objdict({**DEFAULTS, "seed": seed})
         return self.get_environment()
 
 
-def _numbers(info: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in info.items() if np.ndim(value) == 0 and not isinstance(value, str)}
+def _numbers(info: Info) -> dict[str, float]:
+    given = cast(dict[str, float | str | NDArray], info)
+    return {name: value for name, value in given.items() if not isinstance(value, str | np.ndarray)}

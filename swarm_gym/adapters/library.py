@@ -6,18 +6,18 @@ swarm, never in objects. So environments can be copied and pickled, and swarms c
 """
 
 from abc import abstractmethod
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.adapters.swarm_view import BudgetSpentError, SwarmView
-from swarm_gym.ioh_problem import IohTable
+from swarm_gym.ioh_problem import IohTable, IohTables, drawing
 from swarm_gym.optimizers.firefly import Firefly
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.optimizers.parameter import Parameters, declared_parameters
+from swarm_gym.optimizers.parameter import declared_parameters
 from swarm_gym.population import Swarms, num_staying, summarise
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -26,11 +26,14 @@ Integers = NDArray[np.int64]
 KNOWN = 0  # column of `Swarms.registers`: number of members that the library has seen before
 
 
+OwnParameters = TypeVar("OwnParameters", bound=NamedTuple)  # the class of parameters of an algorithm
+
+
 class NoParameters(NamedTuple):
     """The parameters of an algorithm that has none to set."""
 
 
-class LibraryOptimizer(Optimizer):
+class LibraryOptimizer(Optimizer, Generic[OwnParameters]):
     """An optimizer whose iteration is Python code around a library; a subclass implements `iterate`.
 
     Between iterations, members are added and deleted by the rules of the SPSFA paper: new ones are uniform in
@@ -50,12 +53,13 @@ class LibraryOptimizer(Optimizer):
 
     def __init_subclass__(cls) -> None:
         # Not that of `Optimizer`: there are no kernels to choose.
+        super(Optimizer, cls).__init_subclass__()
         cls.parameters = declared_parameters(cls.parameter_class)
         cls.defaults = cls.parameter_values({})
 
     @classmethod
     @abstractmethod
-    def iterate(cls, swarm: SwarmView, parameters: Parameters) -> None:
+    def iterate(cls, swarm: SwarmView, parameters: OwnParameters) -> None:
         """Advance one swarm by one iteration: evaluate decision vectors, then replace the members.
 
         Args:
@@ -76,7 +80,7 @@ class LibraryOptimizer(Optimizer):
     def initialise(
         cls,
         swarms: Swarms,
-        tables: Table,
+        tables: Tables,
         chosen: Flags,
         sizes: Integers,
         mean_weight: float,
@@ -93,7 +97,7 @@ class LibraryOptimizer(Optimizer):
     def step(
         cls,
         swarms: Swarms,
-        tables: Table,
+        tables: Tables,
         chosen: Flags,
         sizes: Integers,
         repair_degrees: Floats,
@@ -122,20 +126,20 @@ class LibraryOptimizer(Optimizer):
 
     @classmethod
     def re_evaluate(
-        cls, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float, num_threads: int = 1
+        cls, swarms: Swarms, tables: Tables, chosen: Flags, mean_weight: float, num_threads: int = 1
     ) -> None:
         """Evaluate members and the best so far anew; what the library remembered is forgotten."""
         swarms.registers[chosen, KNOWN] = 0
         Firefly.re_evaluate(swarms, tables, chosen, mean_weight, num_threads)
 
 
-def _drawing(tables: Table | IohTable) -> Table:
+def _drawing(tables: Tables | IohTables) -> Tables:
     """Return the tables by which compiled code draws members; without kernels of their own, others."""
-    return tables.drawing() if isinstance(tables, IohTable) else tables
+    return drawing(tables) if isinstance(tables, IohTable) else tables
 
 
 def _resize(
-    swarms: Swarms, tables: Table, chosen: Flags, sizes: Integers, mean_weight: float, num_threads: int
+    swarms: Swarms, tables: Tables, chosen: Flags, sizes: Integers, mean_weight: float, num_threads: int
 ) -> None:
     """Grow or shrink the chosen swarms to these sizes, (B,), by compiled code.
 
@@ -148,7 +152,6 @@ def _resize(
     try:
         parameters = Firefly.stacked_parameters({}, len(sizes))
         no_repair = np.zeros(len(sizes))
-        drawing = _drawing(tables)
-        Firefly.step(swarms, drawing, chosen, sizes, no_repair, parameters, mean_weight, num_threads)
+        Firefly.step(swarms, _drawing(tables), chosen, sizes, no_repair, parameters, mean_weight, num_threads)
     finally:
         swarms.budget[:] = budget

@@ -12,12 +12,12 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.adapters.library import LibraryOptimizer
+from swarm_gym.adapters.library import LibraryOptimizer, OwnParameters
 from swarm_gym.adapters.swarm_view import SwarmView
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.optimizers.firefly import Firefly as CompiledFirefly
-from swarm_gym.optimizers.parameter import Parameter, Parameters
-from swarm_gym.problem.tables import Table
+from swarm_gym.optimizers.parameter import Parameter
+from swarm_gym.problem.tables import Tables
 
 try:
     from niapy.algorithms.algorithm import Algorithm
@@ -30,7 +30,7 @@ except ImportError as error:
 Floats = NDArray[np.float64]
 
 
-class NiapyOptimizer(LibraryOptimizer):
+class NiapyOptimizer(LibraryOptimizer[OwnParameters]):
     """An algorithm of niapy; a subclass implements `make`, and names what the algorithm remembers.
 
     niapy hands what an algorithm remembers from iteration to iteration by name, as additional arguments. The
@@ -48,7 +48,7 @@ class NiapyOptimizer(LibraryOptimizer):
 
     @classmethod
     @abstractmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:
+    def make(cls, size: int, swarm: SwarmView, parameters: OwnParameters, **options: object) -> Algorithm:
         """Return the algorithm for a population of this size; `options` are passed on to its constructor."""
 
     @classmethod
@@ -57,12 +57,12 @@ class NiapyOptimizer(LibraryOptimizer):
         return len(cls.vectors) * dimension + len(cls.numbers)
 
     @classmethod
-    def field_size(cls, tables: Table) -> int:  # noqa: ARG003
+    def field_size(cls, tables: Tables) -> int:  # noqa: ARG003
         """Return F, how many numbers a swarm stores for itself."""
         return len(cls.scalars)
 
     @classmethod
-    def iterate(cls, swarm: SwarmView, parameters: Parameters) -> None:
+    def iterate(cls, swarm: SwarmView, parameters: OwnParameters) -> None:
         """Advance one swarm by one iteration of niapy's `run_iteration`."""
         problem = _CountedProblem(swarm)
         task = Task(problem, repair_function=problem.repaired)
@@ -117,7 +117,7 @@ class _CountedProblem(Problem):
         self._known[x.tobytes()] = fitness[0], collision[0]
         return float(fitness[0])
 
-    def repaired(self, x: Floats, *_: Any, **__: Any) -> Floats:
+    def repaired(self, x: Floats, *_: object, **__: object) -> Floats:
         """Return a decision vector (D,) inside the bounds, after one repair pass."""
         return self._swarm.repaired(x[None])[0]
 
@@ -146,7 +146,7 @@ class NiapySwarmParameters(NamedTuple):
     ]
 
 
-class NiapyParticleSwarm(NiapyOptimizer):
+class NiapyParticleSwarm(NiapyOptimizer[NiapySwarmParameters]):
     """niapy's `ParticleSwarmAlgorithm`, with an inertia and a velocity limit."""
 
     name = "swarm_gym.adapters.niapy:ParticleSwarm"
@@ -155,7 +155,9 @@ class NiapyParticleSwarm(NiapyOptimizer):
     numbers = ("personal_best_fitness",)
 
     @classmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:
+    def make(
+        cls, size: int, swarm: SwarmView, parameters: NiapySwarmParameters, **options: object
+    ) -> Algorithm:
         """Return the algorithm for a population of this size."""
         limit = parameters.velocity_limit * (swarm.upper - swarm.lower)
         return ParticleSwarmAlgorithm(
@@ -187,7 +189,7 @@ class NiapyFireflyParameters(NamedTuple):
     ]
 
 
-class NiapyFirefly(NiapyOptimizer):
+class NiapyFirefly(NiapyOptimizer[NiapyFireflyParameters]):
     """niapy's `FireflyAlgorithm`; a firefly moves towards each that is as bright or brighter, itself too."""
 
     name = "swarm_gym.adapters.niapy:Firefly"
@@ -195,7 +197,13 @@ class NiapyFirefly(NiapyOptimizer):
     scalars = ("alpha",)
 
     @classmethod
-    def make(cls, size: int, swarm: SwarmView, parameters: Parameters, **options: object) -> Algorithm:  # noqa: ARG003
+    def make(
+        cls,
+        size: int,
+        swarm: SwarmView,  # noqa: ARG003
+        parameters: NiapyFireflyParameters,
+        **options: object,
+    ) -> Algorithm:
         """Return the algorithm for a population of this size."""
         return FireflyAlgorithm(
             size,

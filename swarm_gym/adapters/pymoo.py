@@ -6,15 +6,16 @@ evaluated and told. This is pymoo's own ask-and-tell interface.
 """
 
 from abc import abstractmethod
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from swarm_gym.adapters.library import LibraryOptimizer
+from swarm_gym.adapters.library import LibraryOptimizer, OwnParameters
 from swarm_gym.adapters.swarm_view import SwarmView
 from swarm_gym.errors import MissingExtraError
-from swarm_gym.optimizers.parameter import Parameter, Parameters
-from swarm_gym.problem.tables import Table
+from swarm_gym.optimizers.parameter import Parameter
+from swarm_gym.problem.tables import Tables
 
 try:
     from pymoo.algorithms.soo.nonconvex.ga import GA
@@ -28,10 +29,12 @@ try:
 except ImportError as error:
     raise MissingExtraError("swarm_gym.adapters.pymoo", "pymoo", "adapters") from error
 
+Floats = NDArray[np.float64]
+
 COLLISION = "collision"  # what individuals carry beside pymoo's own data
 
 
-class PymooOptimizer(LibraryOptimizer):
+class PymooOptimizer(LibraryOptimizer[OwnParameters]):
     """A single-objective algorithm of pymoo; a subclass implements `make`.
 
     That is enough for an algorithm whose whole memory is its population, as most evolutionary ones are. One
@@ -40,7 +43,7 @@ class PymooOptimizer(LibraryOptimizer):
 
     @classmethod
     @abstractmethod
-    def make(cls, size: int, parameters: Parameters) -> Algorithm:
+    def make(cls, size: int, parameters: OwnParameters) -> Algorithm:
         """Return the algorithm for a population of this size."""
 
     @classmethod
@@ -54,7 +57,7 @@ class PymooOptimizer(LibraryOptimizer):
         return algorithm.pop
 
     @classmethod
-    def iterate(cls, swarm: SwarmView, parameters: Parameters) -> None:
+    def iterate(cls, swarm: SwarmView, parameters: OwnParameters) -> None:
         """Advance one swarm by one iteration: ask, repair, evaluate, tell.
 
         Where pymoo finds no vector that differs from the members, they stay.
@@ -80,7 +83,7 @@ def individuals(swarm: SwarmView) -> Population:
     return _evaluated(swarm.positions, swarm.fitness, swarm.collision)
 
 
-def _evaluated(positions: Any, fitness: Any, collision: Any) -> Population:
+def _evaluated(positions: Floats, fitness: Floats, collision: Floats) -> Population:
     members = Population.new(X=positions, F=np.reshape(fitness, (-1, 1)))
     members.set(COLLISION, collision)
     return members
@@ -100,14 +103,14 @@ class PymooGeneticParameters(NamedTuple):
     ]
 
 
-class Genetic(PymooOptimizer):
+class Genetic(PymooOptimizer[PymooGeneticParameters]):
     """pymoo's `GA`: tournaments, simulated binary crossover, polynomial mutation, survival of the fittest."""
 
     name = "swarm_gym.adapters.pymoo:Genetic"
     parameter_class = PymooGeneticParameters
 
     @classmethod
-    def make(cls, size: int, parameters: Parameters) -> Algorithm:
+    def make(cls, size: int, parameters: PymooGeneticParameters) -> Algorithm:
         """Return the algorithm for a population of this size."""
         crossover = SBX(prob=parameters.crossover, eta=parameters.crossover_index)
         return GA(pop_size=size, crossover=crossover, mutation=PM(eta=parameters.mutation_index))
@@ -121,7 +124,7 @@ class PymooSwarmParameters(NamedTuple):
     ]
 
 
-class PymooParticleSwarm(PymooOptimizer):
+class PymooParticleSwarm(PymooOptimizer[PymooSwarmParameters]):
     """pymoo's `PSO`, which adapts inertia and weights itself; members are the particles where they are now.
 
     Each member remembers its velocity, its best position and that fitness and collision.
@@ -137,12 +140,12 @@ class PymooParticleSwarm(PymooOptimizer):
         return 2 * dimension + 2
 
     @staticmethod
-    def field_size(tables: Table) -> int:  # noqa: ARG004
+    def field_size(tables: Tables) -> int:  # noqa: ARG004
         """Return F: the numbers that pymoo adapts, inertia and two weights."""
         return len(PymooParticleSwarm.adapted)
 
     @classmethod
-    def make(cls, size: int, parameters: Parameters) -> Algorithm:
+    def make(cls, size: int, parameters: PymooSwarmParameters) -> Algorithm:
         """Return the algorithm for a population of this size."""
         return PSO(pop_size=size, max_velocity_rate=parameters.velocity_limit)
 

@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import shown
-from swarm_gym.ioh_problem import IohTable
+from swarm_gym.ioh_problem import IohTable, IohTables, value
+from swarm_gym.ioh_problem import select as select_ioh
 from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.tables import Table, evaluate_entry, repair_entry, select
+from swarm_gym.problem.tables import Tables, evaluate_entry, repair_entry, select
 from swarm_gym.sources import note_arrival
 
 Floats = NDArray[np.float64]
@@ -43,11 +44,11 @@ class SwarmView:
     """
 
     def __init__(
-        self, swarms: Swarms, tables: Table | IohTable, row: int, num_known: int, repair_degree: float
+        self, swarms: Swarms, tables: Tables | IohTables, row: int, num_known: int, repair_degree: float
     ):
         self._swarms, self._row = swarms, row
         number = swarms.problem[row]
-        self._table = tables.row(number) if isinstance(tables, IohTable) else select(tables, number)
+        self._table = select_ioh(tables, number) if isinstance(tables, IohTable) else select(tables, number)
         dimension, size = int(self._table.dimension), int(swarms.size[row])
         self.positions = swarms.positions[row, :size, :dimension].copy()
         self.fitness = swarms.fitness[row, :size].copy()
@@ -128,7 +129,7 @@ class SwarmView:
         """Return fitness and collision of a decision vector, (D,); remember it if it is the best so far."""
         swarms, row, path = self._swarms, self._row, self._filled(vector)
         if isinstance(self._table, IohTable):
-            fitness, collision = self._table.value(vector), 0.0
+            fitness, collision = value(self._table, vector), 0.0
         else:
             fitness, collision = evaluate_entry(self._table, path)
         if fitness < swarms.best_fitness[row]:

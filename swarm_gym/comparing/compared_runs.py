@@ -1,8 +1,8 @@
-"""The runs of controllers on the same scenarios and seeds, and their table."""
+"""The runs of controllers on the same scenarios and seeds, their optima and their table."""
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.comparing.bootstrap import Interval, draw, interval, means
-from swarm_gym.comparing.optima import refuse_unknown_optima
-from swarm_gym.reference import gap_to_optimum
+from swarm_gym.errors import ScenarioError
+from swarm_gym.reference import gap_to_optimum, known_optimum, quick_optima
+from swarm_gym.scenarios import GridScenario
+from swarm_gym.worlds import make_problem
 
 Floats = NDArray[np.float64]
 
@@ -131,6 +133,38 @@ class ComparedRuns:
 
     def __str__(self) -> str:
         return self.table()
+
+
+def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats:
+    """Return the fitness of the optimum of each scenario, (scenarios,), nan where it is unknown.
+
+    Unknown ones of grid maps are computed if that is quick.
+
+    Args:
+        scenarios: names of the scenarios.
+        options: options of their environments.
+    """
+    problems = [make_problem(name, **options) for name in scenarios]
+    found = np.array([known_optimum(problem) for problem in problems])
+    on_grids = [isinstance(problem.scenario, GridScenario) for problem in problems]
+    unknown = np.flatnonzero(np.isnan(found) & on_grids)
+    if unknown.size:
+        found[unknown] = quick_optima([problems[number] for number in unknown])
+    return found
+
+
+def refuse_unknown_optima(scenarios: Sequence[str], optima: Floats) -> None:
+    """Raise an error if an optimum is unknown.
+
+    Raises:
+        ScenarioError: naming the first of these scenarios.
+    """
+    unknown = [name for name, optimum in zip(scenarios, optima, strict=True) if np.isnan(optimum)]
+    if unknown:
+        raise ScenarioError(
+            f"gaps need the optimum, which is not known for {len(unknown)} of {len(optima)} scenarios, "
+            f"the first of them {unknown[0]}"
+        )
 
 
 def _mean(values: Floats, set_sizes: tuple[int, ...]) -> tuple[float, Interval]:

@@ -6,10 +6,8 @@ from typing import Any
 import numpy as np
 
 from swarm_gym.checks import require_integer
-from swarm_gym.comparing.compared_runs import ComparedRuns
-from swarm_gym.comparing.entrants import Entrant, entrant
-from swarm_gym.comparing.episode import environment_of, iterate
-from swarm_gym.comparing.optima import optima_of
+from swarm_gym.comparing.compared_runs import ComparedRuns, optima_of
+from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.errors import SettingError, shown
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE

@@ -1,16 +1,22 @@
-"""Entrants of suites: a controller, its optimizer and the length of its episodes.
+"""Entrants of suites: a controller, its optimizer and the length of its episodes; and these episodes.
 
 `spsfa-tip` is a controller of the suite's own optimizer. `multivariate+fixed:65` is the controller `fixed:65`
 of the optimizer `multivariate`. `multivariate(50)+fixed:65` runs in episodes of 50 iterations; it is another
 entrant, since parameters may follow a schedule over the episode.
 """
 
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import gymnasium
+from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
+from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import is_own
+from swarm_gym.registration import environment_id
 
 
 class Entrant(NamedTuple):
@@ -45,3 +51,41 @@ def entrant(name: str, optimizer: str) -> Entrant:
             look_up(f"optimizer in {name!r}:", parts.optimizer, OPTIMIZERS)
         get_optimizer(parts.optimizer)
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)
+
+
+def environment_of(
+    runs: Entrant, controller: Controller, scenario: str, options: Mapping[str, object]
+) -> gymnasium.Env[NDArray, NDArray]:
+    """Return the environment in which an entrant runs.
+
+    Args:
+        runs: optimizer of the entrant, and the length of its episodes.
+        controller: controller of the entrant, whose layouts and limits the environment has.
+        scenario: name of a scenario.
+        options: options of all environments that are compared.
+    """
+    chosen: dict[str, Any] = {**options, **runs.options, **controller.env_options()}
+    return gymnasium.make(environment_id(runs.optimizer), scenario=scenario, **chosen)
+
+
+def iterate(
+    env: gymnasium.Env[NDArray, NDArray],
+    controller: Controller,
+    seed: int,
+    options: dict[str, object] | None = None,
+) -> Iterator[dict[str, object]]:
+    """Run an episode; yield the info of its first population, then that after every iteration.
+
+    Args:
+        env: environment of one swarm.
+        controller: controller, whose layouts are those of the environment.
+        seed: seed of both.
+        options: reset options of the environment.
+    """
+    controller.reset(1, seed)
+    observation, info = env.reset(seed=seed, options=options)
+    yield info
+    ended = False
+    while not ended:
+        observation, _, ended, _, info = env.step(controller.act(observation[None])[0])
+        yield info

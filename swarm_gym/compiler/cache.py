@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numba
 from filelock import FileLock
@@ -20,6 +20,16 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 
 from swarm_gym.compiler.own_sources import UnknownSourceError, digest_of_modules, own_modules
 from swarm_gym.files import digest_of_sources, user_cache
+
+if TYPE_CHECKING:  # private names, which may change without any harm
+    from numba import types
+    from numba.core.base import BaseContext
+    from numba.core.codegen import Codegen
+    from numba.core.compiler import CompileResult
+    from numba.core.typing.templates import Signature
+
+# The types of the arguments for which a function is compiled, and perhaps that of the result.
+Signed: TypeAlias = "tuple[types.Type, ...] | Signature"
 
 # Only these folders and files of the package hold kernels, which call nothing from outside of them.
 KERNEL_SOURCES = (
@@ -85,16 +95,16 @@ class KernelCache(FunctionCache):
         folder: name of the folder for sources of users; empty for this package's own code.
     """
 
-    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any], folder: str = ""):
+    def __init__(self, function: Callable[..., object], options: Mapping[str, object], folder: str = ""):
         super().__init__(function)
         self._given = options
         self._options = repr(sorted(options.items()))
-        self._compiling: dict[Any, FileLock] = {}
+        self._compiling: dict[Signed, FileLock] = {}
         self._of_users: dict[str, KernelCache] = {}
         if folder:
             self._move_to(folder)
 
-    def load_overload(self, signature: Any, context: Any) -> Any:
+    def load_overload(self, signature: Signed, context: "BaseContext") -> "CompileResult | None":
         """Return what is cached for a signature, or None: then this process has to compile it."""
         place = self._place(signature)
         if place is None:
@@ -104,14 +114,14 @@ class KernelCache(FunctionCache):
             return found
         return place._load(signature, context)
 
-    def let_others_go_on(self, signature: Any) -> None:
+    def let_others_go_on(self, signature: Signed) -> None:
         """End the wait of other processes for a signature, whether it was compiled or not."""
         for place in (self, *self._of_users.values()):
             lock = place._compiling.pop(signature, None)
             if lock is not None:
                 lock.release()
 
-    def _place(self, signature: Any) -> "KernelCache | None":
+    def _place(self, signature: Signed) -> "KernelCache | None":
         """Return the cache for a signature; None where sources of users are unknown: nothing is kept then."""
         names = own_modules(self._py_func.__module__, getattr(signature, "args", signature))
         if not names:
@@ -134,7 +144,7 @@ class KernelCache(FunctionCache):
             source_stamp=self._impl.locator.get_source_stamp(),
         )
 
-    def _wait_for_others(self, signature: Any) -> bool:
+    def _wait_for_others(self, signature: Signed) -> bool:
         """Reserve a signature for this process; return whether another one may have compiled it meanwhile."""
         digest = hashlib.sha256(f"{self._impl.filename_base} {signature}".encode()).hexdigest()[:16]
         lock = FileLock(Path(self.cache_path, f"{digest}.lock"), timeout=COMPILE_TIMEOUT)
@@ -147,7 +157,7 @@ class KernelCache(FunctionCache):
         self._compiling[signature] = lock
         return True
 
-    def _load(self, signature: Any, context: Any) -> Any:
+    def _load(self, signature: Signed, context: "BaseContext") -> "CompileResult | None":
         try:
             return super().load_overload(signature, context)
         except OSError:
@@ -158,7 +168,7 @@ class KernelCache(FunctionCache):
                 self.flush()
             return None
 
-    def save_overload(self, signature: Any, data: Any) -> None:
+    def save_overload(self, signature: Signed, data: "CompileResult") -> None:
         """Cache what was compiled for a signature, or log a warning where that is not possible."""
         place = self._place(signature)
         if place is None:
@@ -174,20 +184,20 @@ class KernelCache(FunctionCache):
                 "SWARM_GYM_CACHE names another folder"
             )
 
-    def _index_key(self, signature: Any, codegen: Any) -> Any:
+    def _index_key(self, signature: Signed, codegen: "Codegen") -> tuple[object, ...]:
         return (*super()._index_key(signature, codegen), self._options)
 
 
 class _Locator:
     """The place of a function's cached code: a folder of ours, which may be a read-only one."""
 
-    def __init__(self, function: Callable[..., Any], file: str):
+    def __init__(self, function: Callable[..., object], file: str):
         self._folder = cache_folder() / function.__module__
         self._file = file
         self._line = function.__code__.co_firstlineno
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> "_Locator":
+    def from_function(cls, function: Callable[..., object], file: str) -> "_Locator":
         return cls(function, file)
 
     def move_to(self, folder: str) -> None:

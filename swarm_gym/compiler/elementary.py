@@ -16,12 +16,16 @@ differs by less than 1e-12 of itself.
 """
 
 import math
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
+
+if TYPE_CHECKING:
+    import torch
 
 Floats = NDArray[np.float64]
 
@@ -137,7 +141,7 @@ def _each(function: int, values: Floats, out: Floats) -> None:
             out[i] = sine_of_quarters(x, 0 if function == _SIN else 1)
 
 
-def _of_each(function: int, values: ArrayLike) -> Any:
+def _of_each(function: int, values: ArrayLike) -> Floats:
     array = np.ascontiguousarray(values, dtype=np.float64)
     out = np.empty(array.size)
     _each(function, array.reshape(-1), out)
@@ -147,17 +151,17 @@ def _of_each(function: int, values: ArrayLike) -> Any:
 # The first three also take tensors, with the namespace `xp` of their library, whose function they call then.
 
 
-def exp(values: Any, xp: Any = np) -> Any:
+def exp(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return e^x of each number, in float64."""
     return _of_each(_EXP, values) if xp is np else xp.exp(values)
 
 
-def log(values: Any, xp: Any = np) -> Any:
+def log(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return the natural logarithm of each number, in float64, without warnings."""
     return _of_each(_LOG, values) if xp is np else xp.log(values)
 
 
-def log1p(values: Any, xp: Any = np) -> Any:
+def log1p(values: ArrayLike | "torch.Tensor", xp: ModuleType = np) -> Floats:
     """Return log(1 + x) of each number, in float64."""
     return _of_each(_LOG1P, values) if xp is np else xp.log1p(values)
 

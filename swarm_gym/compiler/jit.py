@@ -1,11 +1,12 @@
 """The decorators of compiled functions: `entry` for what Python calls, `kernel` for what these call."""
 
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, TypeVar
 
 import numba
 import numpy as np
+from numba import types
 from numba.core.registry import CPUDispatcher
 from numba.extending import overload
 
@@ -13,7 +14,8 @@ from swarm_gym.compiler.borrowing import CheckedCompiler
 from swarm_gym.compiler.cache import KernelCache
 from swarm_gym.compiler.own_sources import has_file, tell_apart
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+Function = TypeVar("Function", bound=Callable[..., object])
+Result = TypeVar("Result")
 Inline = Literal["late", "early"]
 _INLINE: dict[Inline, dict[str, Any]] = {"late": {"forceinline": True}, "early": {"inline": "always"}}
 
@@ -36,7 +38,9 @@ def kernel(function: Function) -> Function: ...
 def kernel(*, inline: Inline | None = None, borrows: bool = False) -> Callable[[Function], Function]: ...
 
 
-def kernel(function: Any = None, *, inline: Inline | None = None, borrows: bool = False) -> Any:
+def kernel(
+    function: Function | None = None, *, inline: Inline | None = None, borrows: bool = False
+) -> Function | Callable[[Function], Function]:
     """Compile a function, as `entry` does, that only compiled functions call; Python calls it uncompiled.
 
     The code by which Python would call it is not compiled: half the time of a small kernel with many arrays.
@@ -67,18 +71,18 @@ def kernel(function: Any = None, *, inline: Inline | None = None, borrows: bool 
     return decorate if function is None else decorate(function)
 
 
-def kernel_by_class(kernels: dict[type, Callable[..., Any]]) -> Callable[..., Any]:
+def kernel_by_class(kernels: Mapping[type, Callable[..., Result]]) -> Callable[..., Result]:
     """Return a function that calls the kernel of its first argument's class, a NamedTuple.
 
     It is inlined into its callers. A caller is compiled once for each class that it is called with:
     nothing is decided while it runs.
     """
 
-    def call(table: Any, *arguments: Any) -> Any:
+    def call(table: object, *arguments: object) -> Result:
         return kernels[type(table)](table, *arguments)
 
-    def choose(counted: bool) -> Callable[..., Callable[..., Any] | None]:
-        def chosen(table: Any, *_: Any) -> Callable[..., Any] | None:
+    def choose(counted: bool) -> Callable[..., Callable[..., Result] | None]:
+        def chosen(table: types.Type, *_: types.Type) -> Callable[..., Result] | None:
             kernel = kernels.get(getattr(table, "instance_class", type(None)))
             borrows = getattr(kernel, "borrows", False)
             return None if borrows is counted else getattr(kernel, "py_func", kernel)

@@ -4,14 +4,18 @@ A kernel that advances many swarms gets the parameters of all of them as one arr
 parameter would take longer: a call from Python spends about 0.2 microseconds on each array.
 """
 
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
+from numpy.typing import NDArray
+
+Row = TypeVar("Row", bound=NamedTuple)
 
 
-def named_row(like: Any, matrix: Any, row: int) -> Any:
+def named_row(like: Row, matrix: NDArray[np.float64], row: int) -> Row:
     """Return a row of a matrix as a NamedTuple.
 
     Args:

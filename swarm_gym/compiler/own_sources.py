@@ -59,7 +59,7 @@ def tell_apart(function: FunctionType) -> None:
             function.__qualname__ += f"@{number}"
 
 
-def own_modules(module: str | None, types: Iterable[Any]) -> frozenset[str]:
+def own_modules(module: str | None, types: Iterable[numba.types.Type]) -> frozenset[str]:
     """Return the names of modules outside of this package that compiled code belongs to.
 
     Args:

@@ -1,7 +1,8 @@
 """Controllers that decide the next population size and repair degree, made by name; torch is not needed."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from swarm_gym.lazy import lazy_names
 
 if TYPE_CHECKING:
     from swarm_gym.controllers.controller import Controller
@@ -10,16 +11,13 @@ if TYPE_CHECKING:
 
 __all__ = ["CONTROLLERS", "Controller", "SizeLimits", "make_controller"]
 
-# Module of each name; it is imported at its first use, since the registry imports the whole simulation.
-_MODULES = {
-    "CONTROLLERS": "registry",
-    "Controller": "controller",
-    "SizeLimits": "size_limits",
-    "make_controller": "registry",
-}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+# The registry imports the whole simulation.
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "CONTROLLERS": "registry",
+        "Controller": "controller",
+        "SizeLimits": "size_limits",
+        "make_controller": "registry",
+    },
+)

@@ -1,7 +1,7 @@
 """The interface of controllers, which map observations of swarms to population sizes and repair degrees."""
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,22 @@ from swarm_gym.observation import ITERATION
 from swarm_gym.sources import Source
 
 Floats = NDArray[np.float64]
+
+
+class NeededOptions(TypedDict, total=False):
+    """Options that the environment of a controller needs, as `SwarmEnv` has them."""
+
+    observation: str
+    action: str
+    initial_population_size: int
+    source: str
+    smooth_share: float
+    amplitude: float
+    max_evaluations: int
+    price: float
+    min_population_size: int
+    max_population_size: int
+    made_for: str
 
 
 class Controller(ABC):
@@ -63,15 +79,15 @@ class Controller(ABC):
             Lists, tuples, dictionaries by name, texts, numbers and None, which JSON can hold.
         """
 
-    def env_options(self) -> dict[str, Any]:
+    def env_options(self) -> NeededOptions:
         """Return the options that the environment of this controller needs."""
-        options: dict[str, Any] = {
+        options: NeededOptions = {
             "observation": self.observation,
             "action": self.action,
             "initial_population_size": self.initial_population_size,
         }
         if self.first_source is not None:
-            options |= self.first_source.options()
+            options |= cast(NeededOptions, self.first_source.options())
         if self.max_evaluations is not None:
             options["max_evaluations"] = self.max_evaluations
         if self.price is not None:

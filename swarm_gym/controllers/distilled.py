@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,6 +200,23 @@ def decision_bounds(limits: SizeLimits, optimizer: str) -> dict[str, tuple[float
     return {name: (scale.low, scale.high) for name, scale in zip(layout.labels, layout.scales, strict=True)}
 
 
+class _Formula(TypedDict):
+    decision: str
+    constant: float
+    weights: dict[str, float]
+
+
+class _Content(TypedDict):
+    """The entries of a file that a rule is read from."""
+
+    rule: list[str]
+    initial_population_size: int
+    population_sizes: list[int]
+    formulas: list[_Formula]
+    optimizer: str
+    max_evaluations: int | None
+
+
 def packaged_rules() -> list[str]:
     """Return the names of the rules in the package."""
     return DISTILLED.names()
@@ -212,7 +230,7 @@ def load_rule(name: str, limits: SizeLimits = SizeLimits()) -> DistilledRule:  #
     """
     path = find_json("distilled rule", name, DISTILLED, DistilledFileError)
     try:
-        content = read_json(path, FORMAT)
+        content = cast(_Content, read_json(path, FORMAT))  # wrong types raise one of the errors below
         formulas = [Formula(f["decision"], f["constant"], f["weights"]) for f in content["formulas"]]
         arguments = content["initial_population_size"], formulas, content["optimizer"]
         own_limits = SizeLimits(*content["population_sizes"])

@@ -5,12 +5,12 @@
 """
 
 from dataclasses import fields
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.controllers.controller import Controller, Floats, SizeLimits
+from swarm_gym.controllers.controller import Controller, Floats, NeededOptions, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
 from swarm_gym.errors import shown
 from swarm_gym.sources import SOURCE_RANGES, Source
@@ -62,7 +62,7 @@ class Fixed(Controller):
         source = Source(**parse_parameters(rest, FIRST_SOURCE)) if rest else None
         return cls(int(size), limits, source)
 
-    def env_options(self) -> dict[str, Any]:
+    def env_options(self) -> NeededOptions:
         """Return the options that the environment of this controller needs."""
         options = super().env_options()
         if self.initial_population_size > self._limits.largest:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
-from typing import Any, Self
+from typing import NotRequired, Self, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES, Source
 
 Floats = NDArray[np.float64]
 # A function to the scale on which a decision is interpolated, and its inverse.
-_Scale = tuple[Callable[[Any], Floats], Callable[[Any], Floats]]
+_Scale = tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]
 
 SIZE, DEGREE = "population size", "repair degree"  # names of the decisions that every open loop has
 # Far beyond the length of an episode; an open loop has a row for each iteration up to the last knot.
@@ -27,6 +27,19 @@ _LOGARITHM: _Scale = (log, exp)
 _ROOT: _Scale = (np.sqrt, np.square)
 _AS_IT_IS: _Scale = (np.asarray, np.asarray)
 _SCALES = {"smooth_share": _AS_IT_IS, "amplitude": _LOGARITHM, "immigrants": _ROOT}
+
+
+class KnotsContent(TypedDict):
+    """The entries of a file that knots are read from."""
+
+    initial_population_size: int
+    knots: list[int]
+    sizes: list[float]
+    repair_degrees: list[float]
+    knobs: dict[str, Sequence[float]]
+    optimizer: NotRequired[str]
+    sources: NotRequired[dict[str, list[float]]]
+    first_source: NotRequired[dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -76,13 +89,14 @@ class Knots:
             )
 
     @classmethod
-    def read(cls, content: Mapping[str, Any]) -> Self:
+    def read(cls, file: Mapping[str, object]) -> Self:
         """Return the knots in the content of a file.
 
         Raises:
             OwnCodeError: if it names an optimizer of own code.
             KeyError, TypeError, ValueError: if it lacks an entry, or an entry is invalid.
         """
+        content = cast(KnotsContent, file)  # as the class and the functions below check
         if (optimizer := content.get("optimizer", cls.optimizer)) not in OPTIMIZERS:
             refuse_unless_given("optimizer", optimizer, "optimizer")
         return cls(
@@ -96,18 +110,21 @@ class Knots:
             optimizer,
         )
 
-    def content(self) -> dict[str, Any]:
+    def content(self) -> KnotsContent:
         """Return the entries that `read` reads."""
-        return {
+        content: KnotsContent = {
             "optimizer": self.optimizer,
             "initial_population_size": self.initial_population_size,
             "knots": list(self.iterations),
             "sizes": list(self.sizes),
             "repair_degrees": list(self.repair_degrees),
             "knobs": dict(self.knobs),
-            **({"sources": dict(self.sources)} if self.sources else {}),
-            **({"first_source": asdict(self.first_source)} if self.first_source else {}),
         }
+        if self.sources:
+            content["sources"] = {name: list(column) for name, column in self.sources.items()}
+        if self.first_source:
+            content["first_source"] = asdict(self.first_source)
+        return content
 
     @property
     def action(self) -> str:

@@ -9,7 +9,6 @@ were tuned; see `swarm_gym.tuning`.
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +90,7 @@ def load_open_loop(name: str, limits: SizeLimits = SizeLimits()) -> OpenLoop:  #
         raise OpenLoopFileError(f"{path}: not a readable open loop ({error})") from error
 
 
-def save_open_loop(path: Path, knots: Knots, manifest: Mapping[str, Any]) -> None:
+def save_open_loop(path: Path, knots: Knots, manifest: Mapping[str, object]) -> None:
     """Write knots and the manifest of their origin to a file, atomically."""
     content = {"format": FORMAT, **knots.content(), "manifest": dict(manifest)}
     write_atomically(path, json.dumps(content, indent=2) + "\n")

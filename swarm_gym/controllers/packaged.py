@@ -1,18 +1,28 @@
-"""Files of the package and of the laboratory, found by name, and files of a user, found by path."""
+"""Files of the package and of the laboratory, found by name, and files of a user, found by path.
+
+The laboratory is the package `experiments` of a checkout of the repository. It lies beside this package, and
+is found there, not imported; an installed wheel has none. It has policies, open loops, tuned controllers and
+presets of studies, in `experiments/studies/<study>/data/<kind>`. `data/studies.json` has the study of each
+recipe. With it, an error says where a recipe is kept.
+"""
 
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from swarm_gym.controllers.laboratory import study_folders, where_it_lives
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import listed, shown
 
 # Largest size of text files of controllers and presets, in bytes; the largest packaged one has 51 kB.
 MAX_TEXT_FILE = 2**20
 DATA = Path(__file__).parent / "data"
+LABORATORY = Path(__file__).parents[2] / "experiments"
+INDEX = DATA / "studies.json"
+WITHOUT_LABORATORY = (
+    "belongs to the laboratory, which is not part of the installed package. Install a checkout of the "
+    "repository instead, with pip install --editable"
+)
 
 
 @dataclass(frozen=True)
@@ -96,8 +106,8 @@ def find_json(what: str, name: str, files: Packaged, error: type[ValueError]) ->
     return path
 
 
-def read_json(path: Path, form: str) -> Any:
-    """Return the content of a JSON file whose entry `format` has to be `form`.
+def read_json(path: Path, form: str) -> dict[str, object]:
+    """Return the content of a JSON file, an object whose entry `format` has to be `form`.
 
     Raises:
         OSError, KeyError, TypeError, ValueError: if it is not readable, or of another format.
@@ -109,3 +119,26 @@ def read_json(path: Path, form: str) -> Any:
     if content["format"] != form:
         raise ValueError(f"expected format {form!r}, got {shown(content['format'])}")
     return content
+
+
+def has_laboratory() -> bool:
+    """Return whether the package comes from a checkout, with the laboratory beside it."""
+    return (LABORATORY / "studies").is_dir()
+
+
+def study_folders(kind: str) -> list[Path]:
+    """Return the folders of studies with files of a kind, e.g. `policies`; none without the laboratory."""
+    return sorted(LABORATORY.glob(f"studies/*/data/{kind}"))
+
+
+def where_it_lives(kind: str, recipe: str) -> str:
+    """Return what an error says of a missing file: that a checkout has that recipe, and in which folder.
+
+    Returns:
+        The empty text where the laboratory was searched, and for a recipe that it does not have.
+    """
+    index: dict[str, dict[str, str]] = json.loads(INDEX.read_text(encoding="utf-8"))
+    study = index.get(kind, {}).get(recipe)
+    if study is None or has_laboratory():
+        return ""
+    return f"{WITHOUT_LABORATORY}, or give the path of a file in experiments/studies/{study}/data/{kind}"

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.distilled import load_rule
@@ -58,9 +58,9 @@ def make_controller(name: str | ControllerName, limits: SizeLimits | None = None
     if parts.family not in CONTROLLERS and is_own("controller", str(name)):
         return _own_controller(str(name))
     make = find("controller", parts.family, CONTROLLERS, callable, "a controller")
-    if limits is None and make not in (load_learned, _tuned):
-        limits = SizeLimits()
-    return make(parts.argument, limits)
+    if limits is None and parts.family in _WITH_LIMITS:
+        return _WITH_LIMITS[parts.family](parts.argument)
+    return make(parts.argument, limits or SizeLimits())
 
 
 def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> FeedforwardController:
@@ -88,7 +88,8 @@ def load_learned(policy: str | Path, limits: SizeLimits | None = None) -> Feedfo
 
 def _own_controller(name: str) -> Controller:
     """Return the controller of own code, after a trial."""
-    make = own("controller", name, callable, "a class or function that gives a Controller")
+    found = own("controller", name, callable, "a class or function that gives a Controller")
+    make = cast(Callable[[], Controller], found)  # which a trial checks
     try:
         controller = make()
     except Exception as error:  # own code may raise anything
@@ -109,7 +110,7 @@ def _no_argument(make: Callable[[SizeLimits], Controller]) -> Callable[[str, Siz
     return checked
 
 
-def _tuned(argument: str, limits: SizeLimits | None) -> Controller:
+def _tuned(argument: str, limits: SizeLimits | None = None) -> Controller:
     """Return the controller whose parameters were tuned, a schedule or a rule, from its file."""
     found = load_tuned(argument)
     return _in_file(f"tuned {argument}", found.controller, limits or found.limits)
@@ -123,7 +124,7 @@ def _in_file(where: str, name: str, limits: SizeLimits) -> Controller:
 
 
 # Family name to a function of the text after the colon and the size limits.
-CONTROLLERS: dict[str, Callable[[str, Any], Controller]] = {
+CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "fixed": Fixed.from_argument,
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
@@ -140,3 +141,5 @@ CONTROLLERS: dict[str, Callable[[str, Any], Controller]] = {
     "tuned": _tuned,
     "distilled": load_rule,
 }
+# Families whose files state the size limits that are used where none are given.
+_WITH_LIMITS: dict[str, Callable[[str], Controller]] = {"learned": load_learned, "tuned": _tuned}

@@ -7,7 +7,7 @@ population sizes that it was tuned with.
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.names import ControllerName
@@ -53,7 +53,8 @@ def load_tuned(name: str) -> Tuned:
             raise ValueError(
                 f"expected the name of a controller with its parameters, got {shown(controller)}"
             )
-        config = content.get("manifest", {}).get("config", {})
+        manifest = cast(Mapping[str, Mapping[str, int]], content.get("manifest", {}))
+        config = manifest.get("config", {})
         sizes = (config.get(f"{end}_population_size", default) for end, default in _DEFAULT_SIZES.items())
         return Tuned(controller, SizeLimits(*sizes))
     except (OSError, KeyError, TypeError, AttributeError, ValueError) as error:

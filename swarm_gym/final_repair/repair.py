@@ -1,14 +1,15 @@
 """Final repair: push a path out of obstacles, plan what is left anew, pull it tight, check it exactly."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym import reference  # its planners are imported when they are first used
+from swarm_gym.errors import ScenarioError
 from swarm_gym.final_repair.obstacles import obstacles_of, push_out
-from swarm_gym.final_repair.replanning import replanned
 from swarm_gym.final_repair.tightening import CellMap, tighten
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.geometry.polylines import length_of
@@ -76,7 +77,7 @@ class _Freed(NamedTuple):
 def _on_cells(problem: MapProblem, path: Floats) -> _Freed | None:
     if problem.is_clear(path):
         return _Freed(path, 1, 0)
-    whole, planned = replanned(problem, path)
+    whole, planned = _replanned(problem, path)
     return _Freed(whole, 2, planned) if problem.is_clear(whole) else None
 
 
@@ -86,7 +87,46 @@ def _on_obstacles(problem: MapProblem, path: Floats) -> _Freed | None:
     sweeps = push_out(obstacles, pushed, MOST_SWEEPS)
     if problem.is_clear(pushed):
         return _Freed(pushed, sweeps, 0)
-    whole, planned = replanned(problem, path)
+    whole, planned = _replanned(problem, path)
     # The planner's arcs are polylines that cut the corners of circles by a hair.
     sweeps += push_out(obstacles, whole, MOST_SWEEPS)
     return _Freed(whole, sweeps, planned) if problem.is_clear(whole) else None
+
+
+def _replanned(problem: MapProblem, path: Floats) -> tuple[Floats, int]:
+    """Return the path, (k, 2), with pieces that are not clear planned anew, and the number of these.
+
+    A piece goes from the last point before it that is free to the first free one behind it. A piece between
+    which and its ends there is no way stays as it is.
+    """
+    free = np.array([problem.is_clear(np.stack([point, point])) for point in path])
+    clear = np.array([problem.is_clear(path[k : k + 2]) for k in range(len(path) - 1)])
+    parts, pieces, here = [path[:1]], 0, 0
+    while here < len(path) - 1:
+        if clear[here]:
+            parts.append(path[here + 1 : here + 2])
+            here += 1
+            continue
+        there = here + 1
+        while there < len(path) - 1 and not free[there]:
+            there += 1
+        way = _way(problem, path[here], path[there])
+        parts.append(path[here + 1 : there + 1] if way is None else way[1:])
+        pieces += way is not None
+        here = there
+    return np.concatenate(parts), pieces
+
+
+def _way(problem: MapProblem, start: Floats, target: Floats) -> Floats | None:
+    """Return a free way between two points, (k, 2), with them; None if there is none."""
+    scenario = problem.scenario
+    try:
+        if isinstance(scenario, GridScenario):
+            grid = scenario.map
+            ends = grid.cell_of(tuple(start)), grid.cell_of(tuple(target))
+            found = reference.shortest_grid_path(grid.blocked, *ends)
+            return np.vstack([start, grid.to_map(reference.smooth(grid.blocked, found.cells)), target])
+        between = replace(scenario, start=tuple(start.tolist()), target=tuple(target.tolist()))
+        return reference.shortest_path(between)[1]
+    except ScenarioError:
+        return None

@@ -1,6 +1,7 @@
 """Paths pulled tight: free paths made shorter by moves after which they are still free."""
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +36,9 @@ def _clears_cells(cells: CellMap, x0: float, y0: float, x1: float, y1: float) ->
     return segment_is_free(cells.blocked, x0, y0, x1, y1)
 
 
-clears = kernel_by_class({Obstacles: _clears_obstacles, CellMap: _clears_cells})
+clears: Callable[[Obstacles | CellMap, float, float, float, float], bool] = kernel_by_class(
+    {Obstacles: _clears_obstacles, CellMap: _clears_cells}
+)
 
 
 @entry

@@ -1,8 +1,9 @@
 """The firefly algorithm on the device; `swarm_gym.optimizers.firefly` says what it does and cites it."""
 
-from typing import Any
+from collections.abc import Callable
 
 from swarm_gym.gpu.population import (
+    Floats,
     PopulationKernels,
     ProblemKernels,
     Tally,
@@ -13,21 +14,26 @@ from swarm_gym.gpu.random_stream import Stream, draw
 from swarm_gym.gpu.warps import HALF, exponential, kernel, maximum, minimum, natural, total
 from swarm_gym.optimizers.firefly import FireflyParameters
 from swarm_gym.population import Swarms
+from swarm_gym.problem.tables import Tables
 
-_COLUMN = FireflyParameters(*range(len(FireflyParameters._fields)))  # of the parameters of a swarm
-_NOISE, _ATTRACTIVENESS, _ABSORPTION = _COLUMN.noise, _COLUMN.attractiveness, _COLUMN.absorption
+# Columns of the parameters of a swarm.
+_NOISE, _ATTRACTIVENESS, _ABSORPTION = map(
+    FireflyParameters._fields.index, ("noise", "attractiveness", "absorption")
+)
 
 
-def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
+def make_iterate(
+    problem: ProblemKernels, population: PopulationKernels
+) -> Callable[..., tuple[Stream, Tally]]:
     """Return the function that advances a swarm by one iteration on a kind of problem."""
     repair, evaluate_path = problem.repair, population.evaluate_path
 
     @kernel
     def iterate(
-        parameters: Any,
+        parameters: Floats,
         swarms: Swarms,
         b: int,
-        tables: Any,
+        tables: Tables,
         p: int,
         lane: int,
         size: int,

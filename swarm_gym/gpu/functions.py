@@ -6,7 +6,7 @@ Lane k holds component k. Lanes beyond the dimension hold 0, which changes no su
 import math
 
 from swarm_gym.gpu.warps import NUM_LANES, cosine, exponential, from_lane, kernel, maximum, total
-from swarm_gym.problem.function.table import BOOTH, EASOM, RASTRIGIN, SUM_SQUARES, FunctionTable
+from swarm_gym.problem.function.table import BOOTH, EASOM, RASTRIGIN, SUM_SQUARES, FunctionTables
 
 
 @kernel
@@ -28,7 +28,7 @@ def squared_sine(half_turns: float) -> float:
 
 
 @kernel
-def evaluate(tables: FunctionTable, p: int, lane: int, place: float) -> tuple[float, float]:
+def evaluate(tables: FunctionTables, p: int, lane: int, place: float) -> tuple[float, float]:
     """Return the value of the function of problem `p`, and 0 as degree of collision.
 
     Some constants are float64, so that values are computed in it and rounded at the end.
@@ -38,7 +38,7 @@ def evaluate(tables: FunctionTable, p: int, lane: int, place: float) -> tuple[fl
 
 
 @kernel
-def value(tables: FunctionTable, p: int, lane: int, place: float) -> float:
+def value(tables: FunctionTables, p: int, lane: int, place: float) -> float:
     """Return the value of the function of problem `p`."""
     function, dimension = tables.function[p], tables.dimension[p]
     z = place - tables.optimum[p, lane]
@@ -74,14 +74,14 @@ def value(tables: FunctionTable, p: int, lane: int, place: float) -> float:
 
 
 @kernel
-def repair(tables: FunctionTable, p: int, lane: int, place: float, repair_degree: float) -> float:
+def repair(tables: FunctionTables, p: int, lane: int, place: float, repair_degree: float) -> float:
     """Return the component as it is, since there are no obstacles."""
     return place
 
 
 @kernel
 def draw_bend(
-    tables: FunctionTable, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
+    tables: FunctionTables, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
 ) -> float:
     """Return 0: vectors of test functions are no paths, and their sources are always uniform."""
     return 0.0

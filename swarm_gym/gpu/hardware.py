@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TypeVar
 
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.gpu.host import Entry
 
 try:
     import numba_cuda  # noqa: F401  # Numba's own CUDA target is deprecated
@@ -12,24 +13,26 @@ try:
 except ImportError as error:
     raise MissingExtraError("device 'cuda'", "numba-cuda", "gpu") from error
 
+Function = TypeVar("Function", bound=Callable[..., object])
+
 EVERY_LANE = 0xFFFFFFFF
 
 # Of the type of their argument, float64 or float32.
 square_root, exponential, logarithm, sine, cosine = math.sqrt, math.exp, math.log, math.sin, math.cos
 
 
-def kernel(function: Callable[..., Any]) -> Any:
+def kernel(function: Function) -> Function:
     """Compile a function that only functions on the device call."""
     return cuda.jit(device=True, forceinline=True)(function)
 
 
-def entry(function: Callable[..., None]) -> Any:
+def entry(function: Callable[..., None]) -> Entry:
     """Compile a function that the host launches."""
     return cuda.jit(function)
 
 
 def launch(
-    function: Any, num_swarms: int, num_lanes: int, arguments: tuple[object, ...], stream: object
+    function: Entry, num_swarms: int, num_lanes: int, arguments: tuple[object, ...], stream: object
 ) -> None:
     """Run an entry on the device, with one warp for each swarm, in a stream of CUDA."""
     function[num_swarms, num_lanes, stream](*arguments)

@@ -7,10 +7,15 @@ problem by itself, when they are first launched.
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from swarm_gym.gpu import firefly, functions, particle_swarm, waypoints
+from swarm_gym.gpu.host import Entry
 from swarm_gym.gpu.population import (
+    Floats,
     PopulationKernels,
     ProblemKernels,
     Tally,
@@ -22,33 +27,40 @@ from swarm_gym.gpu.population import (
     store_tally,
     summarise,
 )
-from swarm_gym.gpu.random_stream import load_stream, store_stream
+from swarm_gym.gpu.random_stream import Stream, load_stream, store_stream
 from swarm_gym.gpu.warps import entry, kernel, lane_number, natural, swarm_number
+from swarm_gym.population import Swarms
 from swarm_gym.problem.analytic.table import WaypointTable
 from swarm_gym.problem.function.table import FunctionTable
+from swarm_gym.problem.tables import Tables
 from swarm_gym.sources import IMMIGRANTS
+
+Flags = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 
 
 @kernel
-def _settle_nobody(swarms: Any, b: int, tables: Any, p: int, lane: int, first: int, size: int) -> None:
+def _settle_nobody(swarms: Swarms, b: int, tables: Tables, p: int, lane: int, first: int, size: int) -> None:
     """Do nothing with new members."""
 
 
 @kernel
 def _start_nobody(
-    parameters: Any, swarms: Any, b: int, tables: Any, p: int, lane: int, size: int, stream: Any
-) -> Any:
+    parameters: Floats, swarms: Swarms, b: int, tables: Tables, p: int, lane: int, size: int, stream: Stream
+) -> Stream:
     """Return the stream: this optimizer draws nothing for the members of a first population."""
     return stream
 
 
 @kernel
-def _recall_nothing(swarms: Any, b: int, tables: Any, p: int, lane: int, size: int, tally: Tally) -> Tally:
+def _recall_nothing(
+    swarms: Swarms, b: int, tables: Tables, p: int, lane: int, size: int, tally: Tally
+) -> Tally:
     """Return the tally: this optimizer remembers nothing of members that would have to be evaluated."""
     return tally
 
 
-def _make_recall_nothing(population: PopulationKernels) -> Any:
+def _make_recall_nothing(population: PopulationKernels) -> Callable[..., Tally]:
     return _recall_nothing
 
 
@@ -62,10 +74,10 @@ class OptimizerKernels(NamedTuple):
         start: (parameters, swarms, b, tables, p, lane, size, stream) -> stream; prepares a drawn population.
     """
 
-    make_iterate: Callable[[ProblemKernels, PopulationKernels], Any]
-    make_recall: Callable[[PopulationKernels], Any] = _make_recall_nothing
-    settle: Any = _settle_nobody
-    start: Any = _start_nobody
+    make_iterate: Callable[[ProblemKernels, PopulationKernels], Callable[..., tuple[Stream, Tally]]]
+    make_recall: Callable[[PopulationKernels], Callable[..., Tally]] = _make_recall_nothing
+    settle: Callable[..., None] = _settle_nobody
+    start: Callable[..., Stream] = _start_nobody
 
 
 class Entries(NamedTuple):
@@ -80,9 +92,9 @@ class Entries(NamedTuple):
         re_evaluate: (..., False) evaluates anew what swarms remember, since their problems have changed.
     """
 
-    begin: Any
-    step: Any
-    re_evaluate: Any
+    begin: Entry
+    step: Entry
+    re_evaluate: Entry
 
 
 PROBLEMS: dict[type, ProblemKernels] = {
@@ -112,13 +124,19 @@ def entries_for(optimizer: str, table: type) -> Entries:
     )
 
 
-def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Any:
+def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Entry:
     settle, start = kernels.settle, kernels.start
     adopt_members, add_members = population.adopt_members, population.add_members
 
     @entry
     def begin(
-        swarms: Any, tables: Any, chosen: Any, sizes: Any, parameters: Any, mean_weight: float, given: bool
+        swarms: Swarms,
+        tables: Tables,
+        chosen: Flags,
+        sizes: Integers,
+        parameters: Floats,
+        mean_weight: float,
+        given: bool,
     ) -> None:
         b, lane = swarm_number(), lane_number()
         if not chosen[b]:
@@ -146,19 +164,19 @@ def _make_begin(kernels: OptimizerKernels, population: PopulationKernels) -> Any
     return begin
 
 
-def _make_step(kernels: OptimizerKernels, population: PopulationKernels, problem: ProblemKernels) -> Any:
+def _make_step(kernels: OptimizerKernels, population: PopulationKernels, problem: ProblemKernels) -> Entry:
     iterate, settle = kernels.make_iterate(problem, population), kernels.settle
     change_size = population.change_size
 
     @entry
     def step(
-        swarms: Any,
-        tables: Any,
-        chosen: Any,
-        sizes: Any,
-        parameters: Any,
+        swarms: Swarms,
+        tables: Tables,
+        chosen: Flags,
+        sizes: Integers,
+        parameters: Floats,
         mean_weight: float,
-        repair_degrees: Any,
+        repair_degrees: Floats,
     ) -> None:
         b, lane = swarm_number(), lane_number()
         if not chosen[b]:
@@ -182,17 +200,17 @@ def _make_step(kernels: OptimizerKernels, population: PopulationKernels, problem
     return step
 
 
-def _make_re_evaluate(kernels: OptimizerKernels, population: PopulationKernels) -> Any:
+def _make_re_evaluate(kernels: OptimizerKernels, population: PopulationKernels) -> Entry:
     recall = kernels.make_recall(population)
     adopt_members, evaluate_path = population.adopt_members, population.evaluate_path
 
     @entry
     def re_evaluate(
-        swarms: Any,
-        tables: Any,
-        chosen: Any,
-        sizes: Any,
-        parameters: Any,
+        swarms: Swarms,
+        tables: Tables,
+        chosen: Flags,
+        sizes: Integers,
+        parameters: Floats,
         mean_weight: float,
         unused: bool,
     ) -> None:

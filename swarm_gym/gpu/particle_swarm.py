@@ -1,9 +1,10 @@
 """Particle swarm optimization on the device; `swarm_gym.optimizers.particle_swarm` says what it does."""
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 from swarm_gym.gpu.population import (
+    Floats,
     PopulationKernels,
     ProblemKernels,
     Tally,
@@ -12,14 +13,15 @@ from swarm_gym.gpu.population import (
 )
 from swarm_gym.gpu.random_stream import Stream, draw
 from swarm_gym.gpu.warps import NUM_LANES, ONE, TWO, kernel, wait
-from swarm_gym.optimizers.parameter import Parameters
 from swarm_gym.optimizers.particle_swarm import ParticleSwarmParameters, particle_columns
 from swarm_gym.population import Swarms
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 
-_COLUMN = ParticleSwarmParameters(*range(len(ParticleSwarmParameters._fields)))
-_FIRST, _LAST, _FACTOR = _COLUMN.first_inertia, _COLUMN.last_inertia, _COLUMN.inertia_factor
-_COGNITIVE, _SOCIAL, _LIMIT = _COLUMN.cognitive, _COLUMN.social, _COLUMN.velocity_limit
+# Columns of the parameters of a swarm.
+_FIRST, _LAST, _FACTOR, _COGNITIVE, _SOCIAL, _LIMIT = map(
+    ParticleSwarmParameters._fields.index,
+    ("first_inertia", "last_inertia", "inertia_factor", "cognitive", "social", "velocity_limit"),
+)
 # Columns of what is remembered of a particle; `BEST_POSITION` and `VELOCITY` have one for each lane.
 VELOCITY, BEST_POSITION, BEST_FITNESS = particle_columns(NUM_LANES)
 
@@ -33,7 +35,7 @@ def remember(swarms: Swarms, b: int, lane: int, i: int, place: float, fitness: f
 
 
 @kernel
-def settle(swarms: Swarms, b: int, tables: Table, p: int, lane: int, first: int, size: int) -> None:
+def settle(swarms: Swarms, b: int, tables: Tables, p: int, lane: int, first: int, size: int) -> None:
     """Let the members from `first` on begin at rest; their best positions are the present ones."""
     for i in range(first, size):
         swarms.memory[b, i, VELOCITY + lane] = 0.0
@@ -43,10 +45,10 @@ def settle(swarms: Swarms, b: int, tables: Table, p: int, lane: int, first: int,
 
 @kernel
 def start(
-    parameters: Parameters,
+    parameters: Floats,
     swarms: Swarms,
     b: int,
-    tables: Table,
+    tables: Tables,
     p: int,
     lane: int,
     size: int,
@@ -62,12 +64,12 @@ def start(
     return stream
 
 
-def make_recall(population: PopulationKernels) -> Any:
+def make_recall(population: PopulationKernels) -> Callable[..., Tally]:
     """Return the function that evaluates anew the best position of each particle."""
     evaluate_path = population.evaluate_path
 
     @kernel
-    def recall(swarms: Swarms, b: int, tables: Table, p: int, lane: int, size: int, tally: Tally) -> Tally:
+    def recall(swarms: Swarms, b: int, tables: Tables, p: int, lane: int, size: int, tally: Tally) -> Tally:
         """Keep the better of the position and the best position of each particle; return the tally."""
         for i in range(size):
             own_best = math.inf
@@ -83,16 +85,18 @@ def make_recall(population: PopulationKernels) -> Any:
     return recall
 
 
-def make_iterate(problem: ProblemKernels, population: PopulationKernels) -> Any:
+def make_iterate(
+    problem: ProblemKernels, population: PopulationKernels
+) -> Callable[..., tuple[Stream, Tally]]:
     """Return the function that advances a swarm by one iteration on a kind of problem."""
     repair, evaluate_path = problem.repair, population.evaluate_path
 
     @kernel
     def iterate(
-        parameters: Parameters,
+        parameters: Floats,
         swarms: Swarms,
         b: int,
-        tables: Table,
+        tables: Tables,
         p: int,
         lane: int,
         size: int,

@@ -8,6 +8,9 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from swarm_gym.gpu.random_stream import Stream, draw
 from swarm_gym.gpu.warps import BLOCK, NUM_LANES, from_lane, kernel, total, wait
 from swarm_gym.population import (
@@ -20,8 +23,10 @@ from swarm_gym.population import (
 )
 from swarm_gym.population import outlives as _outlives
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 from swarm_gym.sources import AMPLITUDE, BECAME_BEST, BEST_SMOOTH, IMMIGRANTS, KIND_OF_BENDS, SMOOTH_SHARE
+
+Floats = NDArray[np.float64]  # or of float32, see `warps`
 
 
 class Tally(NamedTuple):
@@ -87,7 +92,7 @@ def store_member(
 
 
 @kernel
-def num_rounds(tables: Table, p: int) -> int:
+def num_rounds(tables: Tables, p: int) -> int:
     """Return how often eight random numbers are drawn for the components of a position."""
     return (tables.dimension[p] + BLOCK) // BLOCK
 
@@ -210,7 +215,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
 
     @kernel
     def evaluate_path(
-        swarms: Swarms, b: int, tables: Table, p: int, lane: int, place: float, tally: Tally
+        swarms: Swarms, b: int, tables: Tables, p: int, lane: int, place: float, tally: Tally
     ) -> tuple[float, float, Tally]:
         """Return fitness and collision of a path; count the evaluation and update the best paths so far."""
         fitness, collision = evaluate(tables, p, lane, place)
@@ -225,7 +230,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
 
     @kernel
     def adopt_members(
-        swarms: Swarms, b: int, tables: Table, p: int, lane: int, count: int, tally: Tally
+        swarms: Swarms, b: int, tables: Tables, p: int, lane: int, count: int, tally: Tally
     ) -> Tally:
         """Evaluate the first `count` positions as they stand, as the members; return the tally."""
         for i in range(count):
@@ -238,7 +243,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
     def add_members(
         swarms: Swarms,
         b: int,
-        tables: Table,
+        tables: Tables,
         p: int,
         lane: int,
         size: int,
@@ -277,7 +282,7 @@ def make_population_kernels(problem: ProblemKernels) -> PopulationKernels:
     def change_size(
         swarms: Swarms,
         b: int,
-        tables: Table,
+        tables: Tables,
         p: int,
         lane: int,
         size: int,

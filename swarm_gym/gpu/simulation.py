@@ -1,12 +1,14 @@
 """Episodes of many swarms on a GPU: the simulation whose state stays on the device."""
 
-from typing import Any
+from typing import cast
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, tensors
+from swarm_gym.arrays import tensors
 from swarm_gym.errors import DeviceError, SettingError
+from swarm_gym.gpu.host import Entry
 from swarm_gym.gpu.loop import OPTIMIZERS, PROBLEMS, Entries, entries_for
 from swarm_gym.gpu.state import (
     allocate,
@@ -41,6 +43,7 @@ class DeviceSimulation(Simulation):
     """
 
     xp = tensors()
+    device: torch.device
 
     def __init__(
         self,
@@ -59,14 +62,15 @@ class DeviceSimulation(Simulation):
         super().__init__(optimizer, settings, num_swarms, num_threads, arrival_window)
         tables = self.worlds.tables
         self._entries: Entries = entries_for(optimizer.name, type(tables))  # type: ignore[arg-type]
-        placed = type(tables)._make(map(self.place, tables_with_lanes(tables, self.number)))
+        laid_out = tables_with_lanes(tables, self.number)
+        placed = type(tables)._make(self.place(np.asarray(array)) for array in laid_out)
         self._tables = as_kernels_see(placed)
         self._seen = as_kernels_see(self.swarms)
         # Tensors that kernels read, so that no argument has to be made for a launch.
-        self._sizes = self.place(np.zeros(num_swarms, dtype=np.int64))
-        self._degrees = self.place(np.zeros(num_swarms, dtype=self.number))
-        self._chosen = self.place(np.zeros(num_swarms, dtype=np.bool_))
-        self._decided = self.place(np.zeros(self.parameters.shape, dtype=self.number))
+        self._sizes = _tensor(self.place(np.zeros(num_swarms, dtype=np.int64)))
+        self._degrees = _tensor(self.place(np.zeros(num_swarms, dtype=self.number)))
+        self._chosen = _tensor(self.place(np.zeros(num_swarms, dtype=np.bool_)))
+        self._decided = _tensor(self.place(np.zeros(self.parameters.shape, dtype=self.number)))
 
     def make_swarms(self, num_swarms: int, arrival_window: int) -> Swarms:
         """Return the state of this many empty swarms on the device."""
@@ -74,36 +78,38 @@ class DeviceSimulation(Simulation):
         swarms = allocate(num_swarms, capacity, _memory_columns(self.optimizer), arrival_window)
         return Swarms._make(self.place(with_numbers(array, self.number)) for array in swarms)
 
-    def begin(self, chosen: Array, size: int, given: bool) -> None:
+    def begin(self, chosen: NDArray[np.bool_], size: int, given: bool) -> None:
         """Begin the chosen swarms with first populations of this size."""
         self._sizes.fill_(size)
         self._launch(self._entries.begin, chosen, self.parameters, given)
 
-    def advance(self, chosen: Array, decisions: Decisions) -> None:
+    def advance(self, chosen: NDArray[np.bool_], decisions: Decisions) -> None:
         """Advance the chosen swarms by one iteration."""
-        self._sizes.copy_(decisions.sizes)
-        self._degrees.copy_(decisions.repair_degrees)
+        self._sizes.copy_(_tensor(decisions.sizes))
+        self._degrees.copy_(_tensor(decisions.repair_degrees))
         self._launch(self._entries.step, chosen, decisions.parameters, self._degrees)
 
-    def re_evaluate(self, chosen: Array) -> None:
+    def re_evaluate(self, chosen: NDArray[np.bool_]) -> None:
         """Evaluate anew what the chosen swarms remember, since their problems have changed."""
         self._launch(self._entries.re_evaluate, chosen, self.parameters, False)
 
-    def _launch(self, entry: Any, chosen: Array, parameters: Any, last: Any) -> None:
+    def _launch(
+        self, entry: Entry, chosen: NDArray[np.bool_], parameters: NDArray, last: torch.Tensor | bool
+    ) -> None:
         """Run an entry for the chosen swarms, and wait for it.
 
         Raises:
             DeviceError: naming the swarm and the iteration whose state is not a number afterwards, or what
                 CUDA says of a kernel that did not run to its end.
         """
-        self._chosen.copy_(chosen)
-        self._decided.copy_(parameters)
+        self._chosen.copy_(_tensor(chosen))
+        self._decided.copy_(_tensor(parameters))
         weight = self.settings.mean_weight
         try:
             with beside_torch(self.device) as stream:
                 read = map(as_kernels_see, (self._chosen, self._sizes, self._decided))
-                last = as_kernels_see(last) if isinstance(last, torch.Tensor) else last
-                seen = (self._seen, self._tables, *read, weight, last)
+                more = as_kernels_see(last) if isinstance(last, torch.Tensor) else last
+                seen = (self._seen, self._tables, *read, weight, more)
                 launch(entry, self.num_swarms, *seen, stream=stream)
             # What a position, a fitness or a collision that is no number leaves behind.
             lost = self._chosen & self.xp.isnan(self.swarms.summary).any(axis=1)
@@ -128,6 +134,11 @@ class SinglePrecisionSimulation(DeviceSimulation):
     """
 
     number = np.float32
+
+
+def _tensor(array: NDArray) -> torch.Tensor:
+    """Return an array of the simulation as what it is, a tensor."""
+    return cast(torch.Tensor, array)
 
 
 def _memory_columns(optimizer: type[Optimizer]) -> int:

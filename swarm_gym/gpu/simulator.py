@@ -9,12 +9,13 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.errors import MissingExtraError
+from swarm_gym.gpu.host import Entry
 
 try:
     import numba_cuda  # noqa: F401  # Numba's own CUDA target is deprecated
@@ -22,7 +23,7 @@ try:
 except ImportError as error:
     raise MissingExtraError("device 'cuda'", "numba-cuda", "gpu") from error
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+Function = TypeVar("Function", bound=Callable[..., object])
 
 _NUM_LANES = 32
 # Seconds for which a thread keeps the others waiting at most; by Python's default of 5 ms, an exchange takes
@@ -37,7 +38,7 @@ def kernel(function: Function) -> Function:
     return function
 
 
-def entry(function: Callable[..., None]) -> Any:
+def entry(function: Callable[..., None]) -> Entry:
     """Return a function that the host launches."""
 
     def run(*arguments: object) -> None:
@@ -47,7 +48,7 @@ def entry(function: Callable[..., None]) -> Any:
 
 
 def launch(
-    function: Any,
+    function: Entry,
     num_swarms: int,
     num_lanes: int,
     arguments: tuple[object, ...],
@@ -108,7 +109,7 @@ def lowest_bit(word: int) -> int:
     return (word & -word).bit_length() - 1
 
 
-def _of_its_type(function: Callable[[float], float]) -> Callable[[Any], Any]:
+def _of_its_type(function: Callable[[float], float]) -> Callable[[float], float]:
     """Return a function whose values have the type of its argument, float64 or float32."""
     return lambda value: type(value)(function(value))
 
@@ -123,7 +124,7 @@ def wait() -> None:
     cuda.syncthreads()
 
 
-def _all(value: Any) -> list[Any]:
+def _all(value: float) -> list[float]:
     """Return the numbers of all lanes.
 
     Two rows take turns: no lane writes into a row while another one may still read it.

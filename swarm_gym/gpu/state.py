@@ -6,17 +6,19 @@ same memory. In the simulator of numba-cuda, the device is the memory of the hos
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import NamedTuple, overload
 
 import numpy as np
 import torch
 from numba import cuda
+from numpy.typing import NDArray
 
+from swarm_gym.compiler.named_tuples import Row
 from swarm_gym.errors import SettingError
-from swarm_gym.gpu.host_memory import free_host_memory
+from swarm_gym.gpu.host import free_host_memory
 from swarm_gym.gpu.warps import BLOCK, IS_SIMULATED, NUM_LANES
 from swarm_gym.population import Swarms
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 
 _NUM_BLOCKS = NUM_LANES // BLOCK
 
@@ -38,7 +40,7 @@ def torch_device() -> torch.device:
 
 
 @contextmanager
-def beside_torch(device: torch.device) -> Iterator[Any]:
+def beside_torch(device: torch.device) -> Iterator[object]:
     """Make a device the present one of CUDA; yield the stream in which torch works there.
 
     Kernels in this stream begin when torch has ended its earlier work there; its later work waits for them.
@@ -51,16 +53,24 @@ def beside_torch(device: torch.device) -> Iterator[Any]:
         yield cuda.external_stream(handle) if handle else 0
 
 
-def as_kernels_see(arrays: Any) -> Any:
+@overload
+def as_kernels_see(arrays: Row) -> Row: ...
+
+
+@overload
+def as_kernels_see(arrays: torch.Tensor) -> NDArray: ...
+
+
+def as_kernels_see(arrays: "NamedTuple | torch.Tensor") -> "NamedTuple | NDArray":
     """Return tensors, a NamedTuple or one, as arrays of kernels on the same memory.
 
     Words of random streams, the field `stream`, are unsigned there; torch has them as signed integers.
     """
     if isinstance(arrays, tuple):
-        seen = {name: as_kernels_see(one) for name, one in arrays._asdict().items()}  # type: ignore[attr-defined]
+        seen = {name: as_kernels_see(one) for name, one in arrays._asdict().items()}
         if "stream" in seen:
             seen["stream"] = seen["stream"].view(np.uint64)
-        return type(arrays)(**seen)
+        return type(arrays)._make(seen.values())
     return arrays.numpy() if IS_SIMULATED else cuda.as_cuda_array(arrays)
 
 
@@ -76,7 +86,7 @@ def with_numbers(array: np.ndarray, number: type[np.floating]) -> np.ndarray:
     return array.astype(number) if array.dtype == np.float64 else array
 
 
-def tables_with_lanes(tables: Table, number: type[np.floating] = np.float64) -> Table:
+def tables_with_lanes(tables: Tables, number: type[np.floating] = np.float64) -> Tables:
     """Return stacked problem tables whose arrays over components or segments have one entry for each lane.
 
     The entries beyond them change nothing, as those of `swarm_gym.problem.padding` do. Floats have the type

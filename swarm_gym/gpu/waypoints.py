@@ -6,7 +6,6 @@ of that waypoint; the last segment ends at the target, whose offset is 0.
 """
 
 import math
-from typing import Any
 
 from swarm_gym.gpu.warps import (
     BLOCK,
@@ -43,7 +42,7 @@ from swarm_gym.problem.analytic.table import (
     LOWEST_SINE,
     PRESENCE,
     RADIUS_SHARE,
-    WaypointTable,
+    WaypointTables,
 )
 from swarm_gym.problem.geometry.bends import (
     FIRST_COEFFICIENT,
@@ -57,7 +56,7 @@ _SPACING = 2.0**-53  # of the random numbers in [0, 1)
 
 
 @kernel
-def left_end(place: float, lane: int) -> Any:
+def left_end(place: float, lane: int) -> float:
     """Return the offset at the left end of this lane's segment: that of the waypoint before."""
     before = from_lane(place, (lane - 1) & (NUM_LANES - 1))
     return before if lane > 0 else ZERO
@@ -65,7 +64,7 @@ def left_end(place: float, lane: int) -> Any:
 
 @kernel
 def circle_shifts(
-    tables: WaypointTable, p: int, entry: int, left: float, rise: float, length: float
+    tables: WaypointTables, p: int, entry: int, left: float, rise: float, length: float
 ) -> tuple[float, float]:
     """Return the shifts that clear a circle, see `swarm_gym.problem.analytic.collision`.
 
@@ -92,7 +91,7 @@ def circle_shifts(
 
 @kernel
 def polygon_shifts(
-    tables: WaypointTable, p: int, entry: int, num_corners: int, left: float, rise: float
+    tables: WaypointTables, p: int, entry: int, num_corners: int, left: float, rise: float
 ) -> tuple[float, float]:
     """Return the shifts that clear a convex polygon, see `swarm_gym.problem.analytic.collision`."""
     height = left + rise * tables.rows[p, entry + CORNER_SHARE * BLOCK]
@@ -109,7 +108,7 @@ def polygon_shifts(
 
 @kernel
 def clearing_shifts(
-    tables: WaypointTable, p: int, tile: int, column: int, left: float, rise: float, length: float
+    tables: WaypointTables, p: int, tile: int, column: int, left: float, rise: float, length: float
 ) -> tuple[float, float]:
     """Return the shifts that clear the obstacle of a tile over one segment."""
     tile = natural(tile)
@@ -121,11 +120,11 @@ def clearing_shifts(
 
 @kernel
 def smaller_shifts(
-    tables: WaypointTable, p: int, lane: int, left: float, rise: float, length: float
+    tables: WaypointTables, p: int, lane: int, left: float, rise: float, length: float
 ) -> float:
     """Return the sum of the smaller shifts of this lane's segment over all obstacles in contact."""
     block, column = lane // BLOCK, lane % BLOCK
-    shifts: Any = ZERO
+    shifts: float = ZERO
     for tile in range(natural(tables.first_tile[p, block]), natural(tables.first_tile[p, block + 1])):
         up, down = clearing_shifts(tables, p, tile, column, left, rise, length)
         shifts = shifts + maximum(minimum(up, down), ZERO)
@@ -133,7 +132,7 @@ def smaller_shifts(
 
 
 @kernel
-def evaluate(tables: WaypointTable, p: int, lane: int, place: float) -> tuple[float, float]:
+def evaluate(tables: WaypointTables, p: int, lane: int, place: float) -> tuple[float, float]:
     """Return fitness and degree of collision of the path whose offsets the lanes hold, for problem `p`."""
     left = left_end(place, lane)
     rise = place - left
@@ -146,7 +145,7 @@ def evaluate(tables: WaypointTable, p: int, lane: int, place: float) -> tuple[fl
 
 @kernel
 def repair_segment(
-    tables: WaypointTable, p: int, segment: int, left: float, right: float, repair_degree: float
+    tables: WaypointTables, p: int, segment: int, left: float, right: float, repair_degree: float
 ) -> tuple[float, float]:
     """Return the ends of one segment after it was pushed out of one obstacle after the other."""
     block, column = segment // BLOCK, segment % BLOCK
@@ -167,7 +166,7 @@ def repair_segment(
 
 
 @kernel
-def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree: float) -> float:
+def repair(tables: WaypointTables, p: int, lane: int, place: float, repair_degree: float) -> float:
     """Return the offset of this lane after the repair of all segments, from the start on.
 
     All lanes find the segments in contact at once. These are repaired one after the other, by all lanes
@@ -198,7 +197,7 @@ def repair(tables: WaypointTable, p: int, lane: int, place: float, repair_degree
 
 @kernel
 def draw_bend(
-    tables: WaypointTable, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
+    tables: WaypointTables, p: int, lane: int, amplitude: float, kind: int, noise: float, share: float
 ) -> float:
     """Return the offset of this lane in a smooth bend, see `swarm_gym.problem.geometry.bends.draw_bend`.
 

@@ -27,7 +27,7 @@ from swarm_gym.population import (
     resize,
     summarise,
 )
-from swarm_gym.problem.tables import Table, select
+from swarm_gym.problem.tables import Table, Tables, select
 from swarm_gym.sources import IMMIGRANTS, begin_arrivals, forget_arrivals
 
 Floats = NDArray[np.float64]
@@ -120,7 +120,7 @@ def register(parameter_class: type, kernels: Kernels) -> None:
 def begin_chosen(
     defaults: Parameters,
     swarms: Swarms,
-    tables: Table,
+    tables: Tables,
     chosen: Flags,
     sizes: Integers,
     parameters: Floats,
@@ -144,7 +144,7 @@ def begin_chosen(
 def adopt_chosen(
     defaults: Parameters,
     swarms: Swarms,
-    tables: Table,
+    tables: Tables,
     chosen: Flags,
     sizes: Integers,
     parameters: Floats,
@@ -168,7 +168,7 @@ def adopt_chosen(
 def step_chosen(
     defaults: Parameters,
     swarms: Swarms,
-    tables: Table,
+    tables: Tables,
     chosen: Flags,
     sizes: Integers,
     repair_degrees: Floats,
@@ -196,7 +196,7 @@ def step_chosen(
 
 @entry
 def re_evaluate_chosen(
-    defaults: Parameters, swarms: Swarms, tables: Table, chosen: Flags, mean_weight: float
+    defaults: Parameters, swarms: Swarms, tables: Tables, chosen: Flags, mean_weight: float
 ) -> None:
     """Evaluate the chosen swarms anew, on problems that have changed, and summarise them.
 

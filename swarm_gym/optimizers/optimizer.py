@@ -1,6 +1,9 @@
 """The interface between an optimizer and the simulation."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
@@ -9,8 +12,9 @@ from numpy.typing import NDArray
 from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.parameter import Parameter, Parameters, declared_parameters
 from swarm_gym.population import Swarms
-from swarm_gym.problem.tables import Table
-from swarm_gym.threads import spread
+from swarm_gym.problem.tables import Tables
+
+Flags = NDArray[np.bool_]
 
 
 class Optimizer:
@@ -44,6 +48,7 @@ class Optimizer:
     kernels: ClassVar[loop.Kernels]
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls.parameters = declared_parameters(cls.parameter_class)
         cls.defaults = cls.parameter_values({})
         loop.register(cls.parameter_class, cls.kernels)
@@ -52,8 +57,8 @@ class Optimizer:
     def initialise(
         cls,
         swarms: Swarms,
-        tables: Table,
-        chosen: NDArray[np.bool_],
+        tables: Tables,
+        chosen: Flags,
         sizes: NDArray[np.int64],
         mean_weight: float,
         given: bool = False,
@@ -73,8 +78,8 @@ class Optimizer:
     def step(
         cls,
         swarms: Swarms,
-        tables: Table,
-        chosen: NDArray[np.bool_],
+        tables: Tables,
+        chosen: Flags,
         sizes: NDArray[np.int64],
         repair_degrees: NDArray[np.float64],
         parameters: NDArray[np.float64],
@@ -94,7 +99,7 @@ class Optimizer:
             num_threads: number of threads that share the swarms; results do not depend on it.
         """
 
-        def run(part: NDArray[np.bool_]) -> None:
+        def run(part: Flags) -> None:
             loop.step_chosen(
                 cls.defaults, swarms, tables, part, sizes, repair_degrees, parameters, mean_weight
             )
@@ -105,8 +110,8 @@ class Optimizer:
     def re_evaluate(
         cls,
         swarms: Swarms,
-        tables: Table,
-        chosen: NDArray[np.bool_],
+        tables: Tables,
+        chosen: Flags,
         mean_weight: float,
         num_threads: int = 1,
     ) -> None:
@@ -116,7 +121,7 @@ class Optimizer:
         must have at least one evaluation left. The best so far stays only if it is still the best.
         """
 
-        def run(part: NDArray[np.bool_]) -> None:
+        def run(part: Flags) -> None:
             loop.re_evaluate_chosen(cls.defaults, swarms, tables, part, mean_weight)
 
         spread(run, chosen, num_threads)
@@ -138,12 +143,12 @@ class Optimizer:
         return 0
 
     @staticmethod
-    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
+    def walk_points(tables: Tables, iterations: int) -> int:  # noqa: ARG004
         """Return L, the most points of a remembered walk, in episodes on these problems."""
         return 0
 
     @staticmethod
-    def field_size(tables: Table) -> int:  # noqa: ARG004
+    def field_size(tables: Tables) -> int:  # noqa: ARG004
         """Return F, how many numbers a swarm stores for the cells of the largest of these maps."""
         return 0
 
@@ -176,3 +181,41 @@ class Optimizer:
     def stacked_parameters(cls, chosen: Mapping[str, float | str], num_swarms: int) -> NDArray[np.float64]:
         """Return `parameter_values` for B swarms, (B, number of parameters), see `step`."""
         return np.tile(cls.parameter_values(chosen), (num_swarms, 1))
+
+
+def spread(run: Callable[[Flags], None], chosen: Flags, num_threads: int) -> None:
+    """Call `run` with the chosen swarms, (B,), or with parts of them in up to `num_threads` threads.
+
+    These are Python's threads and not Numba's: kernels need not be compiled for them again, and an idle
+    thread does not spin. Kernels release the interpreter lock. The calling thread takes part. All parts are
+    done when the function returns.
+
+    Args:
+        run: function of a boolean array (B,) of swarms.
+        chosen: (B,) swarms to run.
+        num_threads: number of threads, the calling one included.
+    """
+    if min(num_threads, len(chosen)) < 2:  # the fast path of a single environment, at every step
+        run(chosen)
+        return
+    rows = np.flatnonzero(chosen)
+    num_parts = min(num_threads, len(rows))
+    if num_parts < 2:
+        run(chosen)
+        return
+    parts = np.zeros((num_parts, len(chosen)), dtype=np.bool_)
+    for part, share in zip(parts, np.array_split(rows, num_parts), strict=True):
+        part[share] = True
+    others = [_pool(os.getpid(), num_threads - 1).submit(run, part) for part in parts[1:]]
+    try:
+        run(parts[0])
+    finally:
+        wait(others)
+    for other in others:
+        other.result()
+
+
+@cache
+def _pool(process: int, num_threads: int) -> ThreadPoolExecutor:  # noqa: ARG001
+    # Each process has its own pool, since threads do not survive a fork.
+    return ThreadPoolExecutor(num_threads, thread_name_prefix="swarm_gym")

@@ -8,12 +8,12 @@ swarm from a row of it.
 """
 
 from dataclasses import dataclass
-from typing import Any, get_type_hints
+from typing import NamedTuple, TypeAlias, get_type_hints
 
 from swarm_gym.checks import look_up, require_number
 
 # An object of the class of parameters of any optimizer.
-Parameters = Any
+Parameters: TypeAlias = NamedTuple
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,10 @@ from swarm_gym.planning.geographic import (
     projection_for,
 )
 from swarm_gym.planning.geojson import Shape, read_features
-from swarm_gym.planning.shapes import extent_of, obstacles_of, require_outside, thinnest
-from swarm_gym.planning.workspace import RobotWorkspace, confined, require_within
+from swarm_gym.planning.shapes import End, extent_of, obstacles_of, thinnest
+from swarm_gym.planning.workspace import RobotWorkspace, confined
 from swarm_gym.scenarios import Point, Scenario
-from swarm_gym.scenarios.obstacles import require_numbers
+from swarm_gym.scenarios.obstacles import require_point
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def read_feature_map(
     if not features.shapes and workspace is None:
         raise ScenarioError(f"{path}: expected at least one polygon, line or point, got none")
     shapes = [*features.shapes, *([] if workspace is None else [workspace.shape])]
-    given = [require_numbers(str(path), name, end, 2) for name, end in (("start", start), ("goal", goal))]
+    given = [require_point(str(path), name, end) for name, end in (("start", start), ("goal", goal))]
     points = np.array([*given, *(point for shape in shapes for part in shape.parts for point in part)])
     kind = _kind(features.path, features.reference, workspace, points, coordinates)
     projection = projection_for(str(path), points) if kind == GEOGRAPHIC else None
@@ -72,11 +72,11 @@ def read_feature_map(
     ends: list[Point] = [(x, y) for x, y in points[:2].tolist()]
     area = None if workspace is None else shapes.pop()
     extent, half_width = extent_of(points), thinnest(points)
-    for role, end, user in zip(("start", "goal"), ends, given, strict=True):
+    for end in map(End, ("start", "goal"), ends, given):
         for shape in shapes:
-            require_outside(role, end, user, shape, half_width, margin)
+            end.require_outside(shape, half_width, margin)
         if area is not None:
-            require_within(role, end, user, area, half_width, margin)
+            end.require_within(area, half_width, margin)
     obstacles = tuple(one for shape in shapes for one in obstacles_of(shape, extent, half_width))
     low, high = points.min(axis=0) - MARGIN * extent, points.max(axis=0) + MARGIN * extent
     scenario = Scenario(path.stem, ends[0], ends[1], obstacles, (*low.tolist(), *high.tolist()))

@@ -52,7 +52,7 @@ class Features(NamedTuple):
     shapes: tuple[Shape, ...]
     total: int
     incomplete: tuple[int, ...]
-    reference: Any
+    reference: object
 
     def left_out(self) -> str | None:
         """Return a sentence about the features that are left out; None if there are none."""

@@ -9,8 +9,8 @@ from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.feature_map import read_feature_map
 from swarm_gym.planning.geographic import GEOGRAPHIC, Projection
 from swarm_gym.planning.map_names import ending_of, is_map_file
-from swarm_gym.planning.shapes import thinnest
-from swarm_gym.planning.workspace import RobotWorkspace, confined, require_within
+from swarm_gym.planning.shapes import End, thinnest
+from swarm_gym.planning.workspace import RobotWorkspace, confined
 from swarm_gym.scenarios import AnyScenario, GridScenario, MapScenario, Point, Scenario, make_scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 from swarm_gym.scenarios.formats.moving_ai import read_map
@@ -79,8 +79,7 @@ def _within(scenario: MapScenario, workspace: RobotWorkspace | None, margin: flo
             f"{workspace.shape.name}: map {scenario.name!r} has cells, and the border of such a map is the "
             "workspace; leave the option out, or block cells"
         )
-    ends = (("start", scenario.start), ("goal", scenario.target))
     points = np.array([*workspace.shape.parts[0], scenario.start, scenario.target])
-    for role, end in ends:
-        require_within(role, end, end, workspace.shape, thinnest(points), margin)
+    for role, point in (("start", scenario.start), ("goal", scenario.target)):
+        End(role, point, given=point).require_within(workspace.shape, thinnest(points), margin)
     return confined(scenario, workspace.shape)

@@ -8,13 +8,13 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from swarm_gym.checks import require_integer, require_number
-from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import NoPathError, SettingError
 from swarm_gym.planning.certificate import certified
 from swarm_gym.planning.previous import require_previous
 from swarm_gym.planning.result import Plan
 from swarm_gym.planning.search import EPISODES, Search, improvement_of
 from swarm_gym.planning.tasks import read_task
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import AnyScenario, Point
 

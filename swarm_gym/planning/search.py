@@ -12,10 +12,10 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.final_repair import final_repair
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.planning.certificate import certified
-from swarm_gym.planning.guide import guided_population
 from swarm_gym.planning.result import Improvement
 from swarm_gym.planning.tasks import Task
 from swarm_gym.problem import GridProblem, MapProblem
+from swarm_gym.problem.geometry.curves import nearest_curves
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import GridScenario
 from swarm_gym.ways import other_way, shortest_way
@@ -28,6 +28,7 @@ ON_GRIDS = ("multivariate", "fixed:65")
 ITERATIONS = {"firefly": 100}  # of an episode; the controllers were tuned or trained for these
 FEW_ITERATIONS = 40  # of the other optimizers
 EPISODES = 5  # without a budget
+WIDEST = 0.1  # standard deviation of the control points of the widest member, as a share of the map's width
 
 
 def improvement_of(task: Task, path: Floats, found_by: str, began: float) -> Improvement:
@@ -158,10 +159,23 @@ class Search:
             way = other_way(scenario, way, np.random.default_rng(self._seed))
         return shortest_way(scenario) if way is None else way
 
-    def _first(self) -> dict[str, Any] | None:
+    def _first(self) -> dict[str, object] | None:
         """Return the reset options of an episode: on grid maps, members around a planned way."""
         problem = self._env.simulation.problems[0]
         if self._guide is None or not isinstance(problem, GridProblem) or problem.encoding != "bezier":
             return None
         size = self._env.settings.initial_population_size
         return {"initial_population": guided_population(problem, self._guide, size, self._seed)}
+
+
+def guided_population(problem: GridProblem, way: Floats, size: int, seed: int) -> Floats:
+    """Return decision vectors, (size, dimension), around a way from start to target, (k, 2).
+
+    The first member is the Bezier curve nearest to the way, by least squares; the others have their control
+    points moved at random, the later the farther.
+    """
+    low, high = problem.bounds
+    (nearest,) = nearest_curves(way[None], problem.num_points)
+    rng = np.random.default_rng(seed)
+    widths = WIDEST * (high - low).max() * np.arange(size)[:, None] / max(size - 1, 1)
+    return np.clip(nearest + widths * rng.normal(size=(size, len(nearest))), low, high)

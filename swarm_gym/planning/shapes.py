@@ -2,7 +2,7 @@
 
 import math
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,33 +125,65 @@ def _segment(a: Point, b: Point, half_width: float) -> Polygon:
     )
 
 
-def require_outside(
-    role: str, point: Point, given: Point, shape: Shape, half_width: float, margin: float
-) -> None:
-    """Raise an error if an end lies in a shape, or closer to it than the margin.
+class End(NamedTuple):
+    """The start or the goal of a robot.
 
-    Args:
+    Attributes:
         role: "start" or "goal".
         point: the end, in map units.
-        given: the end in the user's coordinates, for the message.
-        shape: polygon, line or point.
-        half_width: half the width of lines, in map units.
-        margin: distance that the robot keeps from obstacles, in map units.
-
-    Raises:
-        ScenarioError: with the end and the name of the feature.
+        given: the end in the user's coordinates, for messages.
     """
-    distance = distance_to(shape.parts, point)
-    if shape.kind != "Polygon":
-        if distance <= 2.0 * half_width:
-            raise ScenarioError(f"{role} {given} lies on the {_word(shape)} of {shape.name}; move it away")
-    elif distance > half_width and is_inside(shape.parts, point):
-        raise ScenarioError(f"{role} {given} lies inside the polygon of {shape.name}; move it outside")
-    if distance < margin - half_width:
-        raise ScenarioError(
-            f"{role} {given} is {distance:g} from the {_word(shape)} of {shape.name}; expected at least "
-            f"{margin:g}, the robot's radius plus the clearance"
-        )
+
+    role: str
+    point: Point
+    given: Point
+
+    def __str__(self) -> str:
+        return f"{self.role} {self.given}"
+
+    def require_outside(self, shape: Shape, half_width: float, margin: float) -> None:
+        """Raise an error if the end lies in a shape, or closer to it than the margin.
+
+        Args:
+            shape: polygon, line or point.
+            half_width: half the width of lines, in map units.
+            margin: distance that the robot keeps from obstacles, in map units.
+
+        Raises:
+            ScenarioError: with the end and the name of the feature.
+        """
+        distance, word = distance_to(shape.parts, self.point), _word(shape)
+        if shape.kind != "Polygon":
+            if distance <= 2.0 * half_width:
+                raise ScenarioError(f"{self} lies on the {word} of {shape.name}; move it away")
+        elif distance > half_width and is_inside(shape.parts, self.point):
+            raise ScenarioError(f"{self} lies inside the polygon of {shape.name}; move it outside")
+        self._require_margin(f"{word} of {shape.name}", distance, half_width, margin)
+
+    def require_within(self, shape: Shape, tolerance: float, margin: float) -> None:
+        """Raise an error if the end lies outside a workspace, or closer to its edge than the margin.
+
+        Args:
+            shape: workspace, in map units.
+            tolerance: distance outside that counts as on the edge, in map units.
+            margin: distance that the robot keeps from the edge, in map units.
+
+        Raises:
+            ScenarioError: with the end and the name of the workspace.
+        """
+        distance = distance_to(shape.parts, self.point)
+        if distance > tolerance and not is_inside(shape.parts, self.point):
+            raise ScenarioError(
+                f"{self} lies outside the {shape.name}; move it inside, or choose a larger one"
+            )
+        self._require_margin(f"edge of the {shape.name}", distance, tolerance, margin)
+
+    def _require_margin(self, what: str, distance: float, tolerance: float, margin: float) -> None:
+        if distance < margin - tolerance:
+            raise ScenarioError(
+                f"{self} is {distance:g} from the {what}; expected at least {margin:g}, the robot's radius "
+                "plus the clearance"
+            )
 
 
 def is_inside(rings: tuple[tuple[Point, ...], ...], point: Point) -> bool:

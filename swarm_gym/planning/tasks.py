@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.planning.frame import Frame
 from swarm_gym.planning.geographic import Projection, require_coordinates
 from swarm_gym.planning.maps import read_any_map
 from swarm_gym.planning.workspace import read_workspace
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.reference import known_robot_path, shortest_path
 from swarm_gym.scenarios import (
     AnyScenario,

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarm_gym.errors import ScenarioError, SettingError, shown
 from swarm_gym.planning.geojson import Shape, read_features
-from swarm_gym.planning.shapes import distance_to, extent_of, is_inside, obstacles_of
+from swarm_gym.planning.shapes import extent_of, obstacles_of
 from swarm_gym.scenarios import Circle, Obstacle, Point, Polygon, Scenario
 from swarm_gym.scenarios.formats.data_files import find_data_file
 
@@ -30,7 +30,7 @@ class RobotWorkspace(NamedTuple):
     """
 
     shape: Shape
-    reference: Any = None
+    reference: object = None
 
 
 def read_workspace(given: str | Path | ArrayLike) -> RobotWorkspace:
@@ -78,34 +78,6 @@ def confined(scenario: Scenario, shape: Shape) -> Scenario:
     bounds = np.array([_bounds(one) for one in obstacles])
     workspace = (*bounds[:, :2].min(axis=0).tolist(), *bounds[:, 2:].max(axis=0).tolist())
     return replace(scenario, obstacles=obstacles, workspace=workspace)
-
-
-def require_within(
-    role: str, point: Point, given: Point, shape: Shape, tolerance: float, margin: float
-) -> None:
-    """Raise an error if an end lies outside a workspace, or closer to its edge than the margin.
-
-    Args:
-        role: "start" or "goal".
-        point: the end, in map units.
-        given: the end in the user's coordinates, for the message.
-        shape: workspace, in map units.
-        tolerance: distance outside that counts as on the edge, in map units.
-        margin: distance that the robot keeps from the edge, in map units.
-
-    Raises:
-        ScenarioError: with the end and the name of the workspace.
-    """
-    distance = distance_to(shape.parts, point)
-    if distance > tolerance and not is_inside(shape.parts, point):
-        raise ScenarioError(
-            f"{role} {given} lies outside the {shape.name}; move it inside, or choose a larger one"
-        )
-    if distance < margin - tolerance:
-        raise ScenarioError(
-            f"{role} {given} is {distance:g} from the edge of the {shape.name}; expected at least "
-            f"{margin:g}, the robot's radius plus the clearance"
-        )
 
 
 def _frame(shape: Shape, outer: Box) -> list[Obstacle]:

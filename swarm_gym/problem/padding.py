@@ -1,9 +1,21 @@
-"""Padding of decision vectors in arrays, by zeros to whole blocks of SIMD lanes."""
+"""Common parts of problem tables of all kinds: types of their numbers, and padded arrays.
+
+A table of one problem has numbers, such as its dimension. In a table of stacked problems they are arrays,
+with an entry for each problem.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import TypeVar
 
 from swarm_gym.compiler.simd import padded
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+# Numbers of a table: those of one problem, or `Integers` and `Floats` where problems are stacked.
+Whole = TypeVar("Whole", default=int)
+Real = TypeVar("Real", default=float)
 
 
 def columns(dimension: int) -> int:
@@ -11,8 +23,8 @@ def columns(dimension: int) -> int:
     return padded(dimension + 1)
 
 
-def pad(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an array over components, (..., dimension), with zeros up to all columns, (..., C)."""
+def pad(values: Floats) -> Floats:
+    """Return an array over components, (..., dimension), with zeros up to whole blocks of lanes, (..., C)."""
     out = np.zeros((*values.shape[:-1], columns(values.shape[-1])))
     out[..., : values.shape[-1]] = values
     return out

@@ -6,7 +6,8 @@ array (C + 1,): a zero, then a decision vector, padded.
 """
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,23 +16,26 @@ from swarm_gym.compiler.jit import entry, kernel, kernel_by_class
 from swarm_gym.problem.analytic import cost
 from swarm_gym.problem.analytic import repair as shift_repair
 from swarm_gym.problem.analytic import table as analytic_table
-from swarm_gym.problem.analytic.table import WaypointTable
+from swarm_gym.problem.analytic.table import WaypointTable, WaypointTables
 from swarm_gym.problem.bbob import table as bbob_table
-from swarm_gym.problem.bbob.table import BbobTable
+from swarm_gym.problem.bbob.table import BbobTable, BbobTables
 from swarm_gym.problem.function import table as function_table
-from swarm_gym.problem.function.table import FunctionTable
+from swarm_gym.problem.function.table import FunctionTable, FunctionTables
 from swarm_gym.problem.geometry import bends
 from swarm_gym.problem.grid import cost as grid_cost
 from swarm_gym.problem.grid import repair as grid_repair
 from swarm_gym.problem.grid import table as grid_table
-from swarm_gym.problem.grid.table import GridTable
+from swarm_gym.problem.grid.table import GridTable, GridTables
 from swarm_gym.problem.walk import table as walk_table
-from swarm_gym.problem.walk.table import WalkTable
+from swarm_gym.problem.walk.table import WalkTable, WalkTables
+
+Floats = NDArray[np.float64]
 
 Table = WaypointTable | GridTable | FunctionTable | BbobTable | WalkTable
+Tables = WaypointTables | GridTables | FunctionTables | BbobTables | WalkTables  # of stacked problems
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
-evaluate = kernel_by_class(
+evaluate: Callable[[Table, Floats], tuple[float, float]] = kernel_by_class(
     {
         WaypointTable: cost.evaluate,
         GridTable: grid_cost.evaluate,
@@ -42,7 +46,7 @@ evaluate = kernel_by_class(
 )
 
 # repair(table, path, repair_degree): one repair pass of degree phi in [0, 1] over `path`, in place
-repair = kernel_by_class(
+repair: Callable[[Table, Floats, float], None] = kernel_by_class(
     {
         WaypointTable: shift_repair.repair,
         GridTable: grid_repair.repair,
@@ -53,7 +57,7 @@ repair = kernel_by_class(
 )
 
 # draw_bend(table, amplitude, kind, noise, path): write a smooth bend into `path`
-draw_bend = kernel_by_class(
+draw_bend: Callable[[Table, float, int, Floats, Floats], None] = kernel_by_class(
     {
         WaypointTable: bends.draw_bend,
         GridTable: bends.draw_bend,
@@ -64,7 +68,7 @@ draw_bend = kernel_by_class(
 )
 
 # select(tables, index) -> one problem out of stacked tables, as views
-select = kernel_by_class(
+select: Callable[[Tables, int], Table] = kernel_by_class(
     {
         WaypointTable: analytic_table.select,
         GridTable: grid_table.select,
@@ -76,18 +80,18 @@ select = kernel_by_class(
 
 
 @kernel
-def _root_of_dimension(table: Any) -> float:
+def _root_of_dimension(table: WaypointTable | GridTable) -> float:
     return math.sqrt(float(table.dimension))
 
 
 @kernel
-def _one(table: Any) -> float:  # noqa: ARG001
+def _one(table: object) -> float:  # noqa: ARG001
     return 1.0
 
 
 # unit_length(table) -> the Euclidean length that a distance of 1 has, where components are measured in their
 # ranges: components of a path are averaged over, so that distances do not grow with their number.
-unit_length = kernel_by_class(
+unit_length: Callable[[Table], float] = kernel_by_class(
     {
         WaypointTable: _root_of_dimension,
         GridTable: _root_of_dimension,
@@ -98,27 +102,28 @@ unit_length = kernel_by_class(
 
 
 @entry
-def evaluate_entry(table: Table, path: NDArray[np.float64]) -> tuple[float, float]:
+def evaluate_entry(table: Table, path: Floats) -> tuple[float, float]:
     """Return what `evaluate` does; for callers in Python."""
     return evaluate(table, path)
 
 
 @entry
-def repair_entry(table: Table, path: NDArray[np.float64], repair_degree: float) -> None:
+def repair_entry(table: Table, path: Floats, repair_degree: float) -> None:
     """Do what `repair` does; for callers in Python."""
     repair(table, path, repair_degree)
 
 
-def stack(tables: list[Table]) -> Table:
+def stack(tables: list[Table]) -> Tables:
     """Stack tables of one kind and dimension along a leading axis; shorter arrays are padded with zeros."""
     kind = type(tables[0])
-    return kind._make(_pad_and_stack(column) for column in zip(*tables, strict=True))
+    return cast(Tables, kind._make(_pad_and_stack(column) for column in zip(*tables, strict=True)))
 
 
-def put(tables: Table, row: int, table: Table) -> Table:
+def put(tables: Tables, row: int, table: Table) -> Tables:
     """Put a table into a row of stacked ones; return these, in place or copied where it takes more room."""
     return type(tables)._make(
-        _put_padded(column, row, np.asarray(value)) for column, value in zip(tables, table, strict=True)
+        _put_padded(np.asarray(column), row, np.asarray(value))
+        for column, value in zip(tables, table, strict=True)
     )
 
 

@@ -1,8 +1,8 @@
 """True optima of problems, where they can be computed, and shortest paths."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from swarm_gym.lazy import lazy_names
 from swarm_gym.reference.optima import gap_to_optimum, known_optimum
 from swarm_gym.reference.quick import quick_optima
 
@@ -30,21 +30,18 @@ __all__ = [
 ]
 
 # Environments need `known_optimum` only; the modules that compute are imported when first used.
-_MODULES = {
-    "AnyAnglePlanner": "any_angle",
-    "DiscPlanner": "disc_planner",
-    "GridPath": "a_star",
-    "ensure_optima": "waypoint_optimum",
-    "known_robot_path": "shortest",
-    "optimum": "waypoint_optimum",
-    "shortest_grid_path": "a_star",
-    "shortest_path": "shortest",
-    "shortest_robot_path": "shortest",
-    "smooth": "a_star",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "AnyAnglePlanner": "any_angle",
+        "DiscPlanner": "disc_planner",
+        "GridPath": "a_star",
+        "ensure_optima": "waypoint_optimum",
+        "known_robot_path": "shortest",
+        "optimum": "waypoint_optimum",
+        "shortest_grid_path": "a_star",
+        "shortest_path": "shortest",
+        "shortest_robot_path": "shortest",
+        "smooth": "a_star",
+    },
+)

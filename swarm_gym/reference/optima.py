@@ -11,7 +11,7 @@ import math
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,20 @@ FIELD_FILES = {
 }
 
 
+class FieldOptimum(NamedTuple):
+    """The least fitness on a field of circles, in map units.
+
+    Attributes:
+        digest: name of the problem, see `digest`.
+        fitness: least fitness.
+        shortest_path: length of the shortest path.
+    """
+
+    digest: str
+    fitness: float
+    shortest_path: float
+
+
 def digest(problem: Problem) -> str:
     """Return a name of a problem that is equal for equal geometry, encoding and weight."""
     return hashlib.sha256(repr(problem.identity).encode()).hexdigest()[:16]
@@ -49,15 +63,19 @@ def digest(problem: Problem) -> str:
 @cache
 def packaged_optima() -> dict[str, float]:
     """Return the least fitness of the problems that ship with the package, by digest, in map units."""
-    found = {entry["digest"]: entry["fitness"] for entry in packaged("optima.json")}
+    found = {entry["digest"]: entry["fitness"] for entry in json.loads(_text("optima.json"))}
     for file in FIELD_FILES:
-        found.update((digest, fitness) for digest, fitness, _ in packaged(file).values())
+        found.update((field.digest, field.fitness) for field in packaged_fields(file).values())
     return found
 
 
-def packaged(file: str) -> Any:
-    """Return the content of a JSON file that comes with the package."""
-    return json.loads(resources.files("swarm_gym.reference").joinpath(file).read_text(encoding="utf-8"))
+def packaged_fields(file: str) -> dict[str, FieldOptimum]:
+    """Return the optima in a file of `FIELD_FILES`, by name of the field."""
+    return {name: FieldOptimum(*entry) for name, entry in json.loads(_text(file)).items()}
+
+
+def _text(file: str) -> str:
+    return resources.files("swarm_gym.reference").joinpath(file).read_text(encoding="utf-8")
 
 
 def known_optimum(problem: Problem) -> float:

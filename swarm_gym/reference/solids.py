@@ -4,13 +4,14 @@ An obstacle blocks a segment that comes deeper into it than a tolerance.
 """
 
 import math
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 
+Entry = TypeVar("Entry", bound=np.generic)
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -54,7 +55,7 @@ class Cells(NamedTuple):
 
 
 @kernel
-def extended(array: NDArray[Any], length: int, fill: Any) -> Any:
+def extended(array: NDArray[Entry], length: int, fill: float) -> NDArray[Entry]:
     """Return an array that begins with the elements of another and continues with a value."""
     longer = np.empty((length,) + array.shape[1:], array.dtype)  # noqa: RUF005 (Numba knows no other way)
     # Loops are compiled in a tenth of the time that slices take.

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.kinds import kind_of
-from swarm_gym.problem.function.problem import FunctionProblem
+from swarm_gym.kinds import problem_of_any_function
 from swarm_gym.rendering.pen import BEST, FEASIBLE, MAP, MARGIN, MEDIUM, PAPER, TARGET, Colour, Pen
 from swarm_gym.rendering.scene import Scene
 from swarm_gym.rendering.view import View
@@ -60,9 +59,7 @@ class FunctionView(View):
         low, high = self.scenario.domain
         x = np.linspace(low, high, RESOLUTION)
         y = x[::-1] if self.scenario.dimension > 1 else x[:1]
-        problem = kind_of(self.scenario).problem(None, self.scenario)
-        assert isinstance(problem, FunctionProblem)
-        values = problem.values_in_plane(x, y)
+        values = problem_of_any_function(self.scenario).values_in_plane(x, y)
         shares = np.log1p(values / (LEAST_SHARE * values.max())) / np.log1p(1.0 / LEAST_SHARE)
         shades = np.array(MAP) + shares.T[..., None] * np.subtract(WORST, MAP)
         picture = pen.pygame.surfarray.make_surface(shades.round().astype(np.uint8))

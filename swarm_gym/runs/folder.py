@@ -3,7 +3,6 @@
 import json
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -89,6 +88,6 @@ def _prepare(
     remove_partials(folder)
 
 
-def as_json(options: Mapping[str, object]) -> dict[str, Any]:
+def as_json(options: Mapping[str, object]) -> dict[str, object]:
     """Return the entries of a configuration as JSON values, by name."""
     return json.loads(json.dumps(dict(options), default=str))

@@ -180,7 +180,7 @@ class GridMap:
         return hash(self.digest)
 
     # Pickling calls the constructor again, since an unpickled array would no longer be read-only.
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return GridMap, (self.name, self.blocked, self.resolution, self.origin, self.y_up)
 
     def _geometry(self) -> tuple[float | bool, ...]:

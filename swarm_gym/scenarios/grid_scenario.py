@@ -8,7 +8,7 @@ import numpy as np
 
 from swarm_gym.errors import NoPathError, ScenarioError, shown
 from swarm_gym.scenarios.grid_map import Cell, GridMap
-from swarm_gym.scenarios.obstacles import Point, require_numbers
+from swarm_gym.scenarios.obstacles import Point, require_point
 
 # Number of cells that pictures show around the cells that can be reached.
 SURROUNDINGS = 3
@@ -87,7 +87,7 @@ class GridScenario:
 
     def _check(self, role: str) -> Cell:
         """Return the cell of start or target, whose coordinates are stored as floats."""
-        x, y = require_numbers(self._where(), role, getattr(self, role), 2)
+        x, y = require_point(self._where(), role, getattr(self, role))
         object.__setattr__(self, role, (x, y))
         x_min, y_min, x_max, y_max = self.map.extent
         if not (x_min <= x <= x_max and y_min <= y <= y_max):

@@ -16,12 +16,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from swarm_gym.checks import look_up
 from swarm_gym.errors import MissingExtraError, ScenarioError, shown
 from swarm_gym.scenarios.family import NUMBER, Family, parse_numbers
 from swarm_gym.scenarios.function_scenario import FunctionScenario
+
+if TYPE_CHECKING:
+    from ioh.iohcpp.problem import RealSingleObjective
 
 NAME = "ioh"
 USAGE = f"{NAME}:<suite>-<function>-<dimension>-<instance>"
@@ -106,7 +109,7 @@ class IohScenario(FunctionScenario):
         return -reach, reach
 
     @property
-    def ioh_problem(self) -> Any:
+    def ioh_problem(self) -> "RealSingleObjective":
         """The object of `ioh` that optimizers call, one for each function in a process.
 
         All environments of this function share it, with its count of evaluations (`state.evaluations`) and
@@ -115,7 +118,7 @@ class IohScenario(FunctionScenario):
         return called(self.suite, self.number, self.dimension, self.instance)
 
 
-def _made(suite: str, function: int, dimension: int, instance: int) -> Any:
+def _made(suite: str, function: int, dimension: int, instance: int) -> "RealSingleObjective":
     """Return a new object of `ioh` for a function.
 
     Args:
@@ -132,7 +135,8 @@ def _made(suite: str, function: int, dimension: int, instance: int) -> Any:
     except ImportError as error:
         raise MissingExtraError(f"a scenario {USAGE}", "ioh", "benchmarks") from error
     problem_class = getattr(ioh.ProblemClass, SUITES[suite].problem_class)
-    return ioh.get_problem(function, instance, dimension, problem_class)
+    found = ioh.get_problem(function, instance, dimension, problem_class)
+    return cast("RealSingleObjective", found)  # as all functions of these suites
 
 
 called = cache(_made)  # the objects that optimizers call, whose evaluations count

@@ -1,12 +1,14 @@
 """Obstacles of analytic maps, circles and convex polygons, and checks of the numbers of a scenario."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice, pairwise
-from typing import Any
+from typing import TypeVar
 
 from swarm_gym.errors import ScenarioError, shown
 
+Item = TypeVar("Item")
 Point = tuple[float, float]
 
 # Largest coordinate or length, in map units; products and differences of two such numbers stay finite.
@@ -47,7 +49,7 @@ class Polygon:
 
     def __post_init__(self) -> None:
         vertices = tuple(
-            require_numbers(self, "a vertex", vertex, 2)
+            require_point(self, "a vertex", vertex)
             for vertex in require_sequence(self, "vertices", self.vertices)
         )
         if len(vertices) < 3:
@@ -113,7 +115,7 @@ class Polygon:
 Obstacle = Circle | Polygon
 
 
-def require_sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
+def require_sequence(where: object, part: str, values: Iterable[Item]) -> tuple[Item, ...]:
     """Return the values as a tuple.
 
     Raises:
@@ -125,7 +127,13 @@ def require_sequence(where: object, part: str, values: Any) -> tuple[Any, ...]:
         raise ScenarioError(f"{_shown(where)}: {part} must be a sequence, got {shown(values)}") from error
 
 
-def require_numbers(where: object, part: str, values: Any, length: int) -> tuple[Any, ...]:
+def require_point(where: object, part: str, values: Iterable[float]) -> Point:
+    """Return the values as a point; `require_numbers` describes the arguments and errors."""
+    x, y = require_numbers(where, part, values, 2)
+    return x, y
+
+
+def require_numbers(where: object, part: str, values: Iterable[float], length: int) -> tuple[float, ...]:
     """Return the values as a tuple of floats, `length` of them and none larger than `MAX_COORDINATE` in size.
 
     Args:

@@ -1,6 +1,7 @@
 """Registry of scenarios: every name, and the function or family that makes the scenario of that name."""
 
 from collections.abc import Callable
+from typing import cast
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.own_code import OwnCodeError, is_own, own
@@ -108,7 +109,7 @@ def _own_scenario(name: str) -> AnyScenario:
     if isinstance(found, AnyScenario):
         return found
     try:
-        made = found()
+        made = cast(Callable[[], object], found)()
     except Exception as error:  # own code may raise anything
         raise OwnCodeError(f"scenario {shown(name)}: {error!r} when called without arguments") from error
     if not isinstance(made, AnyScenario):

@@ -19,7 +19,7 @@ state options that the algorithm lacks, as long as these have no effect.
 
 import tomllib
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, cast, get_args, get_origin, get_type_hints
 
 from swarm_gym.controllers.packaged import MAX_TEXT_FILE, Packaged, read_bytes
 from swarm_gym.errors import UnknownNameError, shown
@@ -58,7 +58,8 @@ def load_preset(name: str) -> TrainConfig:
         OwnCodeError: if own code cannot be imported, or is no configuration; or if a file names own code.
     """
     if PRESETS.find(name) is None and is_own("preset", name):
-        return own("preset", name, lambda found: isinstance(found, TrainConfig), "a TrainConfig")
+        found = own("preset", name, lambda found: isinstance(found, TrainConfig), "a TrainConfig")
+        return cast(TrainConfig, found)
     values, path = _load(name, ())
     try:
         return TrainConfig().changed(**values)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from agents import SizeLimits, make_controller
-from agents.distillation.rule_fit import Fit, fit_within, select_forward, share_out
-from agents.distillation.run import DistilConfig, assess, distil
+from agents.distil import DistilConfig, assess, distil
+from agents.rule_fit import Fit, fit_within, select_forward, share_out
 from helpers.trainings import make_correction
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.distilled import (

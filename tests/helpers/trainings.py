@@ -1,12 +1,15 @@
 """Trainings that take a second, and policies that were never trained."""
 
 import numpy as np
+import torch
+from gymnasium.spaces import Box
 
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.distilled import DistilledRule, Formula, save_rule
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.training.config import TrainConfig
+from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.training.run import TrainingRun
 
 TINY = {
@@ -140,3 +143,16 @@ def assert_decides_alike_at_any_width(make, rng, seed):
         narrow.reset(len(rows), seed=seed + rows[0])
         for step, decided in zip(observations, together, strict=True):
             np.testing.assert_array_equal(narrow.act(step[rows]), decided[rows])
+
+
+def filled_buffer(rewards, values, **options):
+    """A buffer of an episode with these rewards and values, (steps, swarms), its advantages and returns."""
+    steps, swarms = rewards.shape
+    buffer = GroupBuffer(steps, Box(-1, 1, (1,)), Box(-1, 1, (1,)), n_envs=swarms, **options)
+    for step in range(steps):
+        buffer.add(
+            np.zeros((swarms, 1)), np.zeros((swarms, 1)), rewards[step], np.full(swarms, step == 0),
+            torch.as_tensor(values[step]), torch.zeros(swarms),
+        )  # fmt: skip
+    buffer.compute_returns_and_advantage(torch.full((swarms,), 9.0), np.ones(swarms, dtype=bool))
+    return buffer

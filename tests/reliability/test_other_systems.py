@@ -17,7 +17,7 @@ from experiments.speed import measurement, start
 from swarm_gym import files
 from swarm_gym.command import command
 from swarm_gym.files import digest_of_sources, write_atomically
-from swarm_gym.gpu.host_memory import free_host_memory
+from swarm_gym.gpu.host import free_host_memory
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [
@@ -45,7 +45,7 @@ BRANCHES = {
     "agents/backends/slurm.py": {"signal.SIGUSR2"},
     "experiments/speed/measurement.py": {"/proc/cpuinfo"},
     "experiments/speed/start.py": {"/proc/self/status", "resource"},
-    "swarm_gym/gpu/host_memory.py": {"os.sysconf"},
+    "swarm_gym/gpu/host.py": {"os.sysconf"},
 }
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from swarm_gym.__main__ import COMMANDS, main
-from swarm_gym.controllers import laboratory
+from swarm_gym.controllers import packaged
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,7 @@ def test_an_unknown_command_is_refused_with_the_valid_ones(capsys):
 
 
 def test_a_command_of_the_laboratory_says_that_it_needs_a_checkout(tmp_path, monkeypatch):
-    monkeypatch.setattr(laboratory, "LABORATORY", tmp_path)
+    monkeypatch.setattr(packaged, "LABORATORY", tmp_path)
     with pytest.raises(SystemExit, match=r"swarm-gym verify belongs to the laboratory.*a checkout"):
         main(["verify", "--help"])
 

@@ -31,7 +31,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ScenarioError, SettingError, StepOrderError
 from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.problem import AnalyticProblem, GridProblem
-from swarm_gym.problem.geometry.clear_line import is_clear
+from swarm_gym.problem.geometry.polylines import is_clear
 from swarm_gym.problem.geometry.rotated_axes import resampled
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.rendering import Scene

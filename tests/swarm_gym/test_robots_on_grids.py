@@ -10,12 +10,12 @@ from helpers.grids import area_of
 from helpers.plans import assert_free, obstacles_of
 from helpers.public_maps import needed
 from helpers.robot_maps import door_map, office_map, write_ros_map
-from swarm_gym.clearance import clearance_of
 from swarm_gym.errors import NoPathError, ScenarioError
 from swarm_gym.final_repair import FinalRepair
 from swarm_gym.plan import main
 from swarm_gym.planning import certificate, plan, search, tasks
 from swarm_gym.planning.tasks import read_task
+from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.reference import shortest_robot_path
 from swarm_gym.scenarios import GridMap, GridScenario, make_scenario
 from swarm_gym.scenarios.formats.moving_ai import read_map

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from helpers.loops import looped
-from swarm_gym.threads import spread
+from swarm_gym.optimizers.optimizer import spread
 
 
 @looped("num_threads", [1, 2, 3, 16])

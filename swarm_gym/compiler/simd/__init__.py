@@ -15,6 +15,7 @@ from swarm_gym.compiler.simd import compiled  # noqa: F401
 from swarm_gym.compiler.simd.functions import (
     NUM_LANES,
     Lanes,
+    LanesOrNumber,
     as_float,
     bits,
     broadcast,
@@ -34,6 +35,7 @@ from swarm_gym.compiler.simd.functions import (
 __all__ = [
     "NUM_LANES",
     "Lanes",
+    "LanesOrNumber",
     "as_float",
     "bits",
     "broadcast",

@@ -8,7 +8,7 @@ compiled as a function of its own, which would take most of the time that a smal
 import operator
 from collections.abc import Callable
 from functools import partial, wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from llvmlite import ir
@@ -33,6 +33,9 @@ from swarm_gym.compiler.simd.functions import (
     total,
     where,
 )
+
+if TYPE_CHECKING:
+    from numba.core.datamodel import DataModelManager
 
 
 class LanesType(types.Type):
@@ -59,7 +62,7 @@ def _vector(lanes: LanesType) -> ir.VectorType:
 class LanesModel(models.PrimitiveModel):
     """Lanes as LLVM sees them."""
 
-    def __init__(self, manager: Any, lanes: LanesType):
+    def __init__(self, manager: "DataModelManager", lanes: LanesType):
         super().__init__(manager, lanes, _vector(lanes))
 
 

@@ -1,13 +1,18 @@
 """The functions of lanes in Python, on NumPy arrays of length eight, as they run with the JIT off."""
 
-from typing import Any
+from typing import TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 NUM_LANES = 8
 
-Lanes = NDArray[Any]  # shape (8,)
+# Of shape (8,) each: floats, words and a mask.
+Lanes = NDArray[np.float64]
+Words = NDArray[np.uint64]
+Mask = NDArray[np.bool_]
+LanesOrNumber = Lanes | float
+Entry = TypeVar("Entry", bound=np.generic)
 
 
 def padded(length: int) -> int:
@@ -15,17 +20,17 @@ def padded(length: int) -> int:
     return -(-length // NUM_LANES) * NUM_LANES
 
 
-def load(array: NDArray, index: int) -> Lanes:
+def load(array: NDArray[Entry], index: int) -> NDArray[Entry]:
     """Return eight entries of an array (n,) from `index` (not negative) on, or a row of one (rows, 8)."""
     return array[index : index + NUM_LANES].copy() if array.ndim == 1 else array[index].copy()
 
 
-def read(rows: NDArray, row: int, lane: int | None) -> Any:
+def read(rows: Lanes, row: int, lane: int | None) -> LanesOrNumber:
     """Return a row of a (rows, 8) array as lanes if `lane` is None, else one number of it."""
     return rows[row].copy() if lane is None else rows[row, lane]
 
 
-def store(array: NDArray, index: int, lanes: Lanes) -> None:
+def store(array: NDArray[Entry], index: int, lanes: NDArray[Entry]) -> None:
     """Write lanes to where `load` reads them."""
     if array.ndim == 1:
         array[index : index + NUM_LANES] = lanes
@@ -38,17 +43,53 @@ def broadcast(value: float) -> Lanes:
     return np.full(NUM_LANES, value, dtype=np.float64)
 
 
-def where(mask: Any, yes: Any, no: Any) -> Any:
+@overload
+def where(mask: Mask, yes: LanesOrNumber, no: LanesOrNumber) -> Lanes: ...
+
+
+@overload
+def where(mask: bool, yes: float, no: float) -> float: ...
+
+
+@overload
+def where(mask: bool | Mask, yes: LanesOrNumber, no: LanesOrNumber) -> LanesOrNumber: ...
+
+
+def where(mask: bool | Mask, yes: LanesOrNumber, no: LanesOrNumber) -> LanesOrNumber:
     """Return the floats of `yes` where the mask is true, else of `no`; all are lanes or numbers."""
     return np.where(mask, yes, no)[()]
 
 
-def maximum(a: Any, b: Any) -> Any:
+@overload
+def maximum(a: Lanes, b: LanesOrNumber) -> Lanes: ...
+
+
+@overload
+def maximum(a: float, b: Lanes) -> Lanes: ...
+
+
+@overload
+def maximum(a: float, b: float) -> float: ...
+
+
+def maximum(a: LanesOrNumber, b: LanesOrNumber) -> LanesOrNumber:
     """Return the larger of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
     return where(a > b, a, b)
 
 
-def minimum(a: Any, b: Any) -> Any:
+@overload
+def minimum(a: Lanes, b: LanesOrNumber) -> Lanes: ...
+
+
+@overload
+def minimum(a: float, b: Lanes) -> Lanes: ...
+
+
+@overload
+def minimum(a: float, b: float) -> float: ...
+
+
+def minimum(a: LanesOrNumber, b: LanesOrNumber) -> LanesOrNumber:
     """Return the smaller of each pair, or of two numbers; `b` where they are equal or cannot be compared."""
     return where(a < b, a, b)
 
@@ -58,7 +99,15 @@ def square_root(lanes: Lanes) -> Lanes:
     return np.sqrt(lanes)
 
 
-def floor(values: Any) -> Any:
+@overload
+def floor(values: Lanes) -> Lanes: ...
+
+
+@overload
+def floor(values: float) -> float: ...
+
+
+def floor(values: LanesOrNumber) -> LanesOrNumber:
     """Return, as floats, the largest whole numbers that are no larger than lanes or a number."""
     return np.floor(values)
 
@@ -68,7 +117,7 @@ def look_up(values: NDArray[np.uint8], indices: Lanes) -> Lanes:
     return values[indices.astype(np.int64)].astype(np.float64)
 
 
-def as_float(words: Lanes) -> Lanes:
+def as_float(words: Words) -> Lanes:
     """Return words below 2^63 as float64."""
     return words.astype(np.float64)
 
@@ -81,6 +130,6 @@ def total(lanes: Lanes) -> float:
     return lanes[0]
 
 
-def bits(mask: Lanes) -> int:
+def bits(mask: Mask) -> int:
     """Return a mask as an integer: lane k is bit k."""
     return int(np.packbits(mask, bitorder="little")[0])

@@ -5,7 +5,7 @@ Entries that are not named here are allowed: they document where a policy comes 
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NotRequired, TypedDict, cast
 
 from swarm_gym.action import ACTIONS
 from swarm_gym.controllers.names import ControllerName
@@ -29,6 +29,37 @@ class PolicyFileError(ValueError):
     """A policy file that is missing, damaged or not for this version; the message names the file."""
 
 
+class Manifest(TypedDict):
+    """The checked entries of a policy's manifest, and those that trainings write beside them.
+
+    `check_manifest` says what each of the checked entries can be.
+    """
+
+    action: str
+    base: str
+    config: dict[str, object]
+    corrected_from: int
+    features: list[str]
+    hidden_layers: list[int]
+    initial_population_size: int
+    lstm_size: int | None
+    manifest_sha256: str
+    max_evaluations: int | None
+    max_population_size: int
+    min_population_size: int
+    network: str
+    num_decisions: int
+    observation: str
+    optimizer: str
+    price: list[float] | None
+    weights_sha256: str
+    also_on: NotRequired[list[str]]
+    first_source: NotRequired[dict[str, object]]
+    num_choices: NotRequired[int]
+    steps: NotRequired[int]
+    validation: NotRequired[dict[str, dict[str, float]]]
+
+
 class _Entry(NamedTuple):
     """A condition on a value, in words and as a test that takes any JSON value."""
 
@@ -36,17 +67,18 @@ class _Entry(NamedTuple):
     fits: Callable[[Any], bool]
 
 
-def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
-    """Raise an error if a manifest lacks an entry or has an unusable value.
+def check_manifest(path: Path, content: Mapping[str, object]) -> Manifest:
+    """Return the content of a manifest, if it has all entries and no unusable value.
 
     Raises:
         PolicyFileError: naming the file, the entry, its value and what was expected.
     """
-    missing = [key for key in _REQUIRED if key not in manifest]
+    missing = [key for key in _REQUIRED if key not in content]
     if missing:
         raise PolicyFileError(f"{path}: the manifest lacks {', '.join(missing)}")
     for key, entry in _REQUIRED.items():
-        _require(path, manifest, key, entry)
+        _require(path, content, key, entry)
+    manifest = cast(Manifest, content)
     smallest, largest = manifest["min_population_size"], manifest["max_population_size"]
     _require(path, manifest, "max_population_size", _integer(smallest))
     _require(path, manifest, "initial_population_size", _integer(smallest, largest))
@@ -63,14 +95,15 @@ def check_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
     if manifest["base"] == "none":
         own = [feature.name for feature in make_observation(manifest["observation"]).features]
         require_features(path, manifest, own)
+    return manifest
 
 
-def observes_price(manifest: Mapping[str, Any]) -> bool:
+def observes_price(manifest: Manifest) -> bool:
     """Return whether the price of evaluations is among the policy's observations."""
     return PRICED in manifest["observation"].split("+")
 
 
-def require_features(path: Path, manifest: Mapping[str, Any], features: list[str]) -> None:
+def require_features(path: Path, manifest: Manifest, features: list[str]) -> None:
     """Raise an error if a policy was trained with other observation features than these.
 
     Raises:
@@ -83,12 +116,12 @@ def require_features(path: Path, manifest: Mapping[str, Any], features: list[str
         )
 
 
-def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
+def tensor_shapes(manifest: Manifest) -> dict[str, tuple[int, ...]]:
     """Return the shape of every tensor in the policy's file by name; weights are (outputs, inputs)."""
     inputs = len(manifest["features"])
     shapes: dict[str, tuple[int, ...]] = {}
     if manifest["network"] == LSTM:
-        size = manifest["lstm_size"]
+        size = manifest["lstm_size"] or 0  # which is checked
         shapes["lstm.weight"], shapes["lstm.bias"] = (4 * size, inputs + size), (4 * size,)
         inputs = size
     last = manifest["num_decisions"]
@@ -101,7 +134,7 @@ def tensor_shapes(manifest: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
     return shapes
 
 
-def _require(path: Path, manifest: Mapping[str, Any], key: str, entry: _Entry) -> None:
+def _require(path: Path, manifest: Mapping[str, object], key: str, entry: _Entry) -> None:
     value = manifest.get(key)
     if not entry.fits(value):
         raise PolicyFileError(f"{path}: {key} must be {entry.expected}, got {shown(value)}")

@@ -4,9 +4,8 @@ A policy's manifest names its kind of network, a key of `NETWORKS`. Sums run alo
 a decision does not depend on how many swarms are decided for at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from swarm_gym.controllers.learned.manifest import (
     CHOICES,
     FEEDFORWARD,
     LSTM,
+    Manifest,
     PolicyFileError,
     observes_price,
     require_features,
@@ -72,7 +72,7 @@ class FeedforwardController(Controller):
         self,
         path: Path,
         weights: Weights,
-        manifest: dict[str, Any],
+        manifest: Manifest,
         limits: SizeLimits | None,
         price: float | None,
         make_controller: MakeController,
@@ -102,7 +102,8 @@ class FeedforwardController(Controller):
 
         The rest of the manifest says where the policy comes from.
         """
-        said = {name: self.manifest[name] for name in _DECISIVE}
+        manifest: Mapping[str, object] = self.manifest
+        said = {name: manifest[name] for name in _DECISIVE}
         corrected = self.corrects.identity() if self.corrects else None
         return "learned", said, self.manifest.get("first_source"), self.price, corrected
 
@@ -136,7 +137,8 @@ class FeedforwardController(Controller):
             if price is not None:
                 raise PolicyFileError(f"{path}: this policy does not observe a price, got {price:g}")
             return None
-        low, high = self.manifest["price"][0], self.manifest["price"][-1]
+        prices = self.manifest["price"] or []  # which are checked
+        low, high = prices[0], prices[-1]
         if price is None:
             return float(np.sqrt(low * high))
         if not low <= price <= high:
@@ -209,7 +211,7 @@ class RecurrentController(FeedforwardController):
 
     def _read_weights(self, weights: Weights) -> None:
         super()._read_weights(weights)
-        self._size = self.manifest["lstm_size"]
+        self._size = self.manifest["lstm_size"] or 0  # which is checked
         self._lstm = weights["lstm.weight"], weights["lstm.bias"]
 
     def _features(self, seen: NDArray) -> NDArray:

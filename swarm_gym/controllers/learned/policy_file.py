@@ -7,6 +7,7 @@ fault. Digests detect damage, not malice: whoever changes a file can write new d
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from swarm_gym.controllers.learned.manifest import PolicyFileError, check_manifest, tensor_shapes
+from swarm_gym.controllers.learned.manifest import Manifest, PolicyFileError, check_manifest, tensor_shapes
 from swarm_gym.controllers.packaged import DATA, Packaged, read_bytes
 from swarm_gym.errors import shown
 from swarm_gym.files import write_atomically
@@ -52,12 +53,12 @@ def resolve(name: str) -> Path:
     raise PolicyFileError(POLICIES.missing("policy", name))
 
 
-def save_policy(path: Path, weights: Weights, manifest: dict[str, Any]) -> None:
+def save_policy(path: Path, weights: Weights, manifest: Mapping[str, object]) -> None:
     """Write weights and manifest to one file, atomically."""
     write_atomically(path, encode_policy(weights, manifest))
 
 
-def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:
+def load_policy(path: Path) -> tuple[Weights, Manifest]:
     """Return weights and manifest of a policy file.
 
     Raises:
@@ -70,16 +71,16 @@ def load_policy(path: Path) -> tuple[Weights, dict[str, Any]]:
     return decode_policy(path, data)
 
 
-def encode_policy(weights: Weights, manifest: dict[str, Any]) -> bytes:
+def encode_policy(weights: Weights, manifest: Mapping[str, object]) -> bytes:
     """Return the content of a policy file, with digests of the weights and of the rest of the manifest."""
-    manifest = {**manifest, "format": FORMAT, "weights_sha256": _digest_of_weights(weights)}
-    manifest["manifest_sha256"] = _digest_of_manifest(manifest)
-    header = {"manifest": json.dumps(manifest, sort_keys=True)}
+    stated = {**manifest, "format": FORMAT, "weights_sha256": _digest_of_weights(weights)}
+    stated["manifest_sha256"] = _digest_of_manifest(stated)
+    header = {"manifest": json.dumps(stated, sort_keys=True)}
     contiguous = {name: np.ascontiguousarray(array) for name, array in weights.items()}
     return save(contiguous, metadata=header)
 
 
-def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
+def decode_policy(path: Path, data: bytes) -> tuple[Weights, Manifest]:
     """Return weights and manifest from the content of a policy file; the path is for messages.
 
     No tensor is read before its name, type and shape are those that the manifest implies.
@@ -89,10 +90,10 @@ def decode_policy(path: Path, data: bytes) -> tuple[Weights, dict[str, Any]]:
     """
     try:
         header = _read_header(data)
-        manifest = json.loads(header.pop("__metadata__", {}).get("manifest", "{}"))
-        if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
-            raise PolicyFileError(f"{path}: expected format {FORMAT!r}, got {shown(_get_format(manifest))}")
-        check_manifest(path, manifest)
+        content = json.loads(header.pop("__metadata__", {}).get("manifest", "{}"))
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise PolicyFileError(f"{path}: expected format {FORMAT!r}, got {shown(_get_format(content))}")
+        manifest = check_manifest(path, content)
         declared = {name: (entry.get("dtype"), entry.get("shape")) for name, entry in header.items()}
         expected = {name: ("F32", list(shape)) for name, shape in tensor_shapes(manifest).items()}
         _require_tensors(path, declared, expected)
@@ -135,7 +136,7 @@ def _read_header(data: bytes) -> dict[str, Any]:
     return header
 
 
-def _require_tensors(path: Path, found: dict[str, Any], expected: dict[str, Any]) -> None:
+def _require_tensors(path: Path, found: Mapping[str, object], expected: Mapping[str, object]) -> None:
     for name in [*expected, *found]:
         if found.get(name) != expected.get(name):
             says, wanted = found.get(name, "none"), expected.get(name, "none")
@@ -156,7 +157,7 @@ def _digest_of_weights(weights: Weights) -> str:
     return digest.hexdigest()
 
 
-def _digest_of_manifest(manifest: dict[str, Any]) -> str:
+def _digest_of_manifest(manifest: Mapping[str, object]) -> str:
     """Return the digest of all other entries, as JSON with sorted keys."""
     rest = {name: value for name, value in manifest.items() if name != "manifest_sha256"}
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()

@@ -38,7 +38,7 @@ from swarm_gym.optimizers.best_walk import re_evaluate_walk
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, is_spent
-from swarm_gym.problem.tables import Table, evaluate
+from swarm_gym.problem.tables import Tables, evaluate
 from swarm_gym.problem.walk.table import WalkTable, cell_of, to_map
 
 Floats = NDArray[np.float64]
@@ -289,14 +289,14 @@ class AntColony(Optimizer):
         return _NUM_REGISTERS
 
     @staticmethod
-    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
+    def walk_points(tables: Tables, iterations: int) -> int:  # noqa: ARG004
         """Return the most points that the walk of an ant has."""
         assert isinstance(tables, WalkTable)
         height, width = tables.blocked.shape[-2:]
         return STEP_LIMIT * (height + width) + 1
 
     @staticmethod
-    def field_size(tables: Table) -> int:
+    def field_size(tables: Tables) -> int:
         """Return the size of the trails and of the memory."""
         assert isinstance(tables, WalkTable)
         height, width = tables.blocked.shape[-2:]

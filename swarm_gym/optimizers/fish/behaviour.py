@@ -13,7 +13,7 @@ paper lists only fish (docs/readings.md).
 """
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.random_stream import fill_uniform
 from swarm_gym.compiler.simd import NUM_LANES, broadcast, load, maximum, minimum, store, total
-from swarm_gym.optimizers.parameter import Parameter, Parameters
+from swarm_gym.optimizers.parameter import Parameter
 from swarm_gym.population import Swarms, Workspace, copy_position, evaluate_path, is_spent
 from swarm_gym.problem.tables import Table, evaluate, repair, unit_length
 
@@ -43,6 +43,15 @@ SmallestVisual = Annotated[
 SmallestStep = Annotated[
     float, Parameter(0.01, 0.0, 1.0, "Step_min", "smallest length of the longest step, in ranges")
 ]
+
+
+class Crowded(Protocol):
+    """Parameters of any fish swarm, as far as all of them need them."""
+
+    @property
+    def crowding(self) -> float:
+        """The share of the swarm from which on a place is crowded."""
+
 
 # Entries of `School.outcome`.
 FITNESS, COLLISION = range(2)
@@ -68,7 +77,7 @@ class School(NamedTuple):
 
 @kernel
 def gather(
-    parameters: Parameters, table: Table, visual: float, step: float, tries: float, repair_degree: float
+    parameters: Crowded, table: Table, visual: float, step: float, tries: float, repair_degree: float
 ) -> School:
     """Return the fish at the beginning of an iteration, with these limits in it."""
     width = table.lower.shape[0]

@@ -7,7 +7,8 @@ It preys instead of either if there is no companion, no better point or no room.
 2 (tries + 1) + 1 evaluations. Readings are in docs/readings.md.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 from swarm_gym.compiler.jit import kernel, kernel_by_class
 from swarm_gym.optimizers import loop
@@ -70,7 +71,7 @@ def prey(
 
 
 # How a fish preys, by the class of its parameters: the only difference between the optimizers listed here.
-PREY: dict[type, Any] = {FishSwarmParameters: prey}
+PREY: dict[type, Callable[..., None]] = {FishSwarmParameters: prey}
 prey_by_class = kernel_by_class(PREY)
 
 

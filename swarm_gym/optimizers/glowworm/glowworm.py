@@ -39,7 +39,7 @@ from swarm_gym.optimizers.glowworm.trajectory import ROBOT, append_point, arrive
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, choice
 from swarm_gym.population import Swarms, Workspace, is_spent
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.tables import Tables
 from swarm_gym.problem.walk.table import WalkTable, is_visible
 
 # Rounding error of a position, as a share of a step: a member that moves one step away and comes back is at
@@ -229,6 +229,6 @@ class Glowworm(Optimizer):
         return NUM_COLUMNS
 
     @staticmethod
-    def walk_points(tables: Table, iterations: int) -> int:  # noqa: ARG004
+    def walk_points(tables: Tables, iterations: int) -> int:  # noqa: ARG004
         """Return the most points: start, target, and two per iteration (a move, and a change of the map)."""
         return 2 * iterations + 2

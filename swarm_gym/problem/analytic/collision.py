@@ -9,7 +9,7 @@ segment along +y' and along -y', in map units. Segment and obstacle are in conta
 positive; if one is not, neither has a meaning.
 """
 
-from typing import Any
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import (
     NUM_LANES,
     Lanes,
+    LanesOrNumber,
     broadcast,
     load,
     maximum,
@@ -57,8 +58,13 @@ def segments_of(table: WaypointTable, path: Floats, block: int) -> tuple[Lanes, 
 
 @kernel(inline="late")
 def circle_shifts(
-    rows: Floats, row: int, lane: int | None, left: Any, rise: Any, length: Any
-) -> tuple[Any, Any]:
+    rows: Floats,
+    row: int,
+    lane: int | None,
+    left: LanesOrNumber,
+    rise: LanesOrNumber,
+    length: LanesOrNumber,
+) -> tuple[LanesOrNumber, LanesOrNumber]:
     """Return the shifts that clear circles, whose rows begin at `row`.
 
     The top of a circle is highest above a line at an end of the overlap, or where its tangent has the slope
@@ -85,8 +91,8 @@ def circle_shifts(
 
 @kernel(inline="late")
 def polygon_shifts(
-    rows: Floats, row: int, num_corners: int, lane: int | None, left: Any, rise: Any
-) -> tuple[Any, Any]:
+    rows: Floats, row: int, num_corners: int, lane: int | None, left: LanesOrNumber, rise: LanesOrNumber
+) -> tuple[LanesOrNumber, LanesOrNumber]:
     """Return the shifts that clear convex polygons, whose corners' rows begin at `row`.
 
     The top of a polygon is concave and its bottom convex, so each differs most from a line at a corner or at
@@ -101,10 +107,27 @@ def polygon_shifts(
     return up, down
 
 
+@overload
+def clearing_shifts(
+    table: WaypointTable, tile: int, lane: None, left: Lanes, rise: Lanes, length: Lanes
+) -> tuple[Lanes, Lanes]: ...
+
+
+@overload
+def clearing_shifts(
+    table: WaypointTable, tile: int, lane: int, left: float, rise: float, length: float
+) -> tuple[float, float]: ...
+
+
 @kernel(inline="late")
 def clearing_shifts(
-    table: WaypointTable, tile: int, lane: int | None, left: Any, rise: Any, length: Any
-) -> tuple[Any, Any]:
+    table: WaypointTable,
+    tile: int,
+    lane: int | None,
+    left: LanesOrNumber,
+    rise: LanesOrNumber,
+    length: LanesOrNumber,
+) -> tuple[LanesOrNumber, LanesOrNumber]:
     """Return the shifts that clear the obstacles of a tile."""
     if table.num_corners[tile] > 0:
         return polygon_shifts(table.rows, table.first_row[tile], table.num_corners[tile], lane, left, rise)

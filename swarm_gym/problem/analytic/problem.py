@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.problem.analytic.pairs import Pair, list_pairs, rotated_shapes
 from swarm_gym.problem.analytic.table import WaypointTable, points_beside, tabulate
-from swarm_gym.problem.geometry.clear_line import is_clear
+from swarm_gym.problem.geometry.polylines import is_clear
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, resampled, spacing_of
 from swarm_gym.problem.map_problem import MapProblem
 from swarm_gym.problem.problem import Problem
@@ -119,7 +119,7 @@ class AnalyticProblem(MapProblem):
     @cached_property
     def line(self) -> Floats:
         """Map coordinates of start, waypoints of offset 0, and target, shape (num_waypoints + 2, 2)."""
-        x = self.table.spacing * np.arange(self.num_waypoints + 2)
+        x = self.table.spacing * np.arange(self.num_waypoints + 2.0)
         return self.axes.to_map(x, np.zeros_like(x))
 
 

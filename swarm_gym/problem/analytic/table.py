@@ -12,10 +12,9 @@ polygons.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
@@ -23,11 +22,8 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.problem.analytic.pairs import Pair, Shape, extent_of_all, rotated_shapes
 from swarm_gym.problem.geometry.bends import modes_of_components
 from swarm_gym.problem.geometry.rotated_axes import RotatedAxes, spacing_of
-from swarm_gym.problem.padding import columns, pad
+from swarm_gym.problem.padding import Floats, Integers, Real, Whole, columns, pad
 from swarm_gym.scenarios import MapScenario, Scenario
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Rows of a tile of circles. A share is a part of the segment, from its left end on. The chords are half the
 # chords of the circle at both ends of its overlap with the segment. A sine is the rise of a segment over its
@@ -44,21 +40,21 @@ PRESENCE = BEGIN_CHORD
 assert PRESENCE == CORNER_TOP
 
 
-class WaypointTable(NamedTuple):
+class WaypointTable(NamedTuple, Generic[Whole, Real]):
     """The problem table of the waypoint encoding, with n waypoints, C = `columns(n)`, T tiles and R rows.
 
     Entries beyond n waypoints or n + 1 segments are such that they change nothing. In a stacked table every
     field has a leading problem axis.
     """
 
-    dimension: Any  # n: a number, in a stacked table an array
-    spacing: Any  # x' distance between waypoints; in a stacked table an array
-    length_weight: Any  # mu; in a stacked table an array
+    dimension: Whole  # n
+    spacing: Real  # x' distance between waypoints
+    length_weight: Real  # mu
     lower: Floats  # (C,) bounds of the offsets: the workspace
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
-    width: Any  # largest extent of the workspace across the line, at a waypoint; in a stacked table an array
+    width: Real  # largest extent of the workspace across the line, at a waypoint
     middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
@@ -69,8 +65,11 @@ class WaypointTable(NamedTuple):
     rows: Floats  # (R, 8) tiles: CIRCLE_ROWS, or num_corners times CORNER_ROWS
 
 
+WaypointTables = WaypointTable[Integers, Floats]  # of stacked problems
+
+
 @kernel
-def select(tables: WaypointTable, index: int) -> WaypointTable:
+def select(tables: WaypointTables, index: int) -> WaypointTable:
     """Return one problem table out of stacked ones, as views."""
     return WaypointTable(
         tables.dimension[index],

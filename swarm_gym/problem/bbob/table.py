@@ -1,40 +1,40 @@
 """The problem table of BBOB functions, see `tables`; `scenarios.bbob` draws what is in it."""
 
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.compiler.elementary import power, product
 from swarm_gym.compiler.jit import entry, kernel
 from swarm_gym.problem.bbob import conditioned, multimodal, separable
 from swarm_gym.problem.bbob.transformations import subtract, transform
-from swarm_gym.problem.padding import pad
+from swarm_gym.problem.padding import Floats, Integers, Real, Whole, pad
 from swarm_gym.scenarios.bbob.scenario import BbobScenario
 
-Floats = NDArray[np.float64]
 
-
-class BbobTable(NamedTuple):
+class BbobTable(NamedTuple, Generic[Whole, Real]):
     """The problem table of a BBOB function; in a stacked table every field has a leading problem axis.
 
     Matrices and peaks that a function does not have are empty.
     """
 
-    dimension: Any  # D: a number, in a stacked table an array
-    function: Any  # 1 to 24; in a stacked table an array
+    dimension: Whole  # D
+    function: Whole  # 1 to 24
     lower: Floats  # (C,) bounds of decision vectors: the domain
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population: the domain
     initial_upper: Floats  # (C,)
     optimum: Floats  # (C,) x_opt
-    scale: Any  # max(1, sqrt(D) / 8): a number, in a stacked table an array
+    scale: Real  # max(1, sqrt(D) / 8)
     weights: Floats  # (C,) what the function multiplies components or squares with, or its exponents
     inner: Floats  # (D, D) the matrix that x - x_opt is multiplied by, transposed
     outer: Floats  # (D, D) the matrix of the second transformation, transposed
     places: Floats  # (peaks, D) R (y_i - x_opt) of Gallagher's functions
     conditions: Floats  # (peaks, D) diagonals of C_i
     heights: Floats  # (peaks,) w_i
+
+
+BbobTables = BbobTable[Integers, Floats]  # of stacked problems
 
 
 def tabulate(scenario: BbobScenario) -> BbobTable:
@@ -109,7 +109,7 @@ def _powers(dimension: int, alpha: float) -> Floats:
 
 
 @kernel
-def select(tables: BbobTable, index: int) -> BbobTable:
+def select(tables: BbobTables, index: int) -> BbobTable:
     """Return one problem table out of stacked ones, as views."""
     return BbobTable(
         tables.dimension[index],

@@ -1,17 +1,16 @@
 """The problem table of test functions, see `tables`; formulas are in `scenarios.function_scenario`."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
-from swarm_gym.compiler.simd import NUM_LANES, broadcast, floor, load, maximum, total, where
-from swarm_gym.problem.padding import pad
+from swarm_gym.compiler.simd import NUM_LANES, Lanes, broadcast, floor, load, maximum, total, where
+from swarm_gym.problem.padding import Floats, Integers, Whole, pad
 from swarm_gym.scenarios import FunctionScenario
 
-Floats = NDArray[np.float64]
+LanesOrFloat = TypeVar("LanesOrFloat", Lanes, float)
 
 RASTRIGIN, SUM_SQUARES, EASOM, BOOTH, BOHACHEVSKY = range(5)
 NUMBERS = {
@@ -23,16 +22,19 @@ NUMBERS = {
 }
 
 
-class FunctionTable(NamedTuple):
+class FunctionTable(NamedTuple, Generic[Whole]):
     """The problem table of a test function; in a stacked table every field has a leading problem axis."""
 
-    dimension: Any  # D: a number, in a stacked table an array
-    function: Any  # one of `NUMBERS`; in a stacked table an array
+    dimension: Whole  # D
+    function: Whole  # one of `NUMBERS`
     lower: Floats  # (C,) bounds of decision vectors: the domain
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population: the domain
     initial_upper: Floats  # (C,)
     optimum: Floats  # (C,) vector at which the function is 0
+
+
+FunctionTables = FunctionTable[Integers]  # of stacked problems
 
 
 def tabulate(scenario: FunctionScenario) -> FunctionTable:
@@ -43,7 +45,7 @@ def tabulate(scenario: FunctionScenario) -> FunctionTable:
 
 
 @kernel
-def select(tables: FunctionTable, index: int) -> FunctionTable:
+def select(tables: FunctionTables, index: int) -> FunctionTable:
     """Return one problem table out of stacked ones, as views."""
     return FunctionTable(
         tables.dimension[index],
@@ -129,7 +131,7 @@ def _bohachevsky(dimension: int, optimum: Floats, path: Floats) -> float:
 
 
 @kernel(inline="late")
-def squared_sine(half_turns: Any) -> Any:
+def squared_sine(half_turns: LanesOrFloat) -> LanesOrFloat:
     """Return sin(pi x)^2 of lanes or a number: (1 - cos(2 pi x)) / 2, without cancellation where it is small.
 
     The sine of the C library knows no lanes, and took two thirds of the time of a fish swarm on Rastrigin's

@@ -15,7 +15,7 @@ In both, t in (0, 1) is the place along the line. The sum is scaled so that its 
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,35 @@ from swarm_gym.problem.geometry.stiffness import least_stiff
 from swarm_gym.problem.padding import columns
 
 Floats = NDArray[np.float64]
+
+
+class BentTable(Protocol):
+    """The fields of a problem table from which bends are drawn; vectors of C columns are paths."""
+
+    @property
+    def lower(self) -> Floats:
+        """(C,) lower bounds of the offsets."""
+
+    @property
+    def upper(self) -> Floats:
+        """(C,) upper bounds of the offsets."""
+
+    @property
+    def width(self) -> float:
+        """Largest extent of the workspace across the line."""
+
+    @property
+    def middles(self) -> Floats:
+        """(K, C) vectors of the middle paths."""
+
+    @property
+    def across(self) -> Floats:
+        """(C,) change of the components per unit of offset."""
+
+    @property
+    def modes(self) -> Floats:
+        """(2, NUM_MODES, C) modes of both kinds."""
+
 
 # Kinds of modes by the name of the option `bends`; the numbers are rows of `modes`.
 HARMONICS, STOMP = range(2)
@@ -68,11 +97,11 @@ def modes_of_components(offsets: NDArray[np.int64], count: int) -> Floats:
 
 
 @kernel(borrows=True)
-def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
+def draw_bend(table: BentTable, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
     """Write a bend into a path, (C + 1,).
 
     Args:
-        table: problem table with the fields `middles`, `across`, `modes` and `width`.
+        table: problem table.
         amplitude: largest offset as a share of the width of the workspace, in (0, 1].
         kind: kind of modes, a value of `BENDS`.
         noise: (C,) numbers uniform in [0, 1); that in place 0 chooses the middle path; changed in place.
@@ -114,5 +143,5 @@ def draw_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floa
 
 
 @kernel(borrows=True)
-def no_bend(table: Any, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
+def no_bend(table: object, amplitude: float, kind: int, noise: Floats, path: Floats) -> None:
     """Do nothing: decision vectors of this kind of problem are not paths beside a line."""

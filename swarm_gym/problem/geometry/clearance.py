@@ -1,6 +1,7 @@
-"""The exact distance of a polyline from the blocked cells of an occupancy grid.
+"""The exact distance of a path from the obstacles of any map, and from the blocked cells of a grid.
 
-Points are (column, row) in cells, as in `traversal`. Unlike there, the outside of the grid is no obstacle.
+Points on grids are (column, row) in cells, as in `traversal`. Unlike there, the outside of the grid is no
+obstacle.
 """
 
 import math
@@ -9,10 +10,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import entry, kernel
+from swarm_gym.scenarios import Circle, GridScenario, MapScenario, Obstacle
+
+Floats = NDArray[np.float64]
+
+
+def clearance_of(scenario: MapScenario, path: Floats) -> float:
+    """Return the least distance of a free path, (k, 2), from an obstacle, in map units; infinite without one.
+
+    On grid maps an obstacle is the area of a blocked cell.
+    """
+    if isinstance(scenario, GridScenario):
+        grid = scenario.map
+        return clearance(grid.blocked, grid.to_cells(path)) * grid.resolution
+    return min((_distance(path, obstacle) for obstacle in scenario.obstacles), default=math.inf)
+
+
+def _distance(path: Floats, obstacle: Obstacle) -> float:
+    if isinstance(obstacle, Circle):
+        return max(_to_segments(np.array([(obstacle.x, obstacle.y)]), path) - obstacle.radius, 0.0)
+    ring = np.array([*obstacle.vertices, obstacle.vertices[0]])
+    # Of two polylines that do not cross, an end of a segment is among the closest points.
+    return min(_to_segments(ring, path), _to_segments(path, ring))
+
+
+def _to_segments(points: Floats, line: Floats) -> float:
+    """Return the least distance of points, (m, 2), from the segments of a polyline, (k, 2)."""
+    begins, changes = line[:-1], np.diff(line, axis=0)
+    squares = (changes**2).sum(axis=1)
+    offsets = points[:, None] - begins
+    along = (offsets * changes).sum(axis=-1)
+    share = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=squares > 0.0), 0.0, 1.0)
+    return float(np.hypot(*np.moveaxis(offsets - share[..., None] * changes, -1, 0)).min())
 
 
 @entry
-def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
+def clearance(blocked: NDArray[np.bool_], points: Floats) -> float:
     """Return the least distance of a polyline, (k, 2), from the areas of blocked cells, in cells.
 
     It is 0 for a path that enters one or touches it, and infinite where no cell is blocked.
@@ -21,7 +54,7 @@ def clearance(blocked: NDArray[np.bool_], points: NDArray[np.float64]) -> float:
 
 
 @entry
-def keeps_distance(blocked: NDArray[np.bool_], points: NDArray[np.float64], distance: float) -> bool:
+def keeps_distance(blocked: NDArray[np.bool_], points: Floats, distance: float) -> bool:
     """Return whether no point of a polyline, (k, 2), is closer than a distance to a blocked cell, in cells.
 
     Only cells within that distance are looked at, so that it is quicker than `clearance`.
@@ -30,7 +63,7 @@ def keeps_distance(blocked: NDArray[np.bool_], points: NDArray[np.float64], dist
 
 
 @kernel
-def _least(blocked: NDArray[np.bool_], points: NDArray[np.float64], least: float) -> float:
+def _least(blocked: NDArray[np.bool_], points: Floats, least: float) -> float:
     """Return the least distance of a polyline, (k, 2), from blocked cells, or `least` if that is less."""
     height, width = blocked.shape
     last = points.shape[0] - 1

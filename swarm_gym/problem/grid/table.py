@@ -5,7 +5,7 @@ around it, which stands for everything outside.
 """
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,34 +14,31 @@ from swarm_gym.compiler.jit import kernel
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.problem.geometry.bends import modes_of_components
 from swarm_gym.problem.grid.encoding import Encoding
-from swarm_gym.problem.padding import pad
+from swarm_gym.problem.padding import Floats, Integers, Real, Whole, pad
 from swarm_gym.scenarios import GridMap
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # What `GridTable.steps_to_other` has more in blocked cells.
 BLOCKED = 128
 
 
-class GridTable(NamedTuple):
+class GridTable(NamedTuple, Generic[Whole, Real]):
     """The problem table of a path on a grid map, with P control points and S blocks of eight samples.
 
     Samples beyond the last stand still at the target, which is free. In a stacked table every field has a
     leading problem axis.
     """
 
-    dimension: Any  # length of decision vectors; this and the next five: arrays in a stacked table
-    resolution: Any  # map units per cell
-    penalty: Any  # lambda, fitness per blocked piece
-    num_pieces: Any  # number of pieces between samples
-    num_columns: Any  # columns of the map with its border
-    num_rows: Any  # rows of the map with its border
+    dimension: Whole  # length of decision vectors
+    resolution: Real  # map units per cell
+    penalty: Real  # lambda, fitness per blocked piece
+    num_pieces: Whole  # number of pieces between samples
+    num_columns: Whole  # columns of the map with its border
+    num_rows: Whole  # rows of the map with its border
     lower: Floats  # (C,) bounds of decision vectors
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population
     initial_upper: Floats  # (C,)
-    width: Any  # largest extent of the map across the line, at a control point; in a stacked table an array
+    width: Real  # largest extent of the map across the line, at a control point
     middles: Floats  # (K, C) decision vectors of the paths that smooth bends lie beside
     across: Floats  # (C,) change of the components per unit of offset
     modes: Floats  # (2, NUM_MODES, C) modes of smooth bends
@@ -58,8 +55,11 @@ class GridTable(NamedTuple):
     nearest: NDArray[np.int32]  # (cells, 2) the nearest free cell
 
 
+GridTables = GridTable[Integers, Floats]  # of stacked problems
+
+
 @kernel
-def select(tables: GridTable, index: int) -> GridTable:
+def select(tables: GridTables, index: int) -> GridTable:
     """Return one problem table out of stacked ones, as views."""
     return GridTable(
         tables.dimension[index],

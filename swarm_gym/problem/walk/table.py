@@ -8,31 +8,29 @@ Points are in map units, which kernels turn into cells, (column, row), cell cent
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.jit import kernel
 from swarm_gym.problem.geometry.sight import sees, share_blocked, tabulate_rooms
-from swarm_gym.problem.padding import pad
+from swarm_gym.problem.padding import Floats, Integers, Real, Whole, pad
 from swarm_gym.scenarios import GridScenario
 
-Floats = NDArray[np.float64]
 
-
-class WalkTable(NamedTuple):
+class WalkTable(NamedTuple, Generic[Whole, Real]):
     """The problem table of walks on a map of H x W cells, F of which are free.
 
     In a stacked table every field has a leading problem axis, and maps are those of the largest one.
     """
 
-    dimension: Any  # length of decision vectors, 2; this and the next five: arrays in a stacked table
-    resolution: Any  # map units per cell
-    penalty: Any  # lambda, fitness per cell's length of blocked line
-    num_columns: Any  # W
-    num_rows: Any  # H
-    num_free: Any  # F
+    dimension: Whole  # length of decision vectors, 2
+    resolution: Real  # map units per cell
+    penalty: Real  # lambda, fitness per cell's length of blocked line
+    num_columns: Whole  # W
+    num_rows: Whole  # H
+    num_free: Whole  # F
     lower: Floats  # (C,) bounds of points: the map
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population: the map
@@ -47,8 +45,11 @@ class WalkTable(NamedTuple):
     free: NDArray[np.int16]  # (F, 2) column and row of the free cells, row by row
 
 
+WalkTables = WalkTable[Integers, Floats]  # of stacked problems
+
+
 @kernel
-def select(tables: WalkTable, index: int) -> WalkTable:
+def select(tables: WalkTables, index: int) -> WalkTable:
     """Return one problem table out of stacked ones, as views."""
     height, width = tables.num_rows[index], tables.num_columns[index]
     return WalkTable(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.errors import ScenarioError, shown
-from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon, require_numbers
+from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon, require_point
 
 # Obstacles by number; None stands for an obstacle that has disappeared.
 Obstacles = list[Obstacle | None]
@@ -54,7 +54,7 @@ class Move:
     def __post_init__(self) -> None:
         require_integer(f"{shown(self)}: iteration", self.iteration, 0)
         require_integer(f"{shown(self)}: number", self.number, 0)
-        object.__setattr__(self, "by", require_numbers(self, "by", self.by, 2))
+        object.__setattr__(self, "by", require_point(self, "by", self.by))
 
     def change(self, obstacles: Obstacles) -> None:
         """Apply the event to the obstacles."""

@@ -53,7 +53,7 @@ class Picture(NamedTuple):
         opaque: bool, shape (height, width): which pixels are opaque; None if all are.
     """
 
-    levels: NDArray[Any]
+    levels: NDArray[np.unsignedinteger]
     white: int
     opaque: NDArray[np.bool_] | None
 
@@ -169,7 +169,7 @@ def _levels_of(path: Path, image: "Image") -> Picture:
 
 
 def _transparent(
-    path: Path, image: "Image", levels: NDArray[Any], key: Any, sample: str
+    path: Path, image: "Image", levels: NDArray[np.unsignedinteger], key: Any, sample: str
 ) -> NDArray[np.bool_]:
     """Return the pixels of the one colour that a PNG declares transparent."""
     if sample not in _SAMPLES:

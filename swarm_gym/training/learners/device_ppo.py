@@ -56,7 +56,7 @@ class DevicePPOLearner(Learner):
         space = observed if self._base is None else self._base.observation_space(observed)
         acted: Any = env.single_action_space
         set_random_seed(config.seed)
-        self.policy: Any = ActorCriticPolicy(
+        self.policy = ActorCriticPolicy(
             space,
             acted,
             lambda _: options.learning_rate,

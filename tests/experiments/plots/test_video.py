@@ -9,9 +9,9 @@ import pytest
 from test_video_files import image, read_gif, read_mp4
 
 import swarm_gym  # noqa: F401
-from experiments.plots import video
-from experiments.plots.video import VideoConfig, write_video
+from experiments import video
 from experiments.plots.video_files import LAST
+from experiments.video import VideoConfig, write_video
 from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.registration import environment_id

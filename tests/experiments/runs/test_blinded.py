@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from agents.evaluation.masking import clock_columns
-from experiments.runs import blinded
-from experiments.runs.blinded import load_blinded
+from agents.evaluation import masking
+from agents.evaluation.masking import clock_columns, load_blinded
 from experiments.runs.configuration import identity
 from experiments.runs.episode import Episode, _controller
 from experiments.runs.labels import label
@@ -20,7 +19,7 @@ NAME = f"blinded:{POLICY}"
 
 @pytest.fixture(autouse=True)
 def few_episodes(monkeypatch):
-    monkeypatch.setattr(blinded, "NUM_EPISODES", 6)
+    monkeypatch.setattr(masking, "NUM_EPISODES", 6)
     _controller.cache_clear()
     yield
     _controller.cache_clear()

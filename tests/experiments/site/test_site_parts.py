@@ -4,9 +4,9 @@ import pytest
 
 from experiments.site.check_links import BrokenLinksError, check_links
 from experiments.site.commands import help_of
-from experiments.site.documents import on_site
 from experiments.site.markdown import entries, first_sentence, linked, prose, table, topic
 from experiments.site.markup import MISSING, accessible, to_restructured_text
+from experiments.site.pages import on_site
 from experiments.site.reference import public_names
 from swarm_gym import reward
 from swarm_gym.env import SwarmEnv

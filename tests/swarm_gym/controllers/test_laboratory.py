@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from swarm_gym.controllers import laboratory, make_controller
+from swarm_gym.controllers import make_controller, packaged
 from swarm_gym.controllers.learned.policy_file import POLICIES, PolicyFileError, load_policy
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import OPEN_LOOPS, OpenLoopFileError
@@ -15,7 +15,7 @@ FILES = {files.kind: files for files in (OPEN_LOOPS, POLICIES, PRESETS, TUNED)}
 BELONGS = "belongs to the laboratory"
 
 
-def packaged(files):
+def in_package(files):
     """Return the names of the files in the package alone."""
     found = (path.relative_to(files.folder).as_posix() for path in files.folder.rglob(f"*{files.suffix}"))
     return [name.removesuffix(files.suffix) for name in found]
@@ -23,29 +23,29 @@ def packaged(files):
 
 @pytest.fixture
 def without_laboratory(monkeypatch, tmp_path):
-    monkeypatch.setattr(laboratory, "LABORATORY", tmp_path)
+    monkeypatch.setattr(packaged, "LABORATORY", tmp_path)
 
 
 @pytest.mark.parametrize("kind", FILES)
 def test_the_index_has_the_study_of_every_recipe(kind):
     found = {}
-    for folder in laboratory.study_folders(kind):
+    for folder in packaged.study_folders(kind):
         for path in folder.rglob(f"*{FILES[kind].suffix}"):
             name = path.relative_to(folder).as_posix().removesuffix(path.suffix)
             found[ControllerName.of("tuned", name).recipe] = folder.parents[1].name
     assert found, "no study has files of this kind"
-    assert json.loads(laboratory.INDEX.read_text())[kind] == found, f"correct {laboratory.INDEX}"
+    assert json.loads(packaged.INDEX.read_text())[kind] == found, f"correct {packaged.INDEX}"
 
 
 @pytest.mark.parametrize("kind", FILES)
 def test_no_name_is_in_the_package_and_in_a_study(kind):
     names = FILES[kind].names()
-    assert len(names) == len(set(names)) > len(packaged(FILES[kind]))
+    assert len(names) == len(set(names)) > len(in_package(FILES[kind]))
 
 
 def test_everything_in_the_package_works_without_the_laboratory(without_laboratory):
     for family, files in (("open-loop", OPEN_LOOPS), ("learned", POLICIES), ("tuned", TUNED)):
-        assert files.names() == sorted(packaged(files))
+        assert files.names() == sorted(in_package(files))
         for name in files.names():
             make_controller(f"{family}:{name}")
     for name in PRESETS.names():
@@ -85,12 +85,12 @@ def test_with_the_laboratory_an_unknown_seed_is_no_matter_of_where_it_lives():
 
 def test_somebody_elses_package_of_that_name_is_no_laboratory(tmp_path, monkeypatch):
     (tmp_path / "experiments").mkdir()
-    monkeypatch.setattr(laboratory, "LABORATORY", tmp_path / "experiments")
+    monkeypatch.setattr(packaged, "LABORATORY", tmp_path / "experiments")
     with pytest.raises(PolicyFileError, match=BELONGS):
         make_controller("learned:ablation-all/0")
 
 
 def test_a_policy_of_the_laboratory_is_the_one_that_its_manifest_says():
     path = POLICIES.find("ablation-all/0")
-    assert path.is_relative_to(laboratory.study_folders("policies")[0].parents[2])
+    assert path.is_relative_to(packaged.study_folders("policies")[0].parents[2])
     assert make_controller("learned:ablation-all/0").manifest == load_policy(path)[1]

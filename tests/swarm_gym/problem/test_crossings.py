@@ -15,7 +15,7 @@ from helpers.public_maps import needed
 from swarm_gym.compiler.jit import entry
 from swarm_gym.compiler.simd import load
 from swarm_gym.env import SwarmEnv
-from swarm_gym.planning.guide import guided_population
+from swarm_gym.planning.search import guided_population
 from swarm_gym.problem import GridProblem
 from swarm_gym.problem.geometry.traversal import TOLERANCE, blocked_length, path_is_free
 from swarm_gym.problem.grid import crossings

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from swarm_gym.problem.grid.winding import has_forward_path
+from swarm_gym.problem.grid.problem import has_forward_path
 from swarm_gym.scenarios import GridMap, GridScenario
 
 # The way from S leads to the left, and around the wall.

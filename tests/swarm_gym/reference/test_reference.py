@@ -19,7 +19,7 @@ from swarm_gym.errors import ScenarioError
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import ensure_optima, known_optimum, optimum, shortest_path
-from swarm_gym.reference.optima import FIELD_FILES, digest, packaged, store_optimum
+from swarm_gym.reference.optima import FIELD_FILES, digest, packaged_fields, store_optimum
 from swarm_gym.reference.waypoint_optimum import (
     PACKAGED_SCENARIOS,
     best_path,
@@ -279,7 +279,7 @@ def test_the_packaged_optima_are_what_is_computed_for_every_registered_scenario(
 
 
 def test_optima_of_all_worlds_of_changing_fields_ship_and_are_known():
-    worlds = packaged("dynamic_fields.json")
+    worlds = packaged_fields("dynamic_fields.json")
     fields = list(itertools.chain.from_iterable(map(expand_name, FIELD_FILES["dynamic_fields.json"])))
     assert list(dict.fromkeys(name.rpartition("@")[0] for name in worlds)) == fields
     for field in fields[::60]:
@@ -290,7 +290,7 @@ def test_optima_of_all_worlds_of_changing_fields_ship_and_are_known():
 
 
 def test_optima_of_fields_ship_under_their_names_and_are_known():
-    fields = packaged("random_fields.json")
+    fields = packaged_fields("random_fields.json")
     assert tuple(fields) == tuple(
         itertools.chain.from_iterable(map(expand_name, FIELD_FILES["random_fields.json"]))
     )
@@ -308,7 +308,9 @@ def test_the_packaged_optima_of_fields_are_plausible_beside_their_shortest_paths
 
     Through a corner would be shorter, and is cheaper in a few worlds, where obstacles overlap.
     """
-    ratios = {name: fitness / (0.3 * shortest) for name, (_, fitness, shortest) in packaged(file).items()}
+    ratios = {
+        name: fitness / (0.3 * shortest) for name, (_, fitness, shortest) in packaged_fields(file).items()
+    }
     assert min(ratios.values()) > least
     assert max(ratios.values()) < 1.05
     through = [name for name, ratio in ratios.items() if ratio < 1.0]
@@ -330,7 +332,7 @@ def test_the_packaged_optima_of_fields_are_what_is_computed(tmp_path, file):
     assert calls == [(k, len(computed)) for k in range(1, len(computed) + 1)]
     assert list(dict.fromkeys(name.partition("@")[0] for name in computed)) == names
     for name, (name_of_problem, *lengths) in computed.items():
-        expected_name, *expected = packaged(file)[name]
+        expected_name, *expected = packaged_fields(file)[name]
         assert name_of_problem == expected_name
         assert lengths == pytest.approx(expected, abs=2e-6)
 

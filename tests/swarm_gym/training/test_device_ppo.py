@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 import torch
-from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
 from helpers.loops import looped
-from helpers.trainings import EVOLUTION, STEPS, run_whole_and_stopped, tiny_config, train
+from helpers.trainings import EVOLUTION, STEPS, filled_buffer, run_whole_and_stopped, tiny_config, train
 from swarm_gym.controllers.learned.residual import carried_out as carried_out_on_arrays
 from swarm_gym.controllers.registry import load_learned
 from swarm_gym.training.learners import make_learner
@@ -16,7 +15,7 @@ from swarm_gym.training.learners.device_base import TensorBase, carried_out
 from swarm_gym.training.learners.device_ppo import DevicePPOLearner
 from swarm_gym.training.learners.device_rollout import DeviceSwarms, run_episode
 from swarm_gym.training.learners.environments import make_swarms
-from swarm_gym.training.learners.group_advantages import GroupBuffer, advantages_and_returns
+from swarm_gym.training.learners.group_advantages import advantages_and_returns
 from swarm_gym.training.learners.ppo import PPOLearner
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -59,19 +58,12 @@ def draw_minibatches_as(learner, monkeypatch):
 def test_advantages_and_returns_are_those_of_the_buffer(
     group_size, noise_steps, critic, gae_lambda, discount
 ):
-    steps, swarms = 7, 6
     rng = np.random.default_rng(2)
-    rewards, values = rng.normal(size=(2, steps, swarms)).astype(np.float32)
-    buffer = GroupBuffer(
-        steps, Box(-1, 1, (1,)), Box(-1, 1, (1,)), gae_lambda=gae_lambda, gamma=discount, n_envs=swarms,
-        group_size=group_size, critic=critic, noise_steps=noise_steps,
+    rewards, values = rng.normal(size=(2, 7, 6)).astype(np.float32)
+    buffer = filled_buffer(
+        rewards, values, gae_lambda=gae_lambda, gamma=discount, group_size=group_size, critic=critic,
+        noise_steps=noise_steps,
     )  # fmt: skip
-    for step in range(steps):
-        buffer.add(
-            np.zeros((swarms, 1)), np.zeros((swarms, 1)), rewards[step], np.full(swarms, step == 0),
-            torch.as_tensor(values[step]), torch.zeros(swarms),
-        )  # fmt: skip
-    buffer.compute_returns_and_advantage(torch.full((swarms,), 9.0), np.ones(swarms, dtype=bool))
     advantages, returns = advantages_and_returns(
         torch.as_tensor(rewards), torch.as_tensor(values) if critic else None, discount=discount,
         gae_lambda=gae_lambda, group_size=group_size, noise_steps=noise_steps,

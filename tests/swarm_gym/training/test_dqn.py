@@ -8,9 +8,8 @@ from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.learned.networks import NETWORKS, ChoiceController
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
-from swarm_gym.training.choice_vec_env import make_choices
 from swarm_gym.training.learners import make_learner
-from swarm_gym.training.learners.dqn import LEAST_EXPLORATION
+from swarm_gym.training.learners.dqn import LEAST_EXPLORATION, make_choices
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("plain_pictures")

@@ -3,16 +3,14 @@
 import numpy as np
 import pytest
 import torch
-from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
-from helpers.trainings import EVOLUTION, STEPS, run_whole_and_stopped, tiny_config, train
+from helpers.trainings import EVOLUTION, STEPS, filled_buffer, run_whole_and_stopped, tiny_config, train
 from swarm_gym.action import make_action
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.training.grouped_vec_env import GroupedVecEnv
-from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.vector_env import SwarmVectorEnv
 
 pytestmark = pytest.mark.usefixtures("little_imitation", "plain_pictures")
@@ -127,16 +125,10 @@ def test_advantages_are_returns_since_the_noise_was_drawn_beyond_the_mean_of_the
     rewards = rng.normal(size=(steps, swarms)).astype(np.float32)
     values = rng.normal(size=(steps, swarms)).astype(np.float32)
     for critic in (True, False):
-        buffer = GroupBuffer(
-            steps, Box(-1, 1, (1,)), Box(-1, 1, (1,)), gae_lambda=1.0, gamma=1.0, n_envs=swarms,
-            group_size=size, critic=critic, noise_steps=noise_steps,
+        buffer = filled_buffer(
+            rewards, values, gae_lambda=1.0, gamma=1.0, group_size=size, critic=critic,
+            noise_steps=noise_steps,
         )  # fmt: skip
-        for step in range(steps):
-            buffer.add(
-                np.zeros((swarms, 1)), np.zeros((swarms, 1)), rewards[step], np.full(swarms, step == 0),
-                torch.as_tensor(values[step]), torch.zeros(swarms),
-            )  # fmt: skip
-        buffer.compute_returns_and_advantage(torch.full((swarms,), 9.0), np.ones(swarms, dtype=bool))
         for step in range(steps):
             for swarm in range(swarms):
                 group = range(swarm // size * size, swarm // size * size + size)

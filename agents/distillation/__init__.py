@@ -1,1 +1,0 @@
-"""Distillation: rules with few numbers, fitted to the decisions of a trained policy."""
