@@ -12,6 +12,7 @@ from swarm_gym.scenarios import (
     FunctionScenario,
     GridScenario,
     IohScenario,
+    OneMaxScenario,
     Scenario,
     StaticScenario,
     rasterised,
@@ -83,6 +84,7 @@ KINDS: dict[type, Kind] = {
     # Before the test functions, which they are subclasses of: their problem tables are others.
     BbobScenario: Kind("BBOB functions", _function_problem, {"waypoints": ()}),
     IohScenario: Kind("functions of ioh", _ioh_problem, {"waypoints": ()}, calls_python=True),
+    OneMaxScenario: Kind("bit strings", _function_problem, {"ones": ("encoding",)}),
     FunctionScenario: Kind("test functions", _function_problem, {"waypoints": ()}),
 }
 ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))

@@ -25,10 +25,12 @@ from swarm_gym.problem.grid import cost as grid_cost
 from swarm_gym.problem.grid import repair as grid_repair
 from swarm_gym.problem.grid import table as grid_table
 from swarm_gym.problem.grid.table import GridTable
+from swarm_gym.problem.onemax import table as onemax_table
+from swarm_gym.problem.onemax.table import OneMaxTable
 from swarm_gym.problem.walk import table as walk_table
 from swarm_gym.problem.walk.table import WalkTable
 
-Table = WaypointTable | GridTable | FunctionTable | BbobTable | WalkTable
+Table = WaypointTable | GridTable | FunctionTable | BbobTable | OneMaxTable | WalkTable
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
 evaluate = kernel_by_class(
@@ -37,6 +39,7 @@ evaluate = kernel_by_class(
         GridTable: grid_cost.evaluate,
         FunctionTable: function_table.evaluate,
         BbobTable: bbob_table.evaluate,
+        OneMaxTable: onemax_table.evaluate,
         WalkTable: walk_table.evaluate,
     }
 )
@@ -48,6 +51,7 @@ repair = kernel_by_class(
         GridTable: grid_repair.repair,
         FunctionTable: function_table.repair,
         BbobTable: bbob_table.repair,
+        OneMaxTable: onemax_table.repair,
         WalkTable: walk_table.repair,
     }
 )
@@ -59,6 +63,7 @@ draw_bend = kernel_by_class(
         GridTable: bends.draw_bend,
         FunctionTable: bends.no_bend,
         BbobTable: bends.no_bend,
+        OneMaxTable: bends.no_bend,
         WalkTable: bends.no_bend,
     }
 )
@@ -70,6 +75,7 @@ select = kernel_by_class(
         GridTable: grid_table.select,
         FunctionTable: function_table.select,
         BbobTable: bbob_table.select,
+        OneMaxTable: onemax_table.select,
         WalkTable: walk_table.select,
     }
 )

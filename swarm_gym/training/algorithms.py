@@ -37,6 +37,7 @@ class Algorithm:
         group_size: number of swarms that begin together.
         lstm_size: number of LSTM units; None without an LSTM.
         noise_steps: number of steps that share the noise of their actions.
+        rollout_steps: number of steps of a rollout; 0 is an episode.
         warm_start: controller that the policy imitates before the training.
     """
 
@@ -51,6 +52,7 @@ class Algorithm:
     group_size: int = 1
     lstm_size: int | None = None
     noise_steps: int = 1
+    rollout_steps: int = 0
     warm_start: str = "none"
 
 
@@ -118,6 +120,9 @@ class PPO(GroupedOptions):
     also_on: tuple[str, ...] = ()
     """Further optimizers that the policy is trained on, each with the same number of swarms; in groups, and
     for decisions that all of them have, such as size and phi."""
+    rollout_steps: int = 0
+    """Number of steps of every swarm in a rollout, e.g. 128 where episodes are long; 0 is an episode. A
+    rollout of steps needs group_size 1 and corrected_from 0."""
     branch_at_events: bool = False
     """After every event on the map, the swarms of a group go on from the state of their first one, in half of
     the rollouts. The group's advantages then are of what is decided after the event."""

@@ -98,9 +98,11 @@ class PPOLearner(Learner):
     def begin(self) -> None:
         """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base.
 
-        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero.
+        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero. So does
+        one with rollouts of some steps, whose episodes are too long for it.
         """
-        if self._teacher is None and not self.options.critic and self.env.base is not None:
+        begins_at_zero = not self.options.critic or self.options.rollout_steps > 0
+        if self._teacher is None and begins_at_zero and self.env.base is not None:
             with torch.no_grad():
                 for parameter in self.model.policy.action_net.parameters():
                     parameter.zero_()
@@ -126,7 +128,8 @@ class PPOLearner(Learner):
             self._average_weights()
         found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
         ended: Any = self.model.ep_info_buffer
-        found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
+        if ended:  # none may end in a few steps of long episodes
+            found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
         return found
 
     def weights(self) -> Weights:
@@ -193,7 +196,12 @@ class PPOLearner(Learner):
         if self.model._last_obs is None:
             self.model._last_obs = self.env.reset()
             self.model._last_episode_starts = np.ones(self.env.num_envs, dtype=bool)
-        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._iterations - self.env.first
+        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._rollout_steps
+
+    @property
+    def _rollout_steps(self) -> int:
+        """Steps of every swarm in the next rollout: by default those that the policy decides in an episode."""
+        return self.options.rollout_steps or self._iterations - self.env.first
 
     def _decayed(self, _: float) -> float:
         """Return the step size of Adam after the steps so far; the library's share is of one call only."""
@@ -220,7 +228,7 @@ class PPOLearner(Learner):
                 self.policy,
                 self.env,
                 learning_rate=options.learning_rate,
-                n_steps=self._iterations - self.env.first,
+                n_steps=self._rollout_steps,
                 batch_size=options.batch_size,
                 n_epochs=options.epochs,
                 gamma=options.discount,
