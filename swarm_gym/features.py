@@ -358,7 +358,6 @@ THEORY = (
 )
 THEORY_SCALED = (
     Feature("share of zeros, (n - f) / n", lambda s: 1.0 - _ones(s) / _length(s), _one, needs_bits=True),
-    Feature("log(n - f)", lambda s: log(_zeros(s), s.xp), lambda _: _LOG_OF_LONGEST, needs_bits=True),
     Feature(
         "log(n / (n - f))",
         lambda s: log(_length(s) / _zeros(s), s.xp),

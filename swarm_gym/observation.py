@@ -15,7 +15,7 @@ and the iteration:
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
 | `named` | float32 | `scaled`, and a 1 for the optimizer, among a 0 for each other one of this package |
 | `theory` | float64 | on bit strings: length n and number of ones f |
-| `theory-scaled` | float32 | on bit strings: share of zeros, log(n - f) and log(n / (n - f)) |
+| `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names

@@ -14,7 +14,7 @@ from swarm_gym.checks import look_up
 
 _NAMED = tyro.conf.arg(
     name="algorithm",
-    metavar="{ppo,device-ppo,recurrent-ppo,dqn,evolution}",
+    metavar="{ppo,choice-ppo,device-ppo,recurrent-ppo,dqn,evolution}",
     help="Learning algorithm. The help lists its options only, e.g. those of dqn for --algorithm dqn --help.",
 )
 
@@ -129,6 +129,28 @@ class PPO(GroupedOptions):
 
 
 @dataclass(frozen=True)
+class ChoicePPO(ClippedOptions):
+    """Options of proximal policy optimization of a policy that chooses from a grid, as DQN does."""
+
+    name: Annotated[Literal["choice-ppo"], _NAMED] = "choice-ppo"
+    size_choices: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)
+    """Numbers in [-1, 1] that the policy chooses from for the size."""
+    degree_choices: tuple[float, ...] = (0.0,)
+    """Numbers in [-1, 1] that the policy chooses from for the repair degree, as for the size."""
+    further_choices: tuple[str, ...] = ()
+    """Numbers in [-1, 1] that it chooses from for each further decision of the action layout, a text for each,
+    e.g. '-1 0 1' '0.5'. All combinations with sizes and degrees can be chosen."""
+    rollout_steps: int = 0
+    """Number of steps of every swarm in a rollout, e.g. 128 where episodes are long; 0 is an episode."""
+    decay_steps: int = 0
+    """Number of environment steps over which learning_rate falls linearly to 0; 0 keeps it. It must not be
+    below total_steps, since the steps after it would teach nothing."""
+    averaging: float = 0.0
+    """Share that an update keeps of the running mean of the actor's weights, which are the policy's; 0 takes
+    the last weights."""
+
+
+@dataclass(frozen=True)
 class DevicePPO(GroupedOptions):
     """Options of proximal policy optimization on one device."""
 
@@ -183,10 +205,11 @@ class Evolution(Algorithm):
     """Initial step size of the weights."""
 
 
-AnyAlgorithm = PPO | DevicePPO | RecurrentPPO | DQN | Evolution
+AnyAlgorithm = PPO | ChoicePPO | DevicePPO | RecurrentPPO | DQN | Evolution
 
 ALGORITHMS: dict[str, type[AnyAlgorithm]] = {
     "ppo": PPO,
+    "choice-ppo": ChoicePPO,
     "device-ppo": DevicePPO,
     "recurrent-ppo": RecurrentPPO,
     "dqn": DQN,

@@ -1,4 +1,4 @@
-"""The environment that DQN is trained in: an action is the number of one of several actions."""
+"""The environment of learners that choose: an action is the number of one of several actions."""
 
 from itertools import product
 
@@ -11,9 +11,9 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 
 
-def make_choices(sizes: tuple[float, ...], degrees: tuple[float, ...]) -> NDArray[np.float32]:
-    """Return all pairs of a size and a repair degree, both scaled to [-1, 1]: (number of pairs, 2)."""
-    return np.array(list(product(sizes, degrees)), dtype=np.float32)
+def make_choices(*numbers: tuple[float, ...]) -> NDArray[np.float32]:
+    """Return all actions with one of these numbers for each of k decisions, scaled to [-1, 1]: (n, k)."""
+    return np.array(list(product(*numbers)), dtype=np.float32)
 
 
 class ChoiceVecEnv(VecEnvWrapper):

@@ -32,10 +32,10 @@ CHOICES = {
     "onemax-portfolio": Choices(PORTFOLIO),
     "onemax-four-published": Choices(PORTFOLIO, PORTFOLIO, PUBLISHED_RATES, PUBLISHED_RATES),
     "onemax-four": Choices(
-        (1, 2, 3, 4, 6, 8, 12, 16, 24),
+        (1, 2, 3, 4, 6, 8, 12, 16),
         (1, 2, 4, 8, 16, 32, 64, 128, 256),
-        (0.001, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0),
-        (0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0),
+        (0.001, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0, 16.0),
+        (0.5, 0.75, 1.0, 1.25, 1.5, 2.0),
     ),
 }
 # Costs of children that equal parent or mutant: none, as published, or one evaluation each.

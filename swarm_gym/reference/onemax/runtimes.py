@@ -99,6 +99,9 @@ def optimal_control(size: int, choices: Choices, start: int = 0, copies_free: bo
         later, chosen, _ = _optimise(size, start, mutants, strength, children, bias, True, copies_free)
         return later, Decisions.of_size(mutants[chosen])
     mutants, strength = map(np.ravel, np.meshgrid(choices.mutants, choices.strength, indexing="ij"))
+    # A mutant that flips more than half of the bits comes near the complement, which is no way to gain.
+    sensible = (mutants * strength <= size / 2.0) | (mutants == min(choices.mutants))
+    mutants, strength = mutants[sensible], strength[sensible]
     children, bias = map(np.ravel, np.meshgrid(choices.children, choices.bias, indexing="ij"))
     later, first, second = _optimise(
         size, start, mutants, strength.astype(float), children, bias.astype(float), False, copies_free

@@ -197,12 +197,7 @@ def _steps_of_rollout(config: TrainConfig) -> int:
 
 def _require_usable(config: TrainConfig, options: DQN) -> None:
     """Raise an error for options that DQN cannot use."""
-    for name in ("size_choices", "degree_choices"):
-        numbers = getattr(options, name)
-        if len(set(numbers)) < max(len(numbers), 1):
-            raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
-        for number in numbers:
-            require_number(name, number, -1.0, 1.0)
+    require_choices({name: getattr(options, name) for name in ("size_choices", "degree_choices")})
     for name in ("batch_size", "gradient_steps", "target_steps"):
         require_integer(name, getattr(options, name), 1)
     require_integer("return_steps", options.return_steps, 1, config.iterations)
@@ -212,3 +207,16 @@ def _require_usable(config: TrainConfig, options: DQN) -> None:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"
         )
+
+
+def require_choices(choices: Mapping[str, tuple[float, ...]]) -> None:
+    """Raise an error unless the choices of each decision, by option, are different numbers in [-1, 1].
+
+    Raises:
+        ValueError: naming the option.
+    """
+    for name, numbers in choices.items():
+        if len(set(numbers)) < max(len(numbers), 1):
+            raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
+        for number in numbers:
+            require_number(name, number, -1.0, 1.0)

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypedDict
 import numpy as np
 import stable_baselines3
 import torch
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -21,8 +21,9 @@ from swarm_gym.action import includes
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.runs.seeds import TRAINING_START
-from swarm_gym.training.algorithms import PPO, ClippedOptions, GradientOptions, RecurrentPPO
+from swarm_gym.training.algorithms import PPO, ChoicePPO, ClippedOptions, GradientOptions, RecurrentPPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.grouped_vec_env import GroupedVecEnv
 from swarm_gym.training.imitation import Demonstration, demonstrate, imitate
@@ -46,9 +47,9 @@ class PPOLearner(Learner):
 
     algorithm: ClassVar[type] = stable_baselines3.PPO
     policy: ClassVar[str | type] = "MlpPolicy"
-    options: PPO | RecurrentPPO
+    options: PPO | ChoicePPO | RecurrentPPO
 
-    def __init__(self, config: TrainConfig, options: PPO | RecurrentPPO):
+    def __init__(self, config: TrainConfig, options: PPO | ChoicePPO | RecurrentPPO):
         self.config, self.options = config, options
         self._teacher = None
         if options.warm_start != "none":
@@ -79,7 +80,7 @@ class PPOLearner(Learner):
             ]
             self.env: SB3VecEnv | JoinedVecEnv = parts[0] if len(parts) == 1 else JoinedVecEnv(parts)
         else:
-            self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
+            self.env = self._make_env(env, base)
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self._mean_weights: Weights = {}
@@ -89,6 +90,10 @@ class PPOLearner(Learner):
         if options.decay_steps:
             self.model.lr_schedule = self._decayed
         self.model.set_logger(Logger(folder=None, output_formats=[]))
+
+    def _make_env(self, env: VectorEnv, base: Base | None) -> Any:
+        """Return the environment of the library's model, without groups."""
+        return SB3VecEnv(env, base, make_reference(self.config, self.config.num_swarms))
 
     @property
     def num_steps(self) -> int:  # type: ignore[override]
