@@ -165,7 +165,9 @@ class SwarmBatch:
         """
         reward, problem = self.settings.reward, self.simulation.problems[0]
         if (reward in NEED_BITS) is not isinstance(problem, OneMaxProblem):
-            expected = "a bit string, such as onemax:100" if reward in NEED_BITS else "a map or a test function"
+            expected = (
+                "a bit string, such as onemax:100" if reward in NEED_BITS else "a map or a test function"
+            )
             raise SettingError(
                 f"reward {reward!r} needs {expected}, got scenario {problem.scenario.name!r}; choose another "
                 f"reward or scenario"

@@ -228,21 +228,16 @@ def _log_price(simulation: Simulation) -> Floats:
     return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
 
 
-def _length(simulation: Simulation) -> Floats:
-    """Return (B,) lengths of the bit strings."""
-    return floats(simulation.xp, simulation.worlds.tables.size[simulation.swarms.problem])
-
-
 def _ones(simulation: Simulation) -> Floats:
     """Return (B,) numbers of ones; all before the first reset."""
     zeros = simulation.swarms.best_fitness
     xp = simulation.xp
-    return _length(simulation) - xp.where(xp.isfinite(zeros), zeros, 0.0)
+    return simulation.lengths() - xp.where(xp.isfinite(zeros), zeros, 0.0)
 
 
 def _zeros(simulation: Simulation) -> Floats:
     """Return (B,) numbers of bits that are not set, at least 1."""
-    return at_least(simulation.xp, _length(simulation) - _ones(simulation), 1.0)
+    return at_least(simulation.xp, simulation.lengths() - _ones(simulation), 1.0)
 
 
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:
@@ -353,14 +348,14 @@ NAMED = (
     *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in OPTIMIZERS),
 )
 THEORY = (
-    Feature("length n of the bit string", _length, lambda _: float(SIZES[-1]), needs_bits=True),
+    Feature("length n of the bit string", lambda s: s.lengths(), lambda _: float(SIZES[-1]), needs_bits=True),
     Feature("number of ones f", _ones, lambda _: float(SIZES[-1]), needs_bits=True),
 )
 THEORY_SCALED = (
-    Feature("share of zeros, (n - f) / n", lambda s: 1.0 - _ones(s) / _length(s), _one, needs_bits=True),
+    Feature("share of zeros, (n - f) / n", lambda s: 1.0 - _ones(s) / s.lengths(), _one, needs_bits=True),
     Feature(
         "log(n / (n - f))",
-        lambda s: log(_length(s) / _zeros(s), s.xp),
+        lambda s: log(s.lengths() / _zeros(s), s.xp),
         lambda _: _LOG_OF_LONGEST,
         needs_bits=True,
     ),

@@ -133,8 +133,8 @@ class Observation:
         if self._needs_bits and not isinstance(simulation.problems[0], OneMaxProblem):
             raise SettingError(
                 f"{asked} counts the ones of bit strings, but scenario "
-                f"{simulation.problems[0].scenario.name!r} has none; choose a scenario such as onemax:100, or "
-                "another layout"
+                f"{simulation.problems[0].scenario.name!r} has none; choose a scenario such as onemax:100, "
+                "or another layout"
             )
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Array, Namespace, as_numpy, assign, placed
+from swarm_gym.arrays import Array, Namespace, as_numpy, assign, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
@@ -20,6 +20,7 @@ from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
+from swarm_gym.problem.onemax.table import OneMaxTable
 from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
@@ -296,7 +297,9 @@ class Simulation:
 
     def lengths(self) -> Floats:
         """Return (B,) lengths of the bit strings; only on scenarios of bit strings."""
-        return self.worlds.tables.size[self.swarms.problem].astype(np.float64)
+        tables = self.worlds.tables
+        assert isinstance(tables, OneMaxTable)
+        return floats(self.xp, tables.size[self.swarms.problem])
 
     def positions(self, row: int) -> Floats:
         """Return the positions of the living members of a swarm, (size, dimension), a view."""

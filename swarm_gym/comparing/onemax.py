@@ -1,6 +1,6 @@
 """The expected runtime of a controller on OneMax, computed without simulation.
 
-    expected_runtime(make_controller("theory"), size=500)
+expected_runtime(make_controller("theory"), size=500)
 """
 
 import numpy as np

@@ -1,15 +1,15 @@
-"""Controllers of the (1 + (lambda, lambda)) genetic algorithm on OneMax, which see n and the number of ones f.
+"""Controllers of the (1 + (lambda, lambda)) genetic algorithm on OneMax, which see n and the ones f.
 
 | name | lambda_m | lambda_c | alpha | beta |
 |---|---|---|---|---|
 | `theory` | sqrt(n / (n - f)) | as many | 1 | 1 |
-| `one-fifth:factor=1.5` | divided by the factor after a gain, else times its fourth root | as many | above 1: the fraction | 1 |
+| `one-fifth:factor=1.5` | divided by the factor after a gain, else times its fourth root | as many | 1 | 1 |
 | `symbolic` | 1 up to f = 0.95 n, then as `theory` | 2 times `theory` | 0.001, then 1 | 1 |
 | `static:mutants=8,children=32,strength=1.5,bias=1` | constant | constant | constant | constant |
 | `optimal:onemax` | what is optimal, see `swarm_gym.reference.onemax.optima` | | | |
 
-Sources: B. Doerr, C. Doerr, F. Ebel, Theoretical Computer Science 567, 2015 (`theory`, `one-fifth`); T. Nguyen,
-P. Le, C. Doerr, N. Dang, FOGA 2025 (`symbolic`, from the code that they published).
+Sources: B. Doerr, C. Doerr, F. Ebel, Theoretical Computer Science 567, 2015 (`theory`, `one-fifth`); T.
+Nguyen, P. Le, C. Doerr, N. Dang, FOGA 2025 (`symbolic`, from the code that they published).
 """
 
 import math
@@ -21,11 +21,10 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
-from swarm_gym.errors import shown
 from swarm_gym.reference.onemax.optima import CHOICES, Decisions, packaged
-from swarm_gym.checks import look_up
 
 Floats = NDArray[np.float64]
 
@@ -93,8 +92,8 @@ class Theory(OneMaxRule):
 class OneFifth(OneMaxRule):
     """The one-fifth success rule for a real lambda, which never learns n or f.
 
-    Mutants and children are its whole part, and a mutant flips each bit with probability lambda / n. Of eleven
-    ways to round, this one has the published runtimes (docs/readings.md).
+    Mutants and children are its whole part, and a mutant flips each bit with probability lambda / n. Of
+    eleven ways to round, this one has the published runtimes (docs/readings.md).
 
     Attributes:
         factor: F; lambda is divided by it after a gain, and grows by its fourth root otherwise.
@@ -176,7 +175,9 @@ class Optimal(OneMaxRule):
     def identity(self) -> object:
         """Return the name of the choices and their values."""
         chosen = CHOICES[self.choices]
-        return "Optimal", [list(each) for each in (chosen.mutants, chosen.children, chosen.strength, chosen.bias)]
+        return "Optimal", [
+            list(each) for each in (chosen.mutants, chosen.children, chosen.strength, chosen.bias)
+        ]
 
     def _decide(self, lengths: Floats, ones: Floats) -> tuple[Floats, ...]:
         decided = np.empty((4, len(ones)))
@@ -188,7 +189,7 @@ class Optimal(OneMaxRule):
         return tuple(decided)
 
 
-RULES = {
+RULES: dict[str, type[OneMaxRule]] = {
     "theory": Theory,
     "one-fifth": OneFifth,
     "symbolic": Symbolic,

@@ -16,7 +16,8 @@ is drawn at once, from the power of the distribution function, and an iteration 
 """
 
 import math
-from typing import Annotated, NamedTuple
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ from swarm_gym.optimizers import loop
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.optimizers.parameter import Parameter, choice
 from swarm_gym.population import Swarms, Workspace, evaluate_member
-from swarm_gym.problem.tables import Table
+from swarm_gym.problem.onemax.table import OneMaxTable
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +83,7 @@ def iterate(
     parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
     b: int,
-    table: Table,
+    table: OneMaxTable,
     work: Workspace,
     repair_degree: float,  # noqa: ARG001
 ) -> None:
@@ -92,7 +93,7 @@ def iterate(
     if ones >= size or left <= 0:
         return
     mutants = swarms.size[b]
-    children = int(math.floor(parameters.children + 0.5))
+    children = math.floor(parameters.children + 0.5)
     if children == 0:
         children = mutants
     mutation = min(parameters.strength * mutants / size, 1.0)
@@ -265,7 +266,7 @@ def begin(
     _parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
     b: int,
-    table: Table,
+    table: OneMaxTable,
     work: Workspace,
     size: int,
 ) -> None:
@@ -281,7 +282,7 @@ def change_size(
     _parameters: OnePlusLambdaLambdaParameters,
     swarms: Swarms,
     b: int,
-    _table: Table,
+    _table: OneMaxTable,
     _work: Workspace,
     size: int,
 ) -> None:
@@ -299,7 +300,7 @@ class OnePlusLambdaLambda(Optimizer):
     adopts = False
     repairs = False
     evaluations_per_member = 2.0
-    default_options = {
+    default_options: ClassVar[Mapping[str, object]] = {
         "scenario": "onemax:100",
         "iterations": 20_000,
         "initial_population_size": 1,

@@ -25,7 +25,7 @@ class Problem(ABC):
 
     @property
     def counts_evaluations(self) -> bool:
-        """Whether the measure of a run is its evaluations until the target, whose least expected number is the optimum."""
+        """True if a run is measured by its evaluations until the target; the optimum is their least mean."""
         return False
 
     @property

@@ -138,8 +138,8 @@ class ChoicePPO(ClippedOptions):
     degree_choices: tuple[float, ...] = (0.0,)
     """Numbers in [-1, 1] that the policy chooses from for the repair degree, as for the size."""
     further_choices: tuple[str, ...] = ()
-    """Numbers in [-1, 1] that it chooses from for each further decision of the action layout, a text for each,
-    e.g. '-1 0 1' '0.5'. All combinations with sizes and degrees can be chosen."""
+    """Numbers in [-1, 1] that it chooses from for each further decision of the action layout, a text for
+    each, e.g. '-1 0 1' '0.5'. All combinations with sizes and degrees can be chosen."""
     rollout_steps: int = 0
     """Number of steps of every swarm in a rollout, e.g. 128 where episodes are long; 0 is an episode."""
     decay_steps: int = 0

@@ -87,8 +87,8 @@ class Base:
         self._counts = not any(feature.needs_bits for feature in features)
         if corrected_from > 0 and not self._counts:
             raise ValueError(
-                f"corrected_from {corrected_from}: the controller observes {controller.observation!r}, which has "
-                "no iteration; set corrected_from to 0"
+                f"corrected_from {corrected_from}: the controller observes {controller.observation!r}, which "
+                "has no iteration; set corrected_from to 0"
             )
         has_number = not self._counts or features[ITERATION].name == "iteration"
         self.iteration_unit = 1 if has_number else Settings.iterations

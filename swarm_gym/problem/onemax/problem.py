@@ -30,11 +30,11 @@ class OneMaxProblem(FunctionProblem):
 
     @property
     def counts_evaluations(self) -> bool:
-        """Whether the measure of a run is its evaluations: yes."""
+        """True, since a run is measured by its evaluations until the target."""
         return True
 
     @property
-    def least_fitness(self) -> None:
+    def least_fitness(self) -> None:  # type: ignore[override]
         """None: the optimum is a number of evaluations, which has to be computed."""
         return None
 

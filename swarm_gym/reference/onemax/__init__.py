@@ -1,1 +1,1 @@
-"""Exact expected runtimes of the (1 + (lambda, lambda)) genetic algorithm on OneMax, and the optimal control."""
+"""Expected runtimes of the (1 + (lambda, lambda)) genetic algorithm on OneMax, and its optimal control."""

@@ -122,8 +122,13 @@ def power(base: float, exponent: int) -> float:
 
 @kernel
 def mutation_outcomes(
-    tables: Tables, size: int, ones: int, mutation: Mutation, strengths: NDArray[np.int64], good: NDArray[np.int64]
-    , weights: Floats,
+    tables: Tables,
+    size: int,
+    ones: int,
+    mutation: Mutation,
+    strengths: NDArray[np.int64],
+    good: NDArray[np.int64],
+    weights: Floats,
 ) -> int:
     """Write the outcomes of the mutation phase: strength l, flipped zeros g of the best mutant, probability.
 
@@ -193,7 +198,9 @@ def crossover_outcome(
             at_most = 1.0
         else:
             for m in range(num_kept):
-                needed = low_kept + m - k - low_spoilt  # other flips taken, above the lowest, so that a - d <= k
+                needed = (
+                    low_kept + m - k - low_spoilt
+                )  # other flips taken, above the lowest, so that a - d <= k
                 if needed <= 0:
                     at_most += tables.kept[m]
                 elif needed < num_spoilt:

@@ -47,7 +47,7 @@ class Optimum(NamedTuple):
 
     Attributes:
         evaluations: expected evaluations of a run from n / 2 ones, the first one included.
-        decisions: what it decides; below n / 2 ones what it decides at n / 2.
+        decisions: its decisions; below n / 2 ones, those at n / 2.
     """
 
     evaluations: float

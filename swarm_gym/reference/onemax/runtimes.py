@@ -6,7 +6,7 @@ With the expectations of `iteration`, the expected evaluations T(f) from f ones 
 
 The optimal decisions minimise T(f) for each f. They are found among given choices, each by itself for each f,
 since nothing but f carries over. Source of the recursion: N. Buskulic, C. Doerr, "Maximizing drift is not
-optimal for solving OneMax", Evolutionary Computation 29(4), 2021, for one flipped block instead of two phases.
+optimal for solving OneMax", Evolutionary Computation 29(4), 2021, for one phase instead of two.
 """
 
 from dataclasses import dataclass
@@ -82,7 +82,9 @@ def expected_runtimes(decisions: Decisions, start: int = 0, copies_free: bool = 
     )
 
 
-def optimal_control(size: int, choices: Choices, start: int = 0, copies_free: bool = True) -> tuple[Floats, Decisions]:
+def optimal_control(
+    size: int, choices: Choices, start: int = 0, copies_free: bool = True
+) -> tuple[Floats, Decisions]:
     """Return the least expected evaluations that remain, (n + 1,), and the decisions that reach them.
 
     Both are NaN, or 1, below the start.

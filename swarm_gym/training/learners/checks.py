@@ -40,8 +40,8 @@ def require_options(config: TrainConfig) -> None:
     require_integer("rollout_steps", options.rollout_steps, 0)
     if options.rollout_steps and (has_groups(config) or options.noise_steps != 1 or config.corrected_from):
         raise ValueError(
-            f"rollout_steps {options.rollout_steps}: groups, noise that is held, and a base that begins alone "
-            "need whole episodes; set rollout_steps to 0"
+            f"rollout_steps {options.rollout_steps}: groups, noise that is held, and a base that begins "
+            "alone need whole episodes; set rollout_steps to 0"
         )
     for first in options.branches:
         require_integer("branches", first, config.corrected_from, config.iterations - 1)

@@ -205,7 +205,7 @@ class PPOLearner(Learner):
 
     @property
     def _rollout_steps(self) -> int:
-        """Steps of every swarm in the next rollout: by default those that the policy decides in an episode."""
+        """Steps of every swarm in the next rollout, by default those that it decides in an episode."""
         return self.options.rollout_steps or self._iterations - self.env.first
 
     def _decayed(self, _: float) -> float:
