@@ -101,6 +101,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
+    "known-optimum": (Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),

@@ -46,7 +46,7 @@ from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.own_code import find
-from swarm_gym.scales import AsItIs, Linear, Logarithmic, Paced, Scale
+from swarm_gym.scales import AsItIs, Linear, Logarithmic, Paced, Scale, WithoutEffect
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
@@ -303,7 +303,7 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     }
     scales = {
         "population size": sizes[layout.size],
-        "repair degree": AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0),
+        "repair degree": _scale_of_repair(optimizer, natural),
     }
     decided = optimizer.decided_parameters() if layout.extended else {}
     if layout.extended and not layout.sourced and not decided:
@@ -325,6 +325,13 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     values = optimizer.parameter_values(settings.knobs)
     parameters = {name: getattr(values, name) for name in decided}
     return Action(settings.action, settings, scales, parameters, sources, dtype, optimizer)
+
+
+def _scale_of_repair(optimizer: type[Optimizer], natural: bool) -> Scale:
+    """Return the scale of phi; where repair has no meaning, it is 0, and a scaled number has no effect."""
+    if not optimizer.repairs:
+        return AsItIs(0.0, 0.0) if natural else WithoutEffect()
+    return AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
 
 
 def require_same_decisions(made_for: str | None, action: str, optimizer: type[Optimizer]) -> None:

@@ -12,19 +12,20 @@ from numpy.typing import NDArray
 
 from swarm_gym.action import make_action
 from swarm_gym.arrays import Constant, as_numpy, copy_of
-from swarm_gym.errors import ActionError, StepOrderError
+from swarm_gym.errors import ActionError, SettingError, StepOrderError
 from swarm_gym.final_repair import final_repair
 from swarm_gym.history import COLUMN
 from swarm_gym.object_arrays import ObjectArray
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.population import FEASIBLE_SHARE
-from swarm_gym.problem import MapProblem
+from swarm_gym.problem import MapProblem, OneMaxProblem
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import (
     NEED_AN_OPTIMUM,
+    NEED_BITS,
     NEED_ROBOTS,
     REWARDS,
     RewardCheck,
@@ -76,6 +77,8 @@ class SwarmBatch:
         )
         if self.settings.reward in NEED_AN_OPTIMUM:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
+        if self.settings.reward in NEED_BITS + NEED_AN_OPTIMUM:
+            self._require_kind_of_reward()
         if self.settings.reward in NEED_ROBOTS:
             require_drives(self.settings.scenarios, f"reward {self.settings.reward!r}")
         names = [problem.scenario.name for problem in self.simulation.problems]
@@ -142,6 +145,8 @@ class SwarmBatch:
                 offline_weight=offline_weight(simulation),
                 optimality_gap=simulation.gaps.optimality,
                 detour=simulation.detours,
+                evaluations=spent,
+                lengths=simulation.lengths,
                 xp=xp,
             )
         )
@@ -151,6 +156,22 @@ class SwarmBatch:
         paid = xp.where(chosen, reward, 0.0)
         self._reward_check.check_numbers(paid, simulation.iteration, xp)
         return paid, ended
+
+    def _require_kind_of_reward(self) -> None:
+        """Raise an error if the reward counts what the scenarios do not have.
+
+        Raises:
+            SettingError: naming the reward and the first scenario.
+        """
+        reward, problem = self.settings.reward, self.simulation.problems[0]
+        if (reward in NEED_BITS) is not isinstance(problem, OneMaxProblem):
+            expected = (
+                "a bit string, such as onemax:100" if reward in NEED_BITS else "a map or a test function"
+            )
+            raise SettingError(
+                f"reward {reward!r} needs {expected}, got scenario {problem.scenario.name!r}; choose another "
+                f"reward or scenario"
+            )
 
     def _refuse_idle(self, chosen: NDArray[np.bool_]) -> None:
         """Raise an error if any of these swarms, (B,), is to take a step although no episode is under way.

@@ -25,6 +25,7 @@ from swarm_gym.population import (
     MEAN_COLLISION,
     POPULATION_COLLISION,
 )
+from swarm_gym.scenarios.onemax import SIZES
 from swarm_gym.simulation import Simulation
 from swarm_gym.sources import BECAME_BEST, BEST_SMOOTH
 
@@ -51,6 +52,7 @@ class Feature:
         low: lower bound.
         arrival_window: number of iterations whose new members the simulation must have recorded.
         needs_paths: whether members must be whole paths on a map.
+        needs_bits: whether members must be bit strings.
     """
 
     name: str
@@ -59,10 +61,12 @@ class Feature:
     low: float = 0.0
     arrival_window: int = 0
     needs_paths: bool = False
+    needs_bits: bool = False
 
 
 # Not computed, since the last digit would be that of the C library.
 _LOG_TEN = 2.302585092994046
+_LOG_OF_LONGEST = 11.6  # above the logarithm of the longest bit string, 100,000
 
 
 def _collision_bound(simulation: Simulation) -> float:
@@ -229,6 +233,18 @@ def _log_price(simulation: Simulation) -> Floats:
     return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
 
 
+def _ones(simulation: Simulation) -> Floats:
+    """Return (B,) numbers of ones; all before the first reset."""
+    zeros = simulation.swarms.best_fitness
+    xp = simulation.xp
+    return simulation.lengths() - xp.where(xp.isfinite(zeros), zeros, 0.0)
+
+
+def _zeros(simulation: Simulation) -> Floats:
+    """Return (B,) numbers of bits that are not set, at least 1."""
+    return at_least(simulation.xp, simulation.lengths() - _ones(simulation), 1.0)
+
+
 def _is_optimizer(name: str) -> Callable[[Simulation], Floats]:
     return lambda simulation: simulation.full(float(simulation.optimizer.name == name))
 
@@ -335,4 +351,17 @@ TOLD = (
 NAMED = (
     *SCALED,
     *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in TOLD_APART),
+)
+THEORY = (
+    Feature("length n of the bit string", lambda s: s.lengths(), lambda _: float(SIZES[-1]), needs_bits=True),
+    Feature("number of ones f", _ones, lambda _: float(SIZES[-1]), needs_bits=True),
+)
+THEORY_SCALED = (
+    Feature("share of zeros, (n - f) / n", lambda s: 1.0 - _ones(s) / s.lengths(), _one, needs_bits=True),
+    Feature(
+        "log(n / (n - f))",
+        lambda s: log(s.lengths() / _zeros(s), s.xp),
+        lambda _: _LOG_OF_LONGEST,
+        needs_bits=True,
+    ),
 )

@@ -18,6 +18,7 @@ from swarm_gym.scenarios import (
     FunctionScenario,
     GridScenario,
     IohScenario,
+    OneMaxScenario,
     Scenario,
     StaticScenario,
     rasterised,
@@ -119,6 +120,7 @@ KINDS: dict[type, Kind] = {
     # Before the test functions, which they are subclasses of: their problem tables are others.
     BbobScenario: Kind("BBOB functions", {"waypoints": ()}),
     IohScenario: Kind("functions of ioh", {"waypoints": ()}, calls_python=True),
+    OneMaxScenario: Kind("bit strings", {"ones": ("encoding",)}),
     FunctionScenario: Kind("test functions", {"waypoints": ()}),
 }
 ENCODINGS = tuple(dict.fromkeys(encoding for kind in KINDS.values() for encoding in kind.options))

@@ -47,13 +47,19 @@ class Gaps:
     def optimality(self) -> Floats:
         """Return (B,) (best fitness so far - optimum) / optimum; NaN where the optimum is unknown.
 
-        If the optimum is 0, as for test functions, it is the best fitness itself. An optimum that is not
-        known is computed when it is first asked for, if that takes less than about a second.
+        If the optimum is 0, as for test functions, it is the best fitness itself. On bit strings, it is the
+        evaluations of the run against the least expected number, and infinite for a run that has not found
+        the string of all ones. An optimum that is not known is computed when it is first asked for, if that
+        takes less than about a second.
         """
-        self._worlds.compute_optima()
-        optimum = self._worlds.optima[self._swarms.problem]
+        worlds, swarms = self._worlds, self._swarms
+        worlds.compute_optima()
+        optimum, value = worlds.optima[swarms.problem], swarms.best_fitness
+        if worlds.counts_evaluations:
+            arrived = value <= worlds.targets[swarms.problem]
+            value = np.where(arrived, swarms.evaluations, np.inf)
         unit = namespace_of(optimum).where(optimum == 0.0, 1.0, optimum)
-        return (self._swarms.best_fitness - optimum) / unit
+        return (value - optimum) / unit
 
     def carry_over(self, before: Floats, changed: Flags) -> None:
         """Scale the initial gaps of swarms whose problems have changed, (B,), by what that did to the gaps.

@@ -1,6 +1,7 @@
 """Observations: the numbers by which a controller sees a swarm.
 
-A layout is a list of features, and every layout begins with three numbers about collision and the iteration:
+A layout is a list of features. All layouts but those of bit strings begin with three numbers about collision
+and the iteration:
 
 | layout | dtype | features |
 |---|---|---|
@@ -13,6 +14,8 @@ A layout is a list of features, and every layout begins with three numbers about
 | `jumps` | float32 | `scaled`, and what a change of the map does: jumps of E(P) and of the best fitness |
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
 | `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
+| `theory` | float64 | on bit strings: length n and number of ones f |
+| `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names
@@ -37,11 +40,27 @@ from numpy.typing import NDArray
 
 from swarm_gym.corridors import require_paths
 from swarm_gym.errors import SettingError
-from swarm_gym.features import CORRIDORS, EXTENDED, JUMPS, NAMED, PAPER, PRICED, RICH, SCALED, TOLD, Feature
+from swarm_gym.features import (
+    CORRIDORS,
+    EXTENDED,
+    JUMPS,
+    NAMED,
+    PAPER,
+    PRICED,
+    RICH,
+    SCALED,
+    THEORY,
+    THEORY_SCALED,
+    TOLD,
+    Feature,
+)
 from swarm_gym.own_code import find
+from swarm_gym.problem import OneMaxProblem
 from swarm_gym.simulation import Simulation
 
-ITERATION = 3  # column of every layout with the iteration, or its fraction of all; 0 only at the beginning
+# Column with the iteration, or its fraction of all, of every layout that is not of bit strings; 0 only at the
+# beginning.
+ITERATION = 3
 
 
 @dataclass(frozen=True)
@@ -66,6 +85,10 @@ class Observation:
     @cached_property
     def _needs_paths(self) -> bool:
         return any(feature.needs_paths for feature in self.features)
+
+    @cached_property
+    def _needs_bits(self) -> bool:
+        return any(feature.needs_bits for feature in self.features)
 
     def space(self, simulation: Simulation) -> Box:
         """Return the space of one swarm's observation, shape (number of features,).
@@ -107,6 +130,12 @@ class Observation:
                     f"{asked} needs a simulation on NumPy arrays, got one on tensors; choose a layout that "
                     "counts no corridors"
                 )
+        if self._needs_bits and not isinstance(simulation.problems[0], OneMaxProblem):
+            raise SettingError(
+                f"{asked} counts the ones of bit strings, but scenario "
+                f"{simulation.problems[0].scenario.name!r} has none; choose a scenario such as onemax:100, "
+                "or another layout"
+            )
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):
             raise SettingError(
@@ -132,6 +161,8 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("jumps", JUMPS, np.float32),
         Observation("told", TOLD, np.float32),
         Observation("named", NAMED, np.float32),
+        Observation("theory", THEORY, np.float64),
+        Observation("theory-scaled", THEORY_SCALED, np.float32),
     )
 }
 

@@ -7,7 +7,7 @@ package first, so that it works in every process.
 
 import gymnasium
 
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, SPECIAL_OPTIMIZERS, get_optimizer
 
 
 def environment_id(optimizer: str) -> str:
@@ -19,8 +19,8 @@ def environment_id(optimizer: str) -> str:
         UnknownNameError: if there is no optimizer of that name.
         OwnCodeError: if own code cannot be imported, or is no optimizer.
     """
-    if optimizer in OPTIMIZERS:
-        return f"swarm_gym/{OPTIMIZERS[optimizer][1]}-v0"
+    if optimizer in ALL_OPTIMIZERS:
+        return f"swarm_gym/{ALL_OPTIMIZERS[optimizer][1]}-v0"
     own = get_optimizer(optimizer)
     name = f"{own.__module__.replace('.', '-')}/{own.__qualname__.replace('.', '-')}-v0"
     _register(name, optimizer)
@@ -29,7 +29,7 @@ def environment_id(optimizer: str) -> str:
 
 def register_environments() -> None:
     """Register an environment for every optimizer, single and vector."""
-    for optimizer in OPTIMIZERS:
+    for optimizer in ALL_OPTIMIZERS:
         _register(environment_id(optimizer), optimizer)
 
 
@@ -42,4 +42,6 @@ def _register(name: str, optimizer: str) -> None:
         entry_point="swarm_gym.env:SwarmEnv",
         vector_entry_point="swarm_gym.vector_env:SwarmVectorEnv",
         kwargs={"optimizer": optimizer},
+        # It would warn of the repair degree, which is always 0.
+        disable_env_checker=optimizer in SPECIAL_OPTIMIZERS,
     )

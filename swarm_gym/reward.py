@@ -8,6 +8,7 @@
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
 | `offline-error` | -100 * optimality gap, averaged since the first event, minus the cost of every step |
 | `detour` | -100 * detour of a robot at the end, minus the cost of every step |
+| `runtime` | -evaluations of the iteration / length of the bit string |
 
 The gap is the best fitness so far minus a lower bound that is always known. On analytic maps the bound is mu
 times the straight line from start to target, on grid maps and for walks it is the straight line, and for test
@@ -50,6 +51,8 @@ class Transition(NamedTuple):
             map, or since the beginning where there is none; 0 before the event.
         optimality_gap: function that returns the optimality gaps (B,); rewards that do not need them never
             call it.
+        evaluations: evaluations of the iteration.
+        lengths: function that returns the lengths (B,) of bit strings; only the reward `runtime` calls it.
         detour: function that returns the detours (B,) of robots that drive, infinite for those that are not
             at the target; rewards that do not need them never call it.
         xp: namespace of the arrays, whose functions rewards use: the module `numpy`, or that of tensors, see
@@ -64,6 +67,8 @@ class Transition(NamedTuple):
     offline_weight: Floats
     optimality_gap: Callable[[], Floats]
     detour: Callable[[], Floats]
+    evaluations: NDArray[np.int64]
+    lengths: Callable[[], Floats]
     xp: Namespace = np
 
 
@@ -120,6 +125,15 @@ def detour(transition: Transition) -> Floats:
     return xp.where(transition.ended, percent, 0.0) - transition.cost
 
 
+def runtime(transition: Transition) -> Floats:
+    """Return minus the evaluations of the iteration, relative to the length of the bit string.
+
+    Over an episode that finds the optimum, the sum is minus the runtime, whose optimum is known on OneMax. It
+    is between 5 and 7 lengths for good controllers.
+    """
+    return -transition.evaluations / transition.lengths()
+
+
 def final_gap(transition: Transition) -> Floats:
     """Return -log(final gap) at the end and 0 before it, minus the cost of every step.
 
@@ -149,11 +163,14 @@ REWARDS: dict[str, Reward] = {
     "optimality": optimality,
     "offline-error": offline_error,
     "detour": detour,
+    "runtime": runtime,
 }
 # Rewards that need a scenario whose optimum is known.
 NEED_AN_OPTIMUM = ("optimality", "offline-error")
 # Rewards that need robots that drive in all scenarios.
 NEED_ROBOTS = ("detour",)
+# Rewards that need bit strings.
+NEED_BITS = ("runtime",)
 
 
 def make_reward(name: str) -> Reward:

@@ -54,6 +54,20 @@ class AsItIs(Scale):
 
 
 @dataclass(frozen=True)
+class WithoutEffect(Scale):
+    """The scale of a decision that an optimizer does not have: every number in [-1, 1] stands for 0."""
+
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return np.zeros(len(values))
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        return 0.0 * numbers
+
+
+@dataclass(frozen=True)
 class Linear(Scale):
     """The scale that maps [smallest, largest] linearly to [-1, 1]."""
 

@@ -128,6 +128,7 @@ class Settings:
                 valid = own | set(optimizer.parameters)
                 raise UnknownNameError("option", name, valid, "swarm_gym.settings.Settings")
         values: dict[str, Any] = {name: value for name, value in options.items() if name in own}
+        values = {**optimizer.default_options, **values}
         if values.setdefault("encoding", optimizer.encodings[0]) not in optimizer.encodings:
             raise UnknownNameError(f"encoding of {optimizer.name}", values["encoding"], optimizer.encodings)
         scenario = values.get("scenario", cls.scenario)

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.arrays import Namespace, as_numpy, assign, placed
+from swarm_gym.arrays import Namespace, as_numpy, assign, floats, placed
 from swarm_gym.best_paths import BestPaths
 from swarm_gym.checks import require_integer
 from swarm_gym.compiler.cache import announce_compilation
@@ -20,6 +20,7 @@ from swarm_gym.measures import Gaps, Prices
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.population import Swarms
 from swarm_gym.problem import Problem
+from swarm_gym.problem.onemax.table import OneMaxTable
 from swarm_gym.reset_options import Beginning, draw_beginnings, read_reset_options
 from swarm_gym.robots import make_robots
 from swarm_gym.settings import Settings
@@ -95,6 +96,7 @@ class Simulation:
         self.num_threads = num_threads or most
         self.worlds = Worlds(settings, num_swarms)
         self._anything_happens = self.worlds.ever_change
+        self._may_arrive = bool(np.isfinite(self.worlds.targets).any())
         self.worlds.place(self.place)
         self.problems = self.worlds.problems
         self.dimension = self.problems[0].dimension
@@ -112,7 +114,7 @@ class Simulation:
         self.rows = self.place(np.arange(num_swarms))
         self.running = self.place(np.zeros(num_swarms, dtype=np.bool_))
         self.columns = columns_of(optimizer, settings)
-        self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
+        self.history = self.place(np.full((num_swarms, settings.iterations + 1, len(self.columns)), np.nan))
 
     def full(self, value: float) -> Floats:
         """Return (B,) this value for each swarm."""
@@ -182,13 +184,15 @@ class Simulation:
             given = np.asarray(population, dtype=self.number)
             swarms.positions[rows, :size, : self.dimension] = place(given)
         swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
+        # Only what the last episode has written: the record of a long one is large.
+        written = int(self.iteration[rows].max(initial=0)) + 1 if self.xp is np else None
+        self.history[rows, :written] = np.nan
         self.iteration[rows] = 0
         if self.robots is not None:
             self.robots.begin(rows)
         chosen = place(as_numpy(chosen))
         self.begin(chosen, size, population is not None)
         self.running[rows] = True
-        self.history[rows] = np.nan
         self._record(chosen, 0.0, self.parameters)
         self.gaps.initial[rows] = self.gaps.now()[rows]
 
@@ -272,7 +276,11 @@ class Simulation:
         self.optimizer.re_evaluate(self.swarms, self.worlds.tables, changed, mean_weight, num_threads)
 
     def _ended(self) -> Flags:
-        return (self.iteration >= self.settings.iterations) | (self.swarms.evaluations >= self.swarms.budget)
+        swarms = self.swarms
+        ended = (self.iteration >= self.settings.iterations) | (swarms.evaluations >= swarms.budget)
+        if self._may_arrive:
+            ended |= swarms.best_fitness <= self.worlds.targets[swarms.problem]
+        return ended
 
     def copy_rows(self, rows: Integers) -> None:
         """Make swarm i, for every i, a copy of swarm rows[i]: state, random stream and record."""
@@ -286,6 +294,12 @@ class Simulation:
     def detours(self) -> Floats:
         """Return (B,) detours, see `Robots.detours`; infinity where no robot drives."""
         return self.full(np.inf) if self.robots is None else self.robots.detours()
+
+    def lengths(self) -> Floats:
+        """Return (B,) lengths of the bit strings; only on scenarios of bit strings."""
+        tables = self.worlds.tables
+        assert isinstance(tables, OneMaxTable)
+        return floats(self.xp, tables.size[self.swarms.problem])
 
     def positions(self, row: int) -> Floats:
         """Return the positions of the living members of a swarm, (size, dimension), a view."""

@@ -30,7 +30,7 @@ from swarm_gym.ways import with_ways
 Floats = NDArray[np.float64]
 
 # Attributes of `Worlds` that the arithmetic of many swarms reads, in the arrays of the simulation.
-CONSTANTS = ("next_event", "begins", "first_event", "lower_bounds", "gap_units", "optima")
+CONSTANTS = ("next_event", "begins", "first_event", "lower_bounds", "gap_units", "optima", "targets")
 
 
 def worlds_for(settings: Settings) -> tuple[World, ...]:
@@ -128,6 +128,8 @@ class Worlds:
         lower_bounds: (problems,) `Problem.lower_bound`.
         gap_units: (problems,) `Problem.gap_unit`.
         optima: (problems,) known optima, else NaN; `compute_optima` may fill these.
+        targets: (problems,) `Problem.target`.
+        counts_evaluations: whether the measure of a run is its evaluations, see `Problem.counts_evaluations`.
         tables: problem tables of all problems, stacked.
     """
 
@@ -148,6 +150,8 @@ class Worlds:
         self.first_event = self._first_events(begins, num_spare)
         self.lower_bounds = np.array([problem.lower_bound for problem in self.problems])
         self.gap_units = np.array([problem.gap_unit for problem in self.problems])
+        self.targets = np.array([problem.target for problem in self.problems])
+        self.counts_evaluations = problems[0].counts_evaluations
         optima = [known_optimum(problem) for problem in problems]
         self.optima = np.array(optima + [np.nan] * num_spare)
         self._asked = False
@@ -230,6 +234,7 @@ class Worlds:
         self.begins[number] = self.begins[world]
         self.lower_bounds[number] = problem.lower_bound
         self.gap_units[number] = problem.gap_unit
+        self.targets[number] = problem.target
         self.tables = put(self.tables, number, problem.table)
 
 

@@ -9,7 +9,7 @@ instance of DACBench is a scenario here; the seed of an episode comes from the g
 """
 
 from dataclasses import dataclass
-from typing import Any, TypedDict, cast
+from typing import Any, ClassVar, TypedDict, cast
 
 import gymnasium
 import numpy as np
@@ -67,6 +67,23 @@ DEFAULTS: Configuration = {
         "reward": "Logarithm of the progress towards the lower bound, minus the cost of the evaluations",
         "state_description": ["E(P)", "Mean collision", "Standard deviation of the collision", "Iteration"],
         "action_description": ["Size of the next population", "Repair degree phi"],
+    },
+}
+# What differs for the (1 + (lambda, lambda)) genetic algorithm on OneMax.
+ONEMAX: "Configuration" = {
+    **DEFAULTS,
+    "optimizer": "one-plus-lambda-lambda",
+    "scenarios": ["onemax:100", "onemax:200", "onemax:500"],
+    "test_scenarios": ["onemax:1000", "onemax:2000"],
+    "options": {},
+    "cutoff": 24_000,
+    "reward_range": (-np.inf, 0.0),
+    "benchmark_info": {
+        "identifier": "swarm_gym-onemax",
+        "name": "Population size of the (1 + (lambda, lambda)) genetic algorithm on OneMax",
+        "reward": "Minus the evaluations of the iteration, relative to the length of the string",
+        "state_description": ["Length of the string", "Number of ones"],
+        "action_description": ["Lambda", "Repair degree, which must be 0"],
     },
 }
 TRAINING, TEST = "scenarios", "test_scenarios"
@@ -148,16 +165,17 @@ class SwarmBenchmark(AbstractBenchmark):
     | `cutoff` | iterations of an episode |
 
     Args:
-        config_path: JSON file with a configuration; what it leaves out is as in `DEFAULTS`.
+        config_path: JSON file with a configuration; what it leaves out is as in `defaults`.
         config: a configuration.
     """
 
     config: objdict
+    defaults: ClassVar["Configuration"] = DEFAULTS
 
     def __init__(self, config_path: str | None = None, config: "Configuration | None" = None):
         super().__init__(config_path, None if config is None else objdict(config))
         given = self.config or {}
-        self.config = objdict({**DEFAULTS, **given})
+        self.config = objdict({**self.defaults, **given})
         for names in (TRAINING, TEST):  # DACBench makes arrays of lists that it reads
             self.config[names] = [str(name) for name in self.config[names]]
         self.config["options"] = dict(self.config["options"])
@@ -180,8 +198,17 @@ class SwarmBenchmark(AbstractBenchmark):
 
     def get_benchmark(self, seed: int = 0) -> gymnasium.Env[NDArray, NDArray]:
         """Return the environment of the default configuration and this seed."""
-        self.config = objdict({**DEFAULTS, "seed": seed})
+        self.config = objdict({**self.defaults, "seed": seed})
         return self.get_environment()
+
+
+class OneMaxBenchmark(SwarmBenchmark):
+    """The benchmark whose optimum is known: lambda of the (1 + (lambda, lambda)) genetic algorithm on OneMax.
+
+    Its configuration is that of `SwarmBenchmark`, with the values of `ONEMAX` where it states none.
+    """
+
+    defaults: ClassVar["Configuration"] = ONEMAX
 
 
 def _numbers(info: Info) -> dict[str, float]:

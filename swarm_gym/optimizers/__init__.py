@@ -1,6 +1,7 @@
 """Optimizers: algorithms that solve a problem with a swarm, each in a file or folder of its own.
 
-Each entry of `OPTIMIZERS` is the environment `swarm_gym/<Class>-v0`, and the contract tests cover it.
+Each entry of `OPTIMIZERS` is the environment `swarm_gym/<Class>-v0`, and the contract tests cover it. So is
+each entry of `SPECIAL_OPTIMIZERS`, which has a problem of its own and no paths.
 CONTRIBUTING.md lists the steps to add one.
 """
 
@@ -12,7 +13,7 @@ from swarm_gym.own_code import find
 if TYPE_CHECKING:
     from swarm_gym.optimizers.optimizer import Optimizer
 
-__all__ = ["OPTIMIZERS", "get_optimizer"]
+__all__ = ["ALL_OPTIMIZERS", "OPTIMIZERS", "SPECIAL_OPTIMIZERS", "get_optimizer"]
 
 # Module and class by name; a module is imported at its first use, since importing Numba takes a while.
 OPTIMIZERS: dict[str, tuple[str, str]] = {
@@ -27,6 +28,11 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "glowworm": ("swarm_gym.optimizers.glowworm.glowworm", "Glowworm"),
     "ant-colony": ("swarm_gym.optimizers.ant_colony.ant_colony", "AntColony"),
 }
+# Optimizers of a problem of their own, which have no paths and no repair.
+SPECIAL_OPTIMIZERS: dict[str, tuple[str, str]] = {
+    "one-plus-lambda-lambda": ("swarm_gym.optimizers.one_plus_lambda_lambda", "OnePlusLambdaLambda"),
+}
+ALL_OPTIMIZERS = OPTIMIZERS | SPECIAL_OPTIMIZERS
 
 
 def get_optimizer(name: str) -> "type[Optimizer]":
@@ -36,7 +42,7 @@ def get_optimizer(name: str) -> "type[Optimizer]":
         UnknownNameError: if there is none.
         OwnCodeError: if own code cannot be imported, or is no optimizer.
     """
-    found = find("optimizer", name, OPTIMIZERS, _is_optimizer, "a subclass of Optimizer")
+    found = find("optimizer", name, ALL_OPTIMIZERS, _is_optimizer, "a subclass of Optimizer")
     if not isinstance(found, tuple):
         return found
     module, cls = found

@@ -33,6 +33,8 @@ class Optimizer:
         adopts: whether a given population can be the first one.
         begins_with_robot: whether the first member is a robot that moves while its path is being planned.
         evaluations_per_member: evaluations that a member takes in an iteration, about.
+        repairs: whether a repair degree above 0 has a meaning.
+        default_options: options of environments whose defaults differ for this optimizer.
         kernels: kernels that work on one swarm.
     """
 
@@ -45,6 +47,8 @@ class Optimizer:
     adopts: ClassVar[bool] = True
     begins_with_robot: ClassVar[bool] = False
     evaluations_per_member: ClassVar[float] = 1.0
+    repairs: ClassVar[bool] = True
+    default_options: ClassVar[Mapping[str, object]] = {}
     kernels: ClassVar[loop.Kernels]
 
     def __init_subclass__(cls) -> None:

@@ -5,9 +5,10 @@ from swarm_gym.problem.bbob.problem import BbobProblem
 from swarm_gym.problem.function.problem import FunctionProblem
 from swarm_gym.problem.grid.problem import GridProblem
 from swarm_gym.problem.map_problem import MapProblem
+from swarm_gym.problem.onemax.problem import OneMaxProblem
 from swarm_gym.problem.problem import Problem
 from swarm_gym.problem.walk.problem import WalkProblem
-from swarm_gym.scenarios import BbobScenario, FunctionScenario
+from swarm_gym.scenarios import BbobScenario, FunctionScenario, OneMaxScenario
 
 __all__ = [
     "AnalyticProblem",
@@ -15,6 +16,7 @@ __all__ = [
     "FunctionProblem",
     "GridProblem",
     "MapProblem",
+    "OneMaxProblem",
     "Problem",
     "WalkProblem",
     "problem_of_function",
@@ -22,5 +24,7 @@ __all__ = [
 
 
 def problem_of_function(scenario: FunctionScenario) -> FunctionProblem:
-    """Return the problem of a test function, which may be one of BBOB."""
+    """Return the problem of a test function, which may be one of BBOB, or of a bit string."""
+    if isinstance(scenario, OneMaxScenario):
+        return OneMaxProblem(scenario)
     return BbobProblem(scenario) if isinstance(scenario, BbobScenario) else FunctionProblem(scenario)

@@ -1,5 +1,6 @@
 """The interface of all problems, whatever their map and encoding."""
 
+import math
 from abc import ABC, abstractmethod
 
 import numpy as np
@@ -23,6 +24,11 @@ class Problem(ABC):
     scenario: StaticScenario
 
     @property
+    def counts_evaluations(self) -> bool:
+        """True if a run is measured by its evaluations until the target; the optimum is their least mean."""
+        return False
+
+    @property
     @abstractmethod
     def dimension(self) -> int:
         """Length of a decision vector."""
@@ -41,6 +47,11 @@ class Problem(ABC):
     def least_fitness(self) -> float | None:
         """The least fitness if it is known without computing, else None."""
         return None
+
+    @property
+    def target(self) -> float:
+        """The fitness at which an episode ends; minus infinity if it goes on after the optimum is found."""
+        return -math.inf
 
     @property
     def gap_unit(self) -> float:

@@ -26,13 +26,16 @@ from swarm_gym.problem.grid import cost as grid_cost
 from swarm_gym.problem.grid import repair as grid_repair
 from swarm_gym.problem.grid import table as grid_table
 from swarm_gym.problem.grid.table import GridTable, GridTables
+from swarm_gym.problem.onemax import table as onemax_table
+from swarm_gym.problem.onemax.table import OneMaxTable, OneMaxTables
 from swarm_gym.problem.walk import table as walk_table
 from swarm_gym.problem.walk.table import WalkTable, WalkTables
 
 Floats = NDArray[np.float64]
 
-Table = WaypointTable | GridTable | FunctionTable | BbobTable | WalkTable
-Tables = WaypointTables | GridTables | FunctionTables | BbobTables | WalkTables  # of stacked problems
+Table = WaypointTable | GridTable | FunctionTable | BbobTable | OneMaxTable | WalkTable
+# Of stacked problems.
+Tables = WaypointTables | GridTables | FunctionTables | BbobTables | OneMaxTables | WalkTables
 
 # evaluate(table, path) -> fitness (minimised) and degree of collision, both in map units
 evaluate: Callable[[Table, Floats], tuple[float, float]] = kernel_by_class(
@@ -41,6 +44,7 @@ evaluate: Callable[[Table, Floats], tuple[float, float]] = kernel_by_class(
         GridTable: grid_cost.evaluate,
         FunctionTable: function_table.evaluate,
         BbobTable: bbob_table.evaluate,
+        OneMaxTable: onemax_table.evaluate,
         WalkTable: walk_table.evaluate,
     }
 )
@@ -52,6 +56,7 @@ repair: Callable[[Table, Floats, float], None] = kernel_by_class(
         GridTable: grid_repair.repair,
         FunctionTable: function_table.repair,
         BbobTable: bbob_table.repair,
+        OneMaxTable: onemax_table.repair,
         WalkTable: walk_table.repair,
     }
 )
@@ -63,6 +68,7 @@ draw_bend: Callable[[Table, float, int, Floats, Floats], None] = kernel_by_class
         GridTable: bends.draw_bend,
         FunctionTable: bends.no_bend,
         BbobTable: bends.no_bend,
+        OneMaxTable: bends.no_bend,
         WalkTable: bends.no_bend,
     }
 )
@@ -74,6 +80,7 @@ select: Callable[[Tables, int], Table] = kernel_by_class(
         GridTable: grid_table.select,
         FunctionTable: function_table.select,
         BbobTable: bbob_table.select,
+        OneMaxTable: onemax_table.select,
         WalkTable: walk_table.select,
     }
 )

@@ -5,7 +5,7 @@ from typing import cast
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.own_code import OwnCodeError, is_own, own
-from swarm_gym.scenarios import function_family, ioh_scenario, random_fields, rooms_and_caves
+from swarm_gym.scenarios import function_family, ioh_scenario, onemax, random_fields, rooms_and_caves
 from swarm_gym.scenarios.bbob.scenario import BbobScenario
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic import fields as dynamic_fields
@@ -138,6 +138,7 @@ FAMILIES: dict[str, Family] = {
     "ros": ros_map.FAMILY,
     "function": function_family.FAMILY,
     ioh_scenario.NAME: ioh_scenario.FAMILY,
+    onemax.NAME: onemax.FAMILY,
     **brand_yu.FAMILIES,
     iafsa.NAME: iafsa.FAMILY,
     dynamic_family.NAME: dynamic_family.make_family(expand_name, make_scenario),
@@ -149,5 +150,6 @@ _OTHERS: dict[type, str] = {
     FunctionScenario: "a test function",
     BbobScenario: "a test function",
     ioh_scenario.IohScenario: "a test function",
+    onemax.OneMaxScenario: "a bit string",
     DynamicScenario: "a map that changes; choose one of its `worlds`",
 }

@@ -14,7 +14,7 @@ from swarm_gym.checks import look_up
 
 _NAMED = tyro.conf.arg(
     name="algorithm",
-    metavar="{ppo,device-ppo,recurrent-ppo,dqn,evolution}",
+    metavar="{ppo,choice-ppo,device-ppo,recurrent-ppo,dqn,evolution}",
     help="Learning algorithm. The help lists its options only, e.g. those of dqn for --algorithm dqn --help.",
 )
 
@@ -37,6 +37,7 @@ class Algorithm:
         group_size: number of swarms that begin together.
         lstm_size: number of LSTM units; None without an LSTM.
         noise_steps: number of steps that share the noise of their actions.
+        rollout_steps: number of steps of a rollout; 0 is an episode.
         warm_start: controller that the policy imitates before the training.
     """
 
@@ -51,6 +52,7 @@ class Algorithm:
     group_size: int = 1
     lstm_size: int | None = None
     noise_steps: int = 1
+    rollout_steps: int = 0
     warm_start: str = "none"
 
 
@@ -118,9 +120,34 @@ class PPO(GroupedOptions):
     also_on: tuple[str, ...] = ()
     """Further optimizers that the policy is trained on, each with the same number of swarms; in groups, and
     for decisions that all of them have, such as size and phi."""
+    rollout_steps: int = 0
+    """Number of steps of every swarm in a rollout, e.g. 128 where episodes are long; 0 is an episode. A
+    rollout of steps needs group_size 1 and corrected_from 0."""
     branch_at_events: bool = False
     """After every event on the map, the swarms of a group go on from the state of their first one, in half of
     the rollouts. The group's advantages then are of what is decided after the event."""
+
+
+@dataclass(frozen=True)
+class ChoicePPO(ClippedOptions):
+    """Options of proximal policy optimization of a policy that chooses from a grid, as DQN does."""
+
+    name: Annotated[Literal["choice-ppo"], _NAMED] = "choice-ppo"
+    size_choices: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)
+    """Numbers in [-1, 1] that the policy chooses from for the size."""
+    degree_choices: tuple[float, ...] = (0.0,)
+    """Numbers in [-1, 1] that the policy chooses from for the repair degree, as for the size."""
+    further_choices: tuple[str, ...] = ()
+    """Numbers in [-1, 1] that it chooses from for each further decision of the action layout, a text for
+    each, e.g. '-1 0 1' '0.5'. All combinations with sizes and degrees can be chosen."""
+    rollout_steps: int = 0
+    """Number of steps of every swarm in a rollout, e.g. 128 where episodes are long; 0 is an episode."""
+    decay_steps: int = 0
+    """Number of environment steps over which learning_rate falls linearly to 0; 0 keeps it. It must not be
+    below total_steps, since the steps after it would teach nothing."""
+    averaging: float = 0.0
+    """Share that an update keeps of the running mean of the actor's weights, which are the policy's; 0 takes
+    the last weights."""
 
 
 @dataclass(frozen=True)
@@ -178,10 +205,11 @@ class Evolution(Algorithm):
     """Initial step size of the weights."""
 
 
-AnyAlgorithm = PPO | DevicePPO | RecurrentPPO | DQN | Evolution
+AnyAlgorithm = PPO | ChoicePPO | DevicePPO | RecurrentPPO | DQN | Evolution
 
 ALGORITHMS: dict[str, type[AnyAlgorithm]] = {
     "ppo": PPO,
+    "choice-ppo": ChoicePPO,
     "device-ppo": DevicePPO,
     "recurrent-ppo": RecurrentPPO,
     "dqn": DQN,

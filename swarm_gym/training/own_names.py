@@ -44,7 +44,7 @@ def _is_ours(kind: str, name: object) -> bool:
     from swarm_gym.controllers import CONTROLLERS
     from swarm_gym.controllers.names import ControllerName
     from swarm_gym.observation import OBSERVATIONS
-    from swarm_gym.optimizers import OPTIMIZERS
+    from swarm_gym.optimizers import ALL_OPTIMIZERS
     from swarm_gym.reward import REWARDS
     from swarm_gym.scenarios.registry import is_known
 
@@ -55,7 +55,7 @@ def _is_ours(kind: str, name: object) -> bool:
     registries: dict[str, Mapping[str, object]] = {
         "action layout": ACTIONS,
         "observation layout": OBSERVATIONS,
-        "optimizer": OPTIMIZERS,
+        "optimizer": ALL_OPTIMIZERS,
         "reward": REWARDS,
     }
     return name in registries[kind]

@@ -11,7 +11,7 @@ from swarm_gym.action import ACTIONS
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.errors import UnknownNameError, shown
 from swarm_gym.observation import OBSERVATIONS, make_observation
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import ALL_OPTIMIZERS, OPTIMIZERS
 from swarm_gym.own_code import was_given
 
 # Far beyond the networks trained here (two layers of 64), and so small that products of them stay cheap.
@@ -228,7 +228,7 @@ _REQUIRED = {
     "network": _one_of(FEEDFORWARD, LSTM, CHOICES),
     "num_decisions": _integer(1, MAX_WIDTH),
     "observation": _Entry("an observation layout, or several joined by +", _is_observation),
-    "optimizer": _one_of(*OPTIMIZERS, code=True),
+    "optimizer": _one_of(*ALL_OPTIMIZERS, code=True),
     "price": _optional(_Entry("a list of one or two numbers in order", _is_prices)),
     "weights_sha256": _DIGEST,
 }

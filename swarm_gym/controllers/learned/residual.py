@@ -82,8 +82,16 @@ class Base:
         self.corrected_from = corrected_from
         features = make_observation(controller.observation).features
         self.columns = len(features)
-        # All layouts have the iteration in this column, as a number or as a share of all iterations.
-        self.iteration_unit = 1 if features[ITERATION].name == "iteration" else Settings.iterations
+        # Layouts have the iteration in this column, as a number or as a share of all iterations; those of bit
+        # strings have none, and need none where corrections begin at once.
+        self._counts = not any(feature.needs_bits for feature in features)
+        if corrected_from > 0 and not self._counts:
+            raise ValueError(
+                f"corrected_from {corrected_from}: the controller observes {controller.observation!r}, which "
+                "has no iteration; set corrected_from to 0"
+            )
+        has_number = not self._counts or features[ITERATION].name == "iteration"
+        self.iteration_unit = 1 if has_number else Settings.iterations
 
     def features(self, observation: str) -> list[str]:
         """Return the names of the policy's observation features."""
@@ -96,8 +104,10 @@ class Base:
         """Return the controller's decisions, given the columns of both layouts (B, m)."""
         actions = self.layout.encode(self.controller.act(observations[:, : self.columns]))
         seen = np.concatenate([observations[:, self.columns :], actions], axis=1)
-        iteration = np.rint(observations[:, ITERATION] * self.iteration_unit)
-        return Proposal(actions, iteration >= self.corrected_from, seen.astype(np.float32))
+        correctable = np.ones(len(actions), dtype=np.bool_)
+        if self._counts:
+            correctable = np.rint(observations[:, ITERATION] * self.iteration_unit) >= self.corrected_from
+        return Proposal(actions, correctable, seen.astype(np.float32))
 
     def last(self, observation: NDArray) -> NDArray:
         """Return the policy's (k,) features at the end of an episode, where the proposal is zeros."""

@@ -15,6 +15,7 @@ __all__ = ["LEARNERS", "Learner", "make_learner"]
 # Module and class by name; a module is imported when it is used, since each library takes its time.
 LEARNERS: dict[str, tuple[str, str]] = {
     "ppo": ("ppo", "PPOLearner"),
+    "choice-ppo": ("choice_ppo", "ChoicePPOLearner"),
     "device-ppo": ("device_ppo", "DevicePPOLearner"),
     "recurrent-ppo": ("recurrent", "RecurrentPPOLearner"),
     "dqn": ("dqn", "DQNLearner"),

@@ -37,6 +37,12 @@ def require_options(config: TrainConfig) -> None:
             "decay_steps must be 0 or at least total_steps, got "
             f"{options.decay_steps} and {config.total_steps}"
         )
+    require_integer("rollout_steps", options.rollout_steps, 0)
+    if options.rollout_steps and (has_groups(config) or options.noise_steps != 1 or config.corrected_from):
+        raise ValueError(
+            f"rollout_steps {options.rollout_steps}: groups, noise that is held, and a base that begins "
+            "alone need whole episodes; set rollout_steps to 0"
+        )
     for first in options.branches:
         require_integer("branches", first, config.corrected_from, config.iterations - 1)
     if config.num_swarms % options.group_size:

@@ -8,7 +8,6 @@ choice; the policy takes the choice with the largest estimate.
 
 import warnings
 from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,11 @@ from gymnasium.spaces import Discrete
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.logger import Logger
-from stable_baselines3.common.vec_env import VecEnvWrapper
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from swarm_gym.checks import require_integer, require_number
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.training.algorithms import DQN
+from swarm_gym.training.choice_vec_env import ChoiceVecEnv, make_choices
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms
 from swarm_gym.training.learners.learner import Learner
@@ -38,36 +36,6 @@ LEAST_EXPLORATION = 0.05
 PREFERENCE = 0.01
 # What is kept of the last steps of all swarms; `timeouts` stay False, since no episode is truncated.
 REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones")
-
-
-def make_choices(sizes: tuple[float, ...], degrees: tuple[float, ...]) -> NDArray[np.float32]:
-    """Return all pairs of a size and a repair degree, both scaled to [-1, 1]: (number of pairs, 2)."""
-    return np.array(list(product(sizes, degrees)), dtype=np.float32)
-
-
-class ChoiceVecEnv(VecEnvWrapper):
-    """Swarms in which an action is the number of a row of `choices`.
-
-    Args:
-        env: environment whose actions have k numbers.
-        choices: (n, k) the actions that can be chosen.
-    """
-
-    def __init__(self, env: SB3VecEnv, choices: NDArray):
-        super().__init__(env, action_space=Discrete(len(choices)))
-        self.choices = choices
-
-    def reset(self) -> NDArray:
-        """Begin new episodes of all swarms."""
-        return self.venv.reset()  # type: ignore[return-value]
-
-    def step_async(self, actions: NDArray) -> None:
-        """Keep the chosen actions for `step_wait`, given their numbers (B,)."""
-        self.venv.step_async(self.choices[actions])
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Advance all swarms."""
-        return self.venv.step_wait()
 
 
 class ExploringDQN(stable_baselines3.DQN):
@@ -229,12 +197,7 @@ def _steps_of_rollout(config: TrainConfig) -> int:
 
 def _require_usable(config: TrainConfig, options: DQN) -> None:
     """Raise an error for options that DQN cannot use."""
-    for name in ("size_choices", "degree_choices"):
-        numbers = getattr(options, name)
-        if len(set(numbers)) < max(len(numbers), 1):
-            raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
-        for number in numbers:
-            require_number(name, number, -1.0, 1.0)
+    require_choices({name: getattr(options, name) for name in ("size_choices", "degree_choices")})
     for name in ("batch_size", "gradient_steps", "target_steps"):
         require_integer(name, getattr(options, name), 1)
     require_integer("return_steps", options.return_steps, 1, config.iterations)
@@ -244,3 +207,16 @@ def _require_usable(config: TrainConfig, options: DQN) -> None:
         raise ValueError(
             f"dqn needs episodes of one length: max_evaluations must be 0, got {config.max_evaluations}"
         )
+
+
+def require_choices(choices: Mapping[str, tuple[float, ...]]) -> None:
+    """Raise an error unless the choices of each decision, by option, are different numbers in [-1, 1].
+
+    Raises:
+        ValueError: naming the option.
+    """
+    for name, numbers in choices.items():
+        if len(set(numbers)) < max(len(numbers), 1):
+            raise ValueError(f"{name} must be different numbers, at least one, got {numbers}")
+        for number in numbers:
+            require_number(name, number, -1.0, 1.0)

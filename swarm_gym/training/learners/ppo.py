@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypedDict
 import numpy as np
 import stable_baselines3
 import torch
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -21,8 +21,9 @@ from swarm_gym.action import includes
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import require_fitting
 from swarm_gym.controllers.learned.policy_file import Weights
+from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.runs.seeds import TRAINING_START
-from swarm_gym.training.algorithms import PPO, ClippedOptions, GradientOptions, RecurrentPPO
+from swarm_gym.training.algorithms import PPO, ChoicePPO, ClippedOptions, GradientOptions, RecurrentPPO
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.grouped_vec_env import GroupedVecEnv
 from swarm_gym.training.imitation import Demonstration, demonstrate, imitate
@@ -46,9 +47,9 @@ class PPOLearner(Learner):
 
     algorithm: ClassVar[type] = stable_baselines3.PPO
     policy: ClassVar[str | type] = "MlpPolicy"
-    options: PPO | RecurrentPPO
+    options: PPO | ChoicePPO | RecurrentPPO
 
-    def __init__(self, config: TrainConfig, options: PPO | RecurrentPPO):
+    def __init__(self, config: TrainConfig, options: PPO | ChoicePPO | RecurrentPPO):
         self.config, self.options = config, options
         self._teacher = None
         if options.warm_start != "none":
@@ -79,7 +80,7 @@ class PPOLearner(Learner):
             ]
             self.env: SB3VecEnv | JoinedVecEnv = parts[0] if len(parts) == 1 else JoinedVecEnv(parts)
         else:
-            self.env = SB3VecEnv(env, base, make_reference(config, config.num_swarms))
+            self.env = self._make_env(env, base)
         self.features = feature_names(config, base)
         self.num_decisions = int(np.prod(env.single_action_space.shape or ()))
         self._mean_weights: Weights = {}
@@ -90,6 +91,10 @@ class PPOLearner(Learner):
             self.model.lr_schedule = self._decayed
         self.model.set_logger(Logger(folder=None, output_formats=[]))
 
+    def _make_env(self, env: VectorEnv, base: Base | None) -> Any:
+        """Return the environment of the library's model, without groups."""
+        return SB3VecEnv(env, base, make_reference(self.config, self.config.num_swarms))
+
     @property
     def num_steps(self) -> int:  # type: ignore[override]
         """Environment steps so far."""
@@ -98,9 +103,11 @@ class PPOLearner(Learner):
     def begin(self) -> None:
         """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base.
 
-        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero.
+        Without a critic, a policy with a base needs no imitation: it begins with corrections of zero. So does
+        one with rollouts of some steps, whose episodes are too long for it.
         """
-        if self._teacher is None and not self.options.critic and self.env.base is not None:
+        begins_at_zero = not self.options.critic or self.options.rollout_steps > 0
+        if self._teacher is None and begins_at_zero and self.env.base is not None:
             with torch.no_grad():
                 for parameter in self.model.policy.action_net.parameters():
                     parameter.zero_()
@@ -126,7 +133,8 @@ class PPOLearner(Learner):
             self._average_weights()
         found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
         ended: Any = self.model.ep_info_buffer
-        found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
+        if ended:  # none may end in a few steps of long episodes
+            found["rollout/ep_rew_mean"] = float(np.mean([episode["r"] for episode in ended]))
         return found
 
     def weights(self) -> Weights:
@@ -193,7 +201,12 @@ class PPOLearner(Learner):
         if self.model._last_obs is None:
             self.model._last_obs = self.env.reset()
             self.model._last_episode_starts = np.ones(self.env.num_envs, dtype=bool)
-        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._iterations - self.env.first
+        self.model.n_steps = self.model.rollout_buffer.buffer_size = self._rollout_steps
+
+    @property
+    def _rollout_steps(self) -> int:
+        """Steps of every swarm in the next rollout, by default those that it decides in an episode."""
+        return self.options.rollout_steps or self._iterations - self.env.first
 
     def _decayed(self, _: float) -> float:
         """Return the step size of Adam after the steps so far; the library's share is of one call only."""
@@ -220,7 +233,7 @@ class PPOLearner(Learner):
                 self.policy,
                 self.env,
                 learning_rate=options.learning_rate,
-                n_steps=self._iterations - self.env.first,
+                n_steps=self._rollout_steps,
                 batch_size=options.batch_size,
                 n_epochs=options.epochs,
                 gamma=options.discount,

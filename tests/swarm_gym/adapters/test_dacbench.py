@@ -17,7 +17,7 @@ with warnings.catch_warnings():
 
 from gymnasium.utils.env_checker import check_env
 
-from swarm_gym.adapters.dacbench import SwarmBenchmark, SwarmDACEnv
+from swarm_gym.adapters.dacbench import OneMaxBenchmark, SwarmBenchmark, SwarmDACEnv
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import UnknownNameError
 
@@ -133,3 +133,15 @@ def test_wrappers_loggers_and_agents_of_dacbench_run_it(tmp_path):
     tracked = ActionFrequencyWrapper(make().get_environment())
     run_benchmark(tracked, RandomAgent(tracked), 2)
     assert len(tracked.overall_actions) == 2 * 4
+
+
+def test_the_benchmark_with_a_known_optimum_ends_terminated_at_the_optimum():
+    env = OneMaxBenchmark(config={"scenarios": ["onemax:20"], "cutoff": 2000}).get_environment()
+    observation, _ = env.reset()
+    assert observation.tolist() == [20.0, 10.0]
+    terminated = truncated = False
+    while not (terminated or truncated):
+        observation, reward, terminated, truncated, info = env.step(np.array([2.0, 0.0]))
+        assert reward <= 0.0
+    assert (terminated, truncated, observation.tolist()) == (True, False, [20.0, 20.0])
+    assert info["best_fitness"] == 0.0

@@ -1,0 +1,60 @@
+"""Compare controllers on OneMax with the known optimum: `python -m experiments.onemax`.
+
+Expectations are exact. Simulated rows take 1,000 runs each, and the schedule over iterations is tuned first,
+so that all takes about ten minutes.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from experiments.studies.onemax.pictures import write_pictures
+from experiments.studies.onemax.speed import speed
+from experiments.studies.onemax.tables_of_runtimes import tables
+from swarm_gym.command import command
+from swarm_gym.errors import MissingExtraError
+
+
+@dataclass(frozen=True)
+class OneMaxConfig:
+    """Options of the command."""
+
+    output: Path = Path("results/known-optimum")
+    """Folder that tables and pictures are written to."""
+    published: Path | None = None
+    """Folder of a checkout of github.com/taindp98/OneMax-MPDAC, whose environment is timed beside this one.
+    Keep the machine quiet meanwhile. By default nothing is timed."""
+    only_speed: bool = False
+    """Time the environments only, e.g. again on another machine."""
+
+
+def write(config: OneMaxConfig) -> list[Path]:
+    """Write all tables and pictures, and return the files of the tables.
+
+    Raises:
+        MissingExtraError: if the published environment cannot be imported.
+        ValueError: if nothing is asked for.
+    """
+    made = [] if config.only_speed else tables()
+    if config.published is not None:
+        made.append(speed(config.published))
+    if not made:
+        raise ValueError("--only-speed: name the checkout to compare with by --published")
+    for table in made:
+        table.write(config.output)
+    if not config.only_speed:
+        write_pictures(config.output)
+    return [config.output / f"{table.name}.md" for table in made]
+
+
+def main() -> None:
+    """Write tables and pictures, and print where they are."""
+    config = tyro.cli(OneMaxConfig, description=__doc__)
+    with command(MissingExtraError):
+        for file in write(config):
+            print(file)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,231 @@
+"""Tables of the study of OneMax; expectations are exact, and what is simulated says so."""
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from tqdm import tqdm
+
+from experiments.studies.onemax import published, schedules
+from experiments.studies.onemax.runtimes import (
+    LARGE,
+    SIZES,
+    Floats,
+    best_constant,
+    expected,
+    expected_of_seeds,
+    one_step,
+    optimum,
+    simulated,
+)
+from experiments.tables import Table
+from experiments.tables.cell import MISSING, Cell, Entry
+from swarm_gym.controllers import make_controller
+
+LAMBDA, FOUR, CHOICES, NORMAL = "onemax-lambda", "onemax-four", "onemax-choices", "onemax-normal"
+# Lengths at which the schedule over iterations is tuned.
+SCHEDULED = (100, 500)
+
+Row = tuple[Entry, ...]
+
+
+def tables() -> list[Table]:
+    """Return all tables; simulations and tuning take some minutes."""
+    makers: tuple[Callable[[], Table], ...] = (
+        one_parameter, four_parameters, generalisation, simulations, counting, valley
+    )  # fmt: skip
+    return [make() for make in tqdm(makers, desc="tables", unit="table")]
+
+
+def one_parameter() -> Table:
+    """Return the table of controllers of lambda, by length."""
+    constants = {size: best_constant(size)[1] for size in SIZES}
+    blind = {size: simulated(schedules.tune(size), size).mean for size in SCHEDULED}
+    rows: list[Row] = [
+        ("optimum, any lambda up to 64", *(_number(optimum("onemax", size)) for size in SIZES)),
+        ("optimum, lambda in 1, 2, 4, ..., 64", *(_of(_portfolio(size), size) for size in SIZES)),
+        *_of_recipe("PPO", LAMBDA),
+        *_of_recipe("PPO without a base", CHOICES),
+        *_of_recipe("PPO with normal noise, from scratch", NORMAL),
+        ("DDQN, published", *(_of(published.DDQN_LAMBDA[size][0], size) for size in SIZES)),
+        ("theory", *(_of(expected("theory", size), size) for size in SIZES)),
+        ("one-fifth rule, published", *(_of(published.ONE_FIFTH[size][0], size) for size in SIZES)),
+        ("best schedule over iterations, simulated", *(_of(blind.get(size), size) for size in SIZES)),
+        ("best constant lambda", *(_of(constants[size], size) for size in SIZES)),
+    ]
+    caption = (
+        "Control of lambda: expected evaluations, and how far they are above the optimum over 1, 2, 4, ..., "
+        "64. Of PPO, the mean over ten training seeds and the worst of them"
+    )
+    return Table("one-parameter", caption, ("controller", *_heads(SIZES)), rows)
+
+
+def four_parameters() -> Table:
+    """Return the table of controllers of four parameters, by length."""
+    rows: list[Row] = [
+        ("optimum, wide choices", *(_number(optimum("onemax-four", size)) for size in SIZES)),
+        ("optimum, published choices", *(_of(optimum("onemax-four-published", s), s, _four) for s in SIZES)),
+        *_of_recipe("PPO", FOUR, _four),
+        ("DDQN, published", *(_of(published.DDQN_FOUR[size][0], size, _four) for size in SIZES)),
+        ("symbolic rule", *(_of(expected("symbolic", size), size, _four) for size in SIZES)),
+        ("static, by irace, published", *(_of(published.IRACE[size][0], size, _four) for size in SIZES)),
+    ]
+    caption = (
+        "Control of all four parameters: expected evaluations, and how far they are above the optimum over "
+        "wide choices, where it is known"
+    )
+    return Table("four-parameters", caption, ("controller", *_heads(SIZES)), rows)
+
+
+def generalisation() -> Table:
+    """Return the table of lengths that no training had."""
+    rows: list[Row] = []
+    for size in (1000, 2000, *LARGE):
+        one, four = expected_of_seeds(LAMBDA, size), expected_of_seeds(FOUR, size)
+        theory, symbolic = expected("theory", size), expected("symbolic", size)
+        rows.append(
+            (
+                f"{size:,}",
+                _number(theory),
+                _share_of_seeds(one / theory - 1.0),
+                _share_of_seeds(one / _portfolio(size) - 1.0),
+                _number(symbolic),
+                _share_of_seeds(four / symbolic - 1.0),
+            )
+        )
+    caption = (
+        "Lengths that no training had: expected evaluations of rules, and how far PPO, trained at n = 100 to "
+        "500, is above them: mean over ten training seeds, and the worst of them"
+    )
+    heads = (
+        "n",
+        "theory",
+        "PPO above theory",
+        "PPO above the optimum",
+        "symbolic",
+        "PPO of four above symbolic",
+    )
+    return Table("generalisation", caption, heads, rows)
+
+
+def simulations() -> Table:
+    """Return the table of simulated runs beside exact expectations and published means."""
+    of: Mapping[str, Mapping[int, published.Mean]] = {
+        "theory": published.THEORY, "one-fifth": published.ONE_FIFTH, "symbolic": {}
+    }  # fmt: skip
+    rows: list[Row] = []
+    for name, means in of.items():
+        for size in SIZES:
+            found = simulated(make_controller(name), size)
+            exact = math.nan if name == "one-fifth" else expected(name, size)
+            there = Cell.of("{value:.1f}", value=means[size][0]) if means else MISSING
+            rows.append(
+                (
+                    name,
+                    f"{size:,}",
+                    Cell.of("{value:.1f} ± {error:.1f}", value=found.mean, error=found.error),
+                    _number(exact),
+                    _errors(found.mean - exact, found.error),
+                    there,
+                    _errors(found.mean - means[size][0], math.hypot(found.error, _error(means[size])))
+                    if means
+                    else MISSING,
+                )
+            )
+    caption = (
+        "1,000 simulated runs and their standard error, beside the exact expectation and the published mean "
+        "of 1,000 runs; differences in standard errors"
+    )
+    heads = ("rule", "n", "simulated", "exact", "difference", "published", "difference")
+    return Table("simulations", caption, heads, rows)
+
+
+def counting() -> Table:
+    """Return the table of both ways to count evaluations."""
+    sizes = (100, 200, 500)
+    rows: list[Row] = []
+    for label, free, counted in (
+        ("optimum of lambda", lambda s: optimum("onemax", s), lambda s: optimum("onemax", s, "all")),
+        ("theory", lambda s: expected("theory", s), lambda s: expected("theory", s, False)),
+        ("PPO of lambda", lambda s: _mean(LAMBDA, s, True), lambda s: _mean(LAMBDA, s, False)),
+        ("optimum of four", lambda s: optimum("onemax-four", s), lambda s: optimum("onemax-four", s, "all")),
+        ("symbolic", lambda s: expected("symbolic", s), lambda s: expected("symbolic", s, False)),
+        ("PPO of four", lambda s: _mean(FOUR, s, True), lambda s: _mean(FOUR, s, False)),
+    ):
+        rows.append((label, *(entry for s in sizes for entry in (_number(free(s)), _number(counted(s))))))
+    caption = (
+        "Expected evaluations where children that equal the parent or the best mutant are free, as "
+        "published, and where each child counts"
+    )
+    heads = (f"n = {size}, {way}" for size in sizes for way in ("copies free", "all count"))
+    return Table("counting", caption, ("controller", *heads), rows)
+
+
+def valley() -> Table:
+    """Return the table of what one value of lambda costs in one state."""
+    size, numbers = 200, (1, 2, 3, 4, 5, 6, 8, 12, 16)
+    rows: list[Row] = []
+    for zeros in (5, 8, 10, 12, 15, 30):
+        costs = one_step(size, zeros, numbers)
+        rows.append((str(zeros), *(Cell.of("{value:.1f}", value=cost - costs.min()) for cost in costs)))
+    caption = (
+        "Evaluations lost, at n = 200, by one value of lambda at this number of zeros, with optimal control "
+        "after it: the best value and lambda = 1 are parted by worse ones"
+    )
+    return Table("valley", caption, ("zeros", *(f"lambda = {number}" for number in numbers)), rows)
+
+
+def _heads(sizes: tuple[int, ...]) -> tuple[str, ...]:
+    return tuple(f"n = {size:,}" for size in sizes)
+
+
+def _portfolio(size: int) -> float:
+    return optimum("onemax-portfolio", size)
+
+
+def _four(size: int) -> float:
+    return optimum("onemax-four", size)
+
+
+def _mean(recipe: str, size: int, copies_free: bool) -> float:
+    return float(expected_of_seeds(recipe, size, copies_free).mean())
+
+
+def _number(value: float) -> Entry:
+    return MISSING if math.isnan(value) else Cell.of("{value:,.1f}", value=value)
+
+
+def _of(value: float | None, size: int, best: Callable[[int], float] = _portfolio) -> Entry:
+    """Return a runtime, and how far it is above the optimum if that is known."""
+    if value is None or math.isnan(value):
+        return MISSING
+    above = value / best(size) - 1.0
+    if math.isnan(above):
+        return _number(value)
+    return Cell.of("{value:,.1f} ({above:%+.1f} %)", value=value, above=above)
+
+
+def _of_recipe(label: str, recipe: str, best: Callable[[int], float] = _portfolio) -> list[Row]:
+    """Return the rows of the mean over training seeds and of the worst of them."""
+    by_size = [expected_of_seeds(recipe, size) for size in SIZES]
+    return [
+        (label, *(_of(float(found.mean()), size, best) for found, size in zip(by_size, SIZES, strict=True))),
+        (
+            f"{label}, worst seed",
+            *(_of(float(found.max()), size, best) for found, size in zip(by_size, SIZES, strict=True)),
+        ),
+    ]
+
+
+def _share_of_seeds(shares: Floats) -> Entry:
+    if np.isnan(shares).any():
+        return MISSING
+    return Cell.of("{value:%+.1f} % ({worst:%+.1f} %)", value=shares.mean(), worst=shares.max())
+
+
+def _errors(difference: float, error: float) -> Entry:
+    return MISSING if math.isnan(difference) else Cell.of("{value:+.1f}", value=difference / error)
+
+
+def _error(mean: published.Mean) -> float:
+    return mean[1] / math.sqrt(published.NUM_RUNS)

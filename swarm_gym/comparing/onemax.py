@@ -1,0 +1,69 @@
+"""The expected runtime of a controller on OneMax, computed without simulation.
+
+expected_runtime(make_controller("theory"), size=500)
+"""
+
+import numpy as np
+
+from swarm_gym.action import make_action
+from swarm_gym.controllers.controller import Controller
+from swarm_gym.errors import SettingError
+from swarm_gym.observation import make_observation
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.optimizers.one_plus_lambda_lambda import OnePlusLambdaLambdaParameters
+from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
+from swarm_gym.rollout import swarms_for
+from swarm_gym.scenarios.onemax import OneMaxScenario
+
+OPTIMIZER = "one-plus-lambda-lambda"
+
+
+def expected_runtime(
+    controller: Controller, size: int, start: int | None = None, copies_free: bool = True
+) -> float:
+    """Return the expected evaluations until all bits are set, the first string included.
+
+    Args:
+        controller: controller whose decisions depend on the length and the number of ones alone.
+        size: n, the length of the string.
+        start: number of ones at the beginning; by default half of them.
+        copies_free: whether children that equal the parent or the best mutant cost nothing.
+
+    Raises:
+        SettingError: if the controller observes more than length and number of ones.
+    """
+    begin = OneMaxScenario("start", size=size, **({} if start is None else {"start": start})).start
+    later = expected_runtimes(decisions_on(controller, size), begin, copies_free)
+    return float(later[begin]) + 1.0
+
+
+def decisions_on(controller: Controller, size: int) -> Decisions:
+    """Return what a controller decides for every number of ones, in the environment that it needs.
+
+    Raises:
+        SettingError: if the controller observes more than length and number of ones.
+    """
+    layout = make_observation(controller.observation)
+    if not all(feature.needs_bits for feature in layout.features):
+        raise SettingError(
+            f"observation {controller.observation!r}: an expected runtime needs a controller that observes "
+            "length and number of ones alone, in the layouts theory and theory-scaled; simulate this one"
+        )
+    swarms = swarms_for(
+        controller, size, OPTIMIZER, scenario=OneMaxScenario("all numbers of ones", size=size), iterations=1
+    )
+    swarms.reset(seed=0)
+    simulation = swarms.simulation
+    simulation.swarms.best_fitness[:] = size - np.arange(size)
+    controller.reset(size)
+    actions = controller.act(layout.observe(simulation))
+    action = make_action(swarms.settings, get_optimizer(OPTIMIZER))
+    decided = action.decode(actions, np.ones(size, dtype=np.bool_), simulation)
+    parameters = OnePlusLambdaLambdaParameters(*decided.parameters.T)
+    children = np.floor(np.asarray(parameters.children) + 0.5).astype(np.int64)
+    return Decisions(
+        decided.sizes,
+        np.where(children == 0, decided.sizes, children),
+        np.array(parameters.strength, dtype=np.float64),
+        np.array(parameters.bias, dtype=np.float64),
+    )

@@ -1,0 +1,1 @@
+"""Bit strings that are known by their number of ones."""
