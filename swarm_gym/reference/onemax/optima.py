@@ -47,7 +47,7 @@ class Optimum(NamedTuple):
 
     Attributes:
         evaluations: expected evaluations of a run from n / 2 ones, the first one included.
-        decisions: its decisions; below n / 2 ones, those at n / 2.
+        decisions: decisions of the control; below n / 2 ones, those at n / 2.
     """
 
     evaluations: float
