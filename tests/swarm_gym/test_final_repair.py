@@ -37,7 +37,7 @@ def line(num=31):
     return np.stack([np.linspace(START[0], TARGET[0], num + 2), np.full(num + 2, 300.0)], axis=-1)
 
 
-@looped("seed", range(12))
+@looped("seed", range(5))
 def test_depths_of_segments_are_the_least_shifts_out_of_obstacles(seed):
     """A segment that is shifted as a contact says touches the obstacle, and one shifted by less enters it."""
     rng = np.random.default_rng(seed)

@@ -211,6 +211,7 @@ assert whole.py_func.__qualname__ == "whole@2"  # the old code is linked, too, u
 """
 
 
+@pytest.mark.slow
 def test_a_module_that_is_executed_again_has_new_kernels_and_leaves_nothing_in_the_cache(call, tmp_path):
     edit = EDIT.format(call=CALL_WHOLE, factor="3.0")
     assert call(CALL_WHOLE) == ["11.0", "0"]  # kept, and linked below before the new one is compiled
@@ -220,6 +221,7 @@ def test_a_module_that_is_executed_again_has_new_kernels_and_leaves_nothing_in_t
     assert [call(CALL_WHOLE), call(CALL_WHOLE)] == [["16.0", "0"], ["16.0", "1"]]
 
 
+@pytest.mark.slow
 def test_a_source_counts_as_it_was_executed(call, tmp_path):
     edit = """
 from pathlib import Path
