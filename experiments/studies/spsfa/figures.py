@@ -179,24 +179,10 @@ def _text(study: ParameterStudy, value: float) -> str:
     return f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"
 
 
-def snapshot_figures(stored: Stored) -> Drawings:
-    """Return the figure of populations at some iterations, if there are stored ones."""
-    return {"population-snapshots": partial(draw_snapshots, stored.snapshots)} if stored.snapshots else {}
-
-
 def collision_figures(stored: Stored) -> Drawings:
     """Return the figure of the population's degree of collision, if runs of its controllers are stored."""
     colliding = [case for case in stored.cases if not case.runs.keys().isdisjoint(COLLISION_CONTROLLERS)]
     return {"population-collision": partial(draw_collision, colliding)} if colliding else {}
-
-
-def case_figures(stored: Stored) -> Drawings:
-    """Return the figures of each scenario."""
-    return {
-        f"{kind}-{case.scenario.name}": partial(draw, case)
-        for case in stored.cases
-        for kind, draw in CASE_DRAWINGS.items()
-    }
 
 
 def parameter_figures(stored: Stored) -> Drawings:
@@ -212,8 +198,14 @@ def parameter_figures(stored: Stored) -> Drawings:
 
 
 FIGURES: dict[str, FigureMaker] = {
-    "snapshots": snapshot_figures,
+    "snapshots": lambda stored: (
+        {"population-snapshots": partial(draw_snapshots, stored.snapshots)} if stored.snapshots else {}
+    ),
     "collision": collision_figures,
-    "cases": case_figures,
+    "cases": lambda stored: {
+        f"{kind}-{case.scenario.name}": partial(draw, case)
+        for case in stored.cases
+        for kind, draw in CASE_DRAWINGS.items()
+    },
     "parameters": parameter_figures,
 }
