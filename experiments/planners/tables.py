@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from experiments.planners.all_planners import SWARMS
 from experiments.planners.measuring import NAMES, PlannerRun
 from experiments.statistics import mean_interval
-from experiments.tables import Table
 from experiments.tables.cell import MISSING, Cell, Entry, number, share
+from experiments.tables.table import Row, Table
 
 Floats = NDArray[np.float64]
 
@@ -58,41 +58,46 @@ def _of(runs: Sequence[PlannerRun], planner: str, kind: str | None = None) -> li
 
 
 def _overall(name: str, title: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
-    rows: list[tuple[Entry, ...]] = []
-    for planner in _names(runs):
-        own = _of(runs, planner)
-        row: list[Entry] = [planner, number(len(own), ",d"), share(_found_share(own, checkpoints[-1]))]
-        row += [_mean_above(own, seconds) for seconds in checkpoints]
-        row += [_near_share(own, seconds) for seconds in checkpoints]
-        row += [_median_seconds(own), _median_clearance(own), _share_of_swarm(own)]
-        rows.append(tuple(row))
-    return Table(
+    of_planners = {planner: _of(runs, planner) for planner in _names(runs)}
+    return Table.of(
         name,
         f"{title}: share of runs that found a free path (by shapely); mean length above the "
         f"exact shortest path at any angle, of these, and share of runs within {NEAR:.0%} of it, by time; "
         "median seconds until then; median least distance from a blocked cell, in cells; share of runs "
         "whose last path is a swarm's, and not the path that it began around",
-        (
-            "planner", "runs", "found", *(f"above exact, {s:g} s" for s in checkpoints),
-            *(f"near, {s:g} s" for s in checkpoints), "seconds to near", "clearance", "by a swarm",
-        ),
-        rows,
-    )  # fmt: skip
+        [
+            {
+                "planner": planner,
+                "runs": number(len(own), ",d"),
+                "found": share(_found_share(own, checkpoints[-1])),
+                **{f"above exact, {seconds:g} s": _mean_above(own, seconds) for seconds in checkpoints},
+                **{f"near, {seconds:g} s": _near_share(own, seconds) for seconds in checkpoints},
+                "seconds to near": _median_seconds(own),
+                "clearance": _median_clearance(own),
+                "by a swarm": _share_of_swarm(own),
+            }
+            for planner, own in of_planners.items()
+        ],
+    )
 
 
 def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for kind in dict.fromkeys(run.kind for run in runs):
         for name in _names(runs):
             own = _of(runs, name, kind)
-            row = [kind, name, share(_found_share(own, seconds)), _mean_above(own, seconds)]
-            rows.append((*row, _near_share(own, seconds), _median_seconds(own), _median_clearance(own)))
-    return Table(
-        "planners-by-map",
-        f"The same by map, after {seconds:g} s",
-        ("map", "planner", "found", "above exact", "near", "seconds to near", "clearance"),
-        rows,
-    )
+            rows.append(
+                {
+                    "map": kind,
+                    "planner": name,
+                    "found": share(_found_share(own, seconds)),
+                    "above exact": _mean_above(own, seconds),
+                    "near": _near_share(own, seconds),
+                    "seconds to near": _median_seconds(own),
+                    "clearance": _median_clearance(own),
+                }
+            )
+    return Table.of("planners-by-map", f"The same by map, after {seconds:g} s", rows)
 
 
 def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:

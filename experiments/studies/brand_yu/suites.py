@@ -5,10 +5,8 @@ grid of 500 x 500 with one obstacle. Where start, goal and obstacle are is in fi
 not stated. Figures 8 and 9, length and time against the size of the grid, have no numbers in the text.
 """
 
-from pathlib import Path
 from typing import NamedTuple
 
-from experiments.runs.claims import claims_of
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
 
@@ -36,7 +34,6 @@ GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
 FEW, ANTS = "glowworm+fixed:26", "ant-colony(100)+fixed:50"
 SIDES = (50, 100, 200, 500, 1000, 2000)
 OPTIONS = {"encoding": "walk"}
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 STATIC = Suite(
     name="brand-yu-static",
@@ -52,7 +49,6 @@ STATIC = Suite(
         for controller, iteration in zip(GLOWWORMS, (90,) * len(GLOWWORMS), strict=True)
     ),
     tables=("brand-yu-counts", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-static"),
     figures=("brand-yu-ways",),
 )
 DYNAMIC = Suite(
@@ -65,7 +61,6 @@ DYNAMIC = Suite(
     first_seed=FRESH_SEEDS,
     options={**OPTIONS, "iterations": 1500},
     tables=("brand-yu-counts", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-dynamic"),
     figures=("brand-yu-ways",),
 )
 GRIDS = Suite(
@@ -78,7 +73,6 @@ GRIDS = Suite(
     first_seed=FRESH_SEEDS,
     options={**OPTIONS, "iterations": 600},
     tables=("brand-yu-grids", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-grids"),
     figures=("brand-yu-grids",),
 )
 

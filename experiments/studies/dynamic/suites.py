@@ -3,15 +3,11 @@
 To add a controller, enter its name in a family. All training seeds of a recipe are reported on together.
 """
 
-from pathlib import Path
-
-from experiments.runs.claims import claims_of
 from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 from swarm_gym.scenarios import expand_name
 
 NEVER_USED = 56_000  # test seeds that no earlier commit has used: 56,000 to 56,299
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 # An obstacle appears on a case, at times that nothing was tuned or trained with: it closes the corridor that
 # most runs settle in (gate), or stands in the shortest way (block).
@@ -87,7 +83,6 @@ def _suite(
         replayed=REPLAYED,
         tables=tables,
         figures=figures,
-        claims=claims_of(CLAIMS, name),
     )
 
 

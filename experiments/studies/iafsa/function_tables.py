@@ -14,9 +14,9 @@ from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import compare, holm, mean_interval, rank_sum
+from experiments.statistics import compare, holm, rank_sum
 from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, MEAN_BEST, Function
-from experiments.tables.cell import Entry, number, number_in, verdict
+from experiments.tables.cell import Entry, mean_cell, number, verdict
 from experiments.tables.table import Table
 from swarm_gym.comparing.entrants import Entrant, entrant
 
@@ -145,15 +145,11 @@ def _result_cells(compared: SwarmComparison, p_value: float) -> tuple[Entry, ...
     return (
         compared.function.label,
         number(compared.iterations, "d"),
-        *(_mean(compared.fitness[optimizer]) for optimizer in (AFSA, IAFSA)),
+        *(mean_cell(compared.fitness[optimizer], ".2g") for optimizer in (AFSA, IAFSA)),
         verdict(compared.improves),
         number(p_value, ".1g"),
         *(number(compared.evaluations[optimizer], ",.0f") for optimizer in (AFSA, IAFSA)),
     )
-
-
-def _mean(values: Floats) -> Entry:
-    return number_in(values.mean(), mean_interval(values), ".2g")
 
 
 def _published(compared: SwarmComparison, optimizer: str) -> Entry:

@@ -11,13 +11,12 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import STILL_TO_COME, Run, convergence_iteration
 from experiments.runs.suite import Suite
-from experiments.statistics import mean_interval
 from experiments.studies.iafsa.function_tables import find_entrants, function_tables, shifted_tables
 from experiments.studies.iafsa.published import AFSA, CONVERGENCE, ITERATIONS, Function
 from experiments.studies.iafsa.route_tables import route_tables
-from experiments.tables.cell import MISSING, Entry, number, number_in
+from experiments.tables.cell import mean_cell, number
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
 LENGTH = ITERATIONS[-1]  # of the runs; the IAFSA paper does not state it
 
@@ -45,20 +44,14 @@ def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for optimizer, name in names.items():
             runs = outcomes.runs(name, scenario)
             found[Function.of(scenario), optimizer] = _converged(runs, level)
-    return [
-        Table(
-            "iafsa-convergence",
-            f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
-            f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
-            "% interval], and mean evaluations until then; mean iterations until the run is below the final "
-            "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations",
-            (
-                "function", "method", "max", "min", "mean", "evaluations", "to AFSA's mean",
-                "paper max", "paper min", "paper mean",
-            ),
-            [_row(function, optimizer, one) for (function, optimizer), one in found.items()],
-        ),
-    ]  # fmt: skip
+    caption = (
+        f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
+        f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
+        "% interval], and mean evaluations until then; mean iterations until the run is below the final "
+        "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations"
+    )
+    rows = [_row(function, optimizer, one) for (function, optimizer), one in found.items()]
+    return [Table.of("iafsa-convergence", caption, rows)] if rows else []
 
 
 def iterations_to(course: Floats, level: float) -> int:
@@ -75,19 +68,21 @@ def _converged(runs: list[Run], level: float) -> Converged:
     return Converged(np.array(at, dtype=np.float64), np.array(spent), np.array(until, dtype=np.float64))
 
 
-def _row(function: Function, optimizer: str, found: Converged) -> tuple[Entry, ...]:
-    published = CONVERGENCE.get((function.key, optimizer))
-    iterations = found.iterations
-    return (
-        function.label,
-        OPTIMIZER_LABELS[optimizer],
-        number(iterations.max(), ".0f"),
-        number(iterations.min(), ".0f"),
-        number_in(iterations.mean(), mean_interval(iterations)),
-        number(found.evaluations.mean(), ",.0f"),
-        number(found.until_level.mean()),
-        *([number(value, ".0f") for value in published] if published else [MISSING] * 3),
-    )
+def _row(function: Function, optimizer: str, found: Converged) -> Row:
+    published = CONVERGENCE.get((function.key, optimizer), (None, None, None))
+    return {
+        "function": function.label,
+        "method": OPTIMIZER_LABELS[optimizer],
+        "max": number(found.iterations.max(), ".0f"),
+        "min": number(found.iterations.min(), ".0f"),
+        "mean": mean_cell(found.iterations),
+        "evaluations": number(found.evaluations.mean(), ",.0f"),
+        "to AFSA's mean": number(found.until_level.mean()),
+        **{
+            f"paper {name}": number(value, ".0f")
+            for name, value in zip(("max", "min", "mean"), published, strict=True)
+        },
+    }
 
 
 TABLES = {

@@ -4,9 +4,6 @@ To add a controller, enter its name in a family. Training seeds of a recipe, suc
 `*training_seeds("learned:three-cases", 10)`, are reported on together (see `experiments.runs.groups`).
 """
 
-from pathlib import Path
-
-from experiments.runs.claims import claims_of
 from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_LEARNED, training_seeds
 from swarm_gym.scenarios import expand_name
@@ -77,7 +74,6 @@ LOOKED_INTO = ("learned:three-cases/*@1", "open-loop:three-cases-long/*@1", "tun
 
 STUDY_TABLES = ("headline", "claims", "gaps", "differences", "front", "near-optimum", "free-paths")
 STUDY_FIGURES = ("profiles", "front", "decisions")
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 
 def _study(
@@ -99,7 +95,6 @@ def _study(
         families=families,
         tables=STUDY_TABLES,
         figures=STUDY_FIGURES,
-        claims=claims_of(CLAIMS, name),
     )
 
 
@@ -115,7 +110,6 @@ def _beside(name: str, families: tuple[ControllerFamily, ...], num_seeds: int, b
         families=families,
         tables=("headline", "claims"),
         figures=(),
-        claims=claims_of(CLAIMS, name),
     )
 
 

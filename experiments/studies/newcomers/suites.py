@@ -3,15 +3,10 @@
 The second argument of `training_seeds` is the number of tuning or training seeds that ship.
 """
 
-from pathlib import Path
-
-from experiments.runs.claims import claims_of
 from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.runs.seeds import VALIDATION
 from swarm_gym.scenarios import expand_name
-
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
@@ -96,7 +91,6 @@ NEWCOMERS = Suite(
     first_seed=NEVER_USED,
     families=CASE_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "claims"),
-    claims=claims_of(CLAIMS, "newcomers"),
     figures=("first-populations", "corridors", "front", "decisions", "profiles"),
 )
 
@@ -139,7 +133,6 @@ FIELDS = Suite(
     seed_step=1,
     families=FIELD_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "claims"),
-    claims=claims_of(CLAIMS, "newcomers-fields"),
     figures=("front", "profiles"),
 )
 
@@ -162,7 +155,6 @@ ABLATION = Suite(
     families=ABLATION_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "front", "claims"),
     figures=(),
-    claims=claims_of(CLAIMS, "newcomers-ablation"),
 )
 
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first

@@ -5,14 +5,11 @@ the optimizer's own parameters, and policies by PPO that correct one of these sc
 """
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from experiments.runs.claims import claims_of
 from experiments.runs.suite import ControllerFamily, Suite, controllers_of
 from experiments.studies.controllers import CASES, training_seeds
 
-CLAIMS = Path(__file__).parent / "claims.toml"
 NEVER_USED = 70_000  # first test seed; no earlier table has used it or those after it
 LATER_SEEDS = 71_000  # first test seed of grid maps and of policies that drive other optimizers
 TRAINING_SEEDS = 5
@@ -106,7 +103,6 @@ def _suite(
         reference=(1_000_000.0, 1.0),
         tables=("optimizers", "gains", "budgets", "areas", "claims"),
         figures=(),
-        claims=claims_of(CLAIMS, name),
     )
     return replace(standard, **changes)
 
@@ -134,7 +130,6 @@ def _transfer(
         first_seed=LATER_SEEDS,
         tables=("transfer", "one-for-all", "claims"),
         figures=(),
-        claims=claims_of(CLAIMS, name),
         **changes,
     )
 
