@@ -21,7 +21,7 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
 from experiments.tables import Table
-from experiments.tables.cell import Entry, number
+from experiments.tables.cell import number
 from swarm_gym.errors import ScenarioError
 
 MOST_RUNS = 3000  # runs that are listed one by one
@@ -216,27 +216,23 @@ def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
     """Return the table of all runs with all digits of their numbers; None if there are too many runs."""
     if outcomes.fitness.size > MOST_RUNS:
         return None
-    rows: list[tuple[Entry, ...]] = []
-    for controller in part.controllers:
-        for scenario, seeds in part.seeds.items():
-            numbers = outcomes.of(controller, scenario)
-            rows += [
-                (label(controller), scenario, number(seed, ""), *(number(value, "") for value in values))
-                for seed, *values in zip(
-                    seeds,
-                    numbers.fitness.tolist(),
-                    numbers.collision.tolist(),
-                    numbers.evaluations.astype(int).tolist(),
-                    numbers.seconds.tolist(),
-                    strict=True,
-                )
-            ]
-    return Table(
-        "runs",
-        "Every run: final fitness, degree of collision of that path, evaluations, seconds",
-        ("controller", "scenario", "seed", "final fitness", "collision", "evaluations", "seconds"),
-        rows,
-    )
+    rows = [
+        {
+            "controller": label(controller),
+            "scenario": scenario,
+            "seed": number(seed, ""),
+            "final fitness": number(float(numbers.fitness[k]), ""),
+            "collision": number(float(numbers.collision[k]), ""),
+            "evaluations": number(int(numbers.evaluations[k]), ""),
+            "seconds": number(float(numbers.seconds[k]), ""),
+        }
+        for controller in part.controllers
+        for scenario, seeds in part.seeds.items()
+        for numbers in [outcomes.of(controller, scenario)]
+        for k, seed in enumerate(seeds)
+    ]
+    caption = "Every run: final fitness, degree of collision of that path, evaluations, seconds"
+    return Table.of("runs", caption, rows)
 
 
 def _facts(part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[tuple[str, str]]:

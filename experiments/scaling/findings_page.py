@@ -15,8 +15,7 @@ from experiments.scaling.overheads import Timed
 from experiments.scaling.study import evaluations, trainings
 from experiments.speed.benchmark_page import describe, form_of
 from experiments.tables.cell import Cell, Entry, number, share
-from experiments.tables.table import Row, Table
-from swarm_gym.files import write_atomically
+from experiments.tables.table import Row, Table, write_tables_page
 
 CORES = (10, 100, 1000)
 PRICE = 0.05  # dollars for an hour of a core; a round number, to be replaced by your own
@@ -69,12 +68,9 @@ def write_page(findings: Findings, folder: Path) -> Path:
         work_table(findings),
         prediction_table(findings),
     ]
-    for table in tables:
-        table.write(folder)
     with settings():
         write_figure(draw_scaling(findings), folder, "scaling")
-    parts = ["# Scaling\n", *(table.markdown() for table in tables), "![scaling](scaling.svg)\n"]
-    return write_atomically(folder / "README.md", "\n".join(parts))
+    return write_tables_page(folder, "Scaling", tables, below=["![scaling](scaling.svg)\n"])
 
 
 def overhead_table(findings: Findings) -> Table:

@@ -132,6 +132,24 @@ class Table:
         return f'{json.dumps(facts, ensure_ascii=False)[:-1]}, "rows": [\n{rows}\n]}}\n'
 
 
+def write_tables_page(
+    folder: Path, title: str, tables: Sequence[Table], above: Sequence[str] = (), below: Sequence[str] = ()
+) -> Path:
+    """Write tables to files of their own, and a README.md that shows all of them; return the latter.
+
+    Args:
+        folder: folder of the files, made if missing.
+        title: heading of the page.
+        tables: the tables.
+        above: paragraphs between the heading and the tables, each with a line break at its end.
+        below: paragraphs after the tables.
+    """
+    for table in tables:
+        table.write(folder)
+    parts = [f"# {title}\n", *above, *(table.markdown() for table in tables), *below]
+    return write_atomically(folder / "README.md", "\n".join(parts))
+
+
 def wrapped(text: str) -> str:
     """Return a paragraph of Markdown in lines of at most `LINE` characters."""
     return textwrap.fill(text, LINE, break_long_words=False, break_on_hyphens=False)
