@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 from experiments.runs.claims import GroupClaim
 from experiments.runs.experiment import Experiment
@@ -66,6 +67,20 @@ class Suite(Experiment):
     claims: tuple[GroupClaim, ...] = ()
     yardsticks: Mapping[str, Callable[[str], float]] = field(default_factory=dict)
     replayed: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        families: tuple[ControllerFamily, ...],
+        scenarios: tuple[str, ...],
+        num_seeds: int,
+        others: tuple[str, ...] = (),
+        **fields: Any,
+    ) -> "Suite":
+        """Return a suite of the controllers of families, then others; `fields` are further attributes."""
+        controllers = (*controllers_of(families), *others)
+        return cls(name, controllers, scenarios, num_seeds, families=families, **fields)
 
     @property
     def alone(self) -> tuple[str, ...]:
