@@ -17,6 +17,7 @@ from swarm_gym.comparing.episode import iterate
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
 from swarm_gym.rendering import HEIGHTS, WIDTHS
+from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
 
 # A GIF counts hundredths of a second, and players do not show a picture for one hundredth only.
 MOST_FPS = 50
@@ -72,6 +73,26 @@ def film(env: Any, controller: Controller, seed: int) -> Iterator[Picture]:
     """Run an episode and yield the picture of every iteration, beginning with the first population."""
     for _ in iterate(env, controller, seed):
         yield env.render()
+
+
+def map_environment(optimizer: str, controller: Controller, size: tuple[int, int], **options: Any) -> Any:
+    """Return an environment whose pictures, cut by `map_of`, show the map in this size, (width, height)."""
+    around = (MARGIN + CHART_COLUMN, HEADER + FOOTER)
+    width, height = (inner + round(outer * SMALLEST_SCALE) for inner, outer in zip(size, around, strict=True))
+    return gymnasium.make(
+        environment_id(optimizer),
+        render_mode="rgb_array",
+        render_width=width,
+        render_height=height,
+        **controller.env_options(),
+        **options,
+    )
+
+
+def map_of(picture: Picture, size: tuple[int, int]) -> Picture:
+    """Return the map of a picture, (height, width, 3), without the margins around it."""
+    (width, height), top, left = size, round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
+    return picture[top : top + height, left : left + width]
 
 
 def _check(config: VideoConfig) -> None:

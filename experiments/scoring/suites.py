@@ -4,7 +4,6 @@ A packaged policy is scored by the suites whose patterns its recipe matches, on 
 it was trained on. Controllers of the study that are no policies are scored beside it.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache, cached_property
@@ -146,11 +145,8 @@ class ScoredSuite:
     @cached_property
     def entrants(self) -> tuple[str, ...]:
         """All entrants that ship: the references, then the packaged policies."""
-        return (*self.references, *self._entrants_of_policies())
-
-    def _entrants_of_policies(self) -> Iterator[str]:
-        for policy in self.policies:
-            yield from self.entrants_of(policy, packaged_manifest(policy))
+        of_policies = [self.entrants_of(policy, packaged_manifest(policy)) for policy in self.policies]
+        return (*self.references, *(entrant for several in of_policies for entrant in several))
 
 
 @cache

@@ -3,18 +3,14 @@
 from contextlib import closing
 from pathlib import Path
 
-import gymnasium
-
 from agents import make_controller
-from experiments.plots.video import film
-from experiments.plots.video_files import GifFile, Picture
-from swarm_gym.registration import environment_id
-from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
+from experiments.plots.video import film, map_environment, map_of
+from experiments.plots.video_files import GifFile
 
 # Few members: their lines are what makes a file large.
 SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:10", 0, 40
-# Size of the map in pixels, without the margins around it; pictures per second.
-WIDTH, HEIGHT, FPS = 260, 156, 8
+# Width and height of the map in pixels, without the margins around it; pictures per second.
+SIZE, FPS = (260, 156), 8
 
 
 def write_animation(optimizer: str, path: Path) -> None:
@@ -25,21 +21,7 @@ def write_animation(optimizer: str, path: Path) -> None:
         MissingExtraError: if a library of the extra `video` is missing.
     """
     controller = make_controller(CONTROLLER)
-    env = gymnasium.make(
-        environment_id(optimizer),
-        scenario=SCENARIO,
-        iterations=ITERATIONS,
-        render_mode="rgb_array",
-        render_width=WIDTH + round((MARGIN + CHART_COLUMN) * SMALLEST_SCALE),
-        render_height=HEIGHT + round((HEADER + FOOTER) * SMALLEST_SCALE),
-        **controller.env_options(),
-    )
+    env = map_environment(optimizer, controller, SIZE, scenario=SCENARIO, iterations=ITERATIONS)
     with closing(env), GifFile(path, FPS) as file:
         for picture in film(env, controller, SEED):
-            file.add(_map_of(picture))
-
-
-def _map_of(picture: Picture) -> Picture:
-    """Return the map of a picture, (HEIGHT, WIDTH, 3)."""
-    top, left = round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
-    return picture[top : top + HEIGHT, left : left + WIDTH]
+            file.add(map_of(picture, SIZE))
