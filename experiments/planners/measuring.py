@@ -61,7 +61,7 @@ def measure(
     Either all tasks have a previous path or none has; this decides which planners there are.
     Planners take turns, since the machine may be slow for a while; those without chance run once a task.
     """
-    runs = {_key(run): run for run in read(file)}
+    runs = {(run.kind, run.task, run.planner, run.seed): run for run in read(file)}
     names = ON_MAPS if tasks[0].previous is None else AFTER_EVENTS
     planners = {name: planner_of(name) for name in names}
     for planner in planners.values():
@@ -95,7 +95,3 @@ def read(file: Path) -> list[PlannerRun]:
         PlannerRun(**{**stored, "found": tuple(Valid(**one) for one in stored["found"])})
         for stored in map(json.loads, lines)
     ]
-
-
-def _key(run: PlannerRun) -> tuple[str, int, str, int]:
-    return run.kind, run.task, run.planner, run.seed

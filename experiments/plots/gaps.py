@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,7 +54,7 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
     figure, panels = _panels(outcomes)
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
         points = _draw_points(axes, outcomes, scenario_set)
-        for family, line in zip(suite.families, _family_lines(len(suite.families)), strict=True):
+        for family, line in zip(suite.families, cycle(FAMILY_LINES), strict=False):
             members = sorted(points[group] for group in family.groups if group in points)
             if len(members) > 1:
                 axes.plot(
@@ -131,11 +132,6 @@ def logarithmic_ticks(low: float, high: float) -> list[float]:
     return [
         tick for tick in MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, high) if low <= tick <= high
     ]
-
-
-def _family_lines(number: int) -> list:
-    """Return a line style for each family."""
-    return [FAMILY_LINES[k % len(FAMILY_LINES)] for k in range(number)]
 
 
 def _percent(value: float, _: int) -> str:

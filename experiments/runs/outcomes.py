@@ -95,10 +95,6 @@ class Sample:
         return float(values.mean()), interval(means(values, self.draws()))
 
 
-def _nothing_stored(controller: str, scenario: str) -> list[Any]:  # noqa: ARG001
-    return []
-
-
 @dataclass(frozen=True)
 class Outcomes:
     """Numbers of all runs of a suite, arrays (controllers, scenarios, seeds).
@@ -121,7 +117,7 @@ class Outcomes:
     collision: Floats
     evaluations: Floats
     seconds: Floats
-    load: Callable[[str, str], list[Any]] = _nothing_stored
+    load: Callable[[str, str], list[Any]] = lambda *_: []
     options: Mapping[str, Any] = field(default_factory=dict)
     alone: tuple[str, ...] = ()
 

@@ -37,6 +37,7 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         rows.append(_row(route, "shortest path", np.array([length]), route.clearance(points)))
         rows += [_grid_row(route, method) for method in route.cell_paths]
         rows += [_swarm_row(route, o, adjusted.get((route.label, o))) for o in route.runs]
+    radii = " and ".join(f"{site.radius:g} ({name}, {site.robot})" for name, site in SITES.items())
     return [
         claims_table(
             "iafsa-routes-claims",
@@ -48,7 +49,7 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             f"Tables 4 and 5. Mean length [95 % interval] of the feasible runs of {suite.num_seeds}, in "
             "metres, above the shortest path at any angle on the map inflated for the robot; against A* on "
             "that map, negative where shorter; p of Mann-Whitney's U test, two-sided, Holm-corrected over "
-            f"the table; least distance of any run from an obstacle, to be {_radii()} at least; what A* "
+            f"the table; least distance of any run from an obstacle, to be {radii} at least; what A* "
             "evaluates is cells. The paper's lengths are of other maps",
             rows,
         ),
@@ -119,7 +120,3 @@ def _claims(routes: list[Route]) -> list[Claim]:
         )
         for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
     ]
-
-
-def _radii() -> str:
-    return " and ".join(f"{site.radius:g} ({name}, {site.robot})" for name, site in SITES.items())

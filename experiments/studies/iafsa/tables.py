@@ -3,8 +3,6 @@
 The IAFSA paper states no criterion of convergence; ours is that of `experiments.runs.run`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from experiments.runs.labels import OPTIMIZER_LABELS
@@ -21,36 +19,22 @@ from experiments.tables.table import Row, Table
 LENGTH = ITERATIONS[-1]  # of the runs; the IAFSA paper does not state it
 
 
-class Converged(NamedTuple):
-    """Convergence of the runs of one optimizer on one function, (runs,) each.
-
-    Attributes:
-        iterations: iterations until a run converged.
-        evaluations: evaluations until a run converged.
-        until_level: iterations until a level is reached, all if it never is.
-    """
-
-    iterations: Floats
-    evaluations: Floats
-    until_level: Floats
-
-
 def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return iterations to convergence (table 3)."""
     names = {o: name for (o, length), name in find_entrants(suite).items() if length == LENGTH}
-    found = {}
+    rows: list[Row] = []
     for scenario in suite.scenarios:
         level = outcomes.of(names[AFSA], scenario).fitness.mean() if AFSA in names else np.nan
-        for optimizer, name in names.items():
-            runs = outcomes.runs(name, scenario)
-            found[Function.of(scenario), optimizer] = _converged(runs, level)
+        rows += [
+            _row(Function.of(scenario), optimizer, outcomes.runs(name, scenario), level)
+            for optimizer, name in names.items()
+        ]
     caption = (
         f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
         f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
         "% interval], and mean evaluations until then; mean iterations until the run is below the final "
         "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations"
     )
-    rows = [_row(function, optimizer, one) for (function, optimizer), one in found.items()]
     return [Table.of("iafsa-convergence", caption, rows)] if rows else []
 
 
@@ -60,24 +44,20 @@ def iterations_to(course: Floats, level: float) -> int:
     return int(below[0]) if below.size else len(course) - 1
 
 
-def _converged(runs: list[Run], level: float) -> Converged:
+def _row(function: Function, optimizer: str, runs: list[Run], level: float) -> Row:
+    """Return the row of runs of one optimizer on one function; `level` is the final mean of AFSA."""
     courses = [run.course("best_fitness") for run in runs]
-    at = [convergence_iteration(course) for course in courses]
-    spent = [run.course("evaluations")[k] for run, k in zip(runs, at, strict=True)]
-    until = [iterations_to(course, level) for course in courses]
-    return Converged(np.array(at, dtype=np.float64), np.array(spent), np.array(until, dtype=np.float64))
-
-
-def _row(function: Function, optimizer: str, found: Converged) -> Row:
+    iterations = np.array([convergence_iteration(course) for course in courses], dtype=np.float64)
+    spent = [run.course("evaluations")[int(k)] for run, k in zip(runs, iterations, strict=True)]
     published = CONVERGENCE.get((function.key, optimizer), (None, None, None))
     return {
         "function": function.label,
         "method": OPTIMIZER_LABELS[optimizer],
-        "max": number(found.iterations.max(), ".0f"),
-        "min": number(found.iterations.min(), ".0f"),
-        "mean": mean_cell(found.iterations),
-        "evaluations": number(found.evaluations.mean(), ",.0f"),
-        "to AFSA's mean": number(found.until_level.mean()),
+        "max": number(iterations.max(), ".0f"),
+        "min": number(iterations.min(), ".0f"),
+        "mean": mean_cell(iterations),
+        "evaluations": number(np.mean(spent), ",.0f"),
+        "to AFSA's mean": number(np.mean([iterations_to(course, level) for course in courses])),
         **{
             f"paper {name}": number(value, ".0f")
             for name, value in zip(("max", "min", "mean"), published, strict=True)
