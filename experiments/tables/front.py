@@ -77,4 +77,4 @@ def _hypervolume_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "Hypervolume of the front of a family, decades of evaluations times gap (larger is better) [95 % "
         f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}"
     )
-    return [Table.of("hypervolume", caption, rows)] if rows else []
+    return Table.if_any("hypervolume", caption, rows)

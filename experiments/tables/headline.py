@@ -47,7 +47,7 @@ def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 else _minus(mine, samples.get(rival), price, RIVAL_STREAM),
             }
         )
-    return [Table.of("headline", CAPTION, rows)] if rows else []
+    return Table.if_any("headline", CAPTION, rows)
 
 
 def price_of(group: str) -> float:

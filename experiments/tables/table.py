@@ -50,6 +50,11 @@ class Table:
             raise ValueError(f"table {name!r}: expected the columns {', '.join(first)} in every row")
         return cls(name, caption, tuple(first), [tuple(row.values()) for row in listed], scenario)
 
+    @classmethod
+    def if_any(cls, name: str, caption: str, rows: Sequence[Row]) -> list["Table"]:
+        """Return a list with the table of these rows; an empty one if there is no row."""
+        return [cls.of(name, caption, rows)] if rows else []
+
     def write(self, folder: Path) -> None:
         """Write <name>.md, <name>.tex, <name>.csv and <name>.json."""
         for suffix, text in (

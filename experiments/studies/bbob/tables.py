@@ -47,7 +47,7 @@ def group_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         }
         for optimizer, controller, name in _entrants(suite, outcomes)
     ]
-    return [Table.of("bbob-groups", caption, rows)] if rows else []
+    return Table.if_any("bbob-groups", caption, rows)
 
 
 def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -75,7 +75,7 @@ def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         }
         for optimizer, controller, name in _entrants(suite, outcomes)
     ]
-    return [Table.of("bbob-rules", caption, rows)] if rows else []
+    return Table.if_any("bbob-rules", caption, rows)
 
 
 def _entrants(suite: Suite, outcomes: Outcomes) -> Iterator[tuple[str, str, str]]:

@@ -85,7 +85,7 @@ def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: A
                 "evaluations": _quartiles(found.evaluations),
             }
         )
-    return [Table.of("recovery", CAPTION, rows)] if rows else []
+    return Table.if_any("recovery", CAPTION, rows)
 
 
 def _quartiles(values: Floats) -> Cell:

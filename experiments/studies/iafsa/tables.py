@@ -35,7 +35,7 @@ def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "% interval], and mean evaluations until then; mean iterations until the run is below the final "
         "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations"
     )
-    return [Table.of("iafsa-convergence", caption, rows)] if rows else []
+    return Table.if_any("iafsa-convergence", caption, rows)
 
 
 def iterations_to(course: Floats, level: float) -> int:

@@ -166,7 +166,7 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "pairs in which smooth is better, ties count half; shares of runs within "
         f"{100 * NEAR:.0f} % of the optimum; ratio of the mean evaluations, smooth over uniform"
     )
-    return [Table.of("newcomers-optimizers", caption, rows)] if rows else []
+    return Table.if_any("newcomers-optimizers", caption, rows)
 
 
 TABLES = {

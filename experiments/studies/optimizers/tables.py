@@ -41,7 +41,7 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             }
             cells = {head: _cell(outcomes, group, scenario_set) for head, group in groups.items()}
             rows.append({"scenarios": scenario_set, "optimizer": family.name, **cells})
-    return [Table.of("optimizers", caption, rows)] if rows else []
+    return Table.if_any("optimizers", caption, rows)
 
 
 def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -84,7 +84,7 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                     **differences,
                 }
             )
-    return [Table.of("gains", caption, rows)] if rows else []
+    return Table.if_any("gains", caption, rows)
 
 
 def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:

@@ -124,7 +124,7 @@ def _time_table(suite: Suite, outcomes: Outcomes, scenario: str) -> Table:
 
 
 def comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    """Return a table of every controller against the baseline; p-values are corrected over the table."""
+    """Return a table of every other controller against the baseline; p-values are corrected over it."""
     compared: list[tuple[str, str, Comparison, float]] = []
     for scenario in suite.scenarios:
         if suite.baseline not in outcomes.controllers:
@@ -137,15 +137,15 @@ def comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 compared.append((scenario, controller, compare(runs.fitness, baseline.fitness), cost))
     adjusted = holm([comparison.p_value for _, _, comparison, _ in compared])
     rows = [
-        (
-            scenario,
-            label(controller),
-            number(comparison.difference, "+.1f"),
-            interval_cell(comparison.interval, "+.1f"),
-            superiority_cell(comparison.superiority, comparison.difference),
-            signed_p(p_value, comparison.direction),
-            number(cost, ".2f"),
-        )
+        {
+            "scenario": scenario,
+            "controller": label(controller),
+            "difference": number(comparison.difference, "+.1f"),
+            "95 % interval": interval_cell(comparison.interval, "+.1f"),
+            "A12": superiority_cell(comparison.superiority, comparison.difference),
+            "p": signed_p(p_value, comparison.direction),
+            "evaluations ratio": number(cost, ".2f"),
+        }
         for (scenario, controller, comparison, cost), p_value in zip(compared, adjusted, strict=True)
     ]
     caption = (
@@ -153,8 +153,7 @@ def comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "final fitness (negative is better), probability of being better (A12), Wilcoxon signed-rank "
         f"p-value after Holm's correction, ratio of the mean evaluations. {SIGNS}"
     )
-    columns = ("scenario", "controller", "difference", "95 % interval", "A12", "p", "evaluations ratio")
-    return [Table("comparison", caption, columns, rows)]
+    return Table.if_any("comparison", caption, rows)
 
 
 def reproduction_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -189,7 +188,7 @@ def reproduction_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         f"{100 * MINIMUM_TOLERANCE:.0f} %, mean inside or within {100 * MEAN_TOLERANCE:.0f} % of our 95 % "
         "interval"
     )
-    return [Table.of("reproduction", caption, rows)] if rows else []
+    return Table.if_any("reproduction", caption, rows)
 
 
 def _four(sample: Summary | PublishedSample | None, of: str = "") -> Row:
