@@ -101,23 +101,31 @@ def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
 
 
 def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
-    rows: list[tuple[Entry, ...]] = []
     names = _names(runs)
-    for ours in (planner for planner in names if planner in SWARMS):
-        for rival in (planner for planner in names if planner not in SWARMS):
-            row: list[Entry] = [ours, rival]
-            for seconds in checkpoints:
-                differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
-                row.append(_signed_share(float(differences.mean()), mean_interval(differences)))
-            rows.append(tuple(row))
-    return Table(
+    return Table.of(
         name,
         "Length above the exact shortest path: a swarm's minus that of another planner after the same time, "
         f"mean over tasks [95 % interval]; a run without a path counts as {MOST:.0%} above; below 0 the "
         "swarm's paths are shorter",
-        ("swarm", "other planner", *(f"after {seconds:g} s" for seconds in checkpoints)),
-        rows,
+        [
+            {
+                "swarm": ours,
+                "other planner": rival,
+                **{f"after {s:g} s": _difference(runs, ours, rival, s) for s in checkpoints},
+            }
+            for ours in names
+            if ours in SWARMS
+            for rival in names
+            if rival not in SWARMS
+        ],
     )
+
+
+def _difference(runs: Sequence[PlannerRun], ours: str, rival: str, seconds: float) -> Cell:
+    differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
+    low, high = mean_interval(differences)
+    template = "{value:%+.1f} % [{low:%+.1f}, {high:%+.1f}]"
+    return Cell.of(template, value=float(differences.mean()), low=low, high=high)
 
 
 def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats:
@@ -126,11 +134,6 @@ def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats
     for run in _of(runs, planner):
         tasks.setdefault((run.kind, run.task), []).append(min(length_above(run, seconds), MOST))
     return np.array([np.mean(values) for values in tasks.values()])
-
-
-def _signed_share(value: float, ends: tuple[float, float]) -> Cell:
-    template = "{value:%+.1f} % [{low:%+.1f}, {high:%+.1f}]"
-    return Cell.of(template, value=value, low=ends[0], high=ends[1])
 
 
 def _found_share(runs: Sequence[PlannerRun], seconds: float) -> float:

@@ -127,13 +127,15 @@ def area_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}. "
         "A larger one covers more; what has a larger gap than the reference contributes nothing"
     )
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for family in suite.families:
-        if outcomes.groups.keys().isdisjoint(family.groups):
-            continue
-        found = [family_hypervolume(family, outcomes, name, suite.reference) for name in outcomes.sets]
-        rows.append((family.name, *(number_in(area, ends, ".3f") for area, ends in found)))
-    return [Table("areas", caption, ("optimizer", *outcomes.sets), rows)]
+        if not outcomes.groups.keys().isdisjoint(family.groups):
+            areas = {
+                name: number_in(*family_hypervolume(family, outcomes, name, suite.reference), ".3f")
+                for name in outcomes.sets
+            }
+            rows.append({"optimizer": family.name, **areas})
+    return Table.if_any("areas", caption, rows)
 
 
 def _group(family: ControllerFamily, outcomes: Outcomes, controller: str) -> str | None:
