@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
+from itertools import count
 
 from experiments.runs.database import Results
 from experiments.runs.entries import is_aside
@@ -82,13 +83,10 @@ def _leading_seeds(suite: Suite, stored: set[tuple[str, str, int]]) -> Counts:
     for controller, scenario, seed in stored:
         if scenario in firsts:
             by_pair.setdefault((controller, scenario), set()).add(seed)
-    counts = {}
-    for pair, seeds in by_pair.items():
-        first = last = firsts[pair[1]]
-        while last in seeds:
-            last += 1
-        counts[pair] = last - first
-    return counts
+    return {
+        (controller, scenario): next(k for k in count() if firsts[scenario] + k not in seeds)
+        for (controller, scenario), seeds in by_pair.items()
+    }
 
 
 def _complete_scenarios(
