@@ -51,7 +51,7 @@ class Suite(Experiment):
         reference: evaluations and gap from which hypervolumes are measured; worse points contribute nothing.
         tables: names of tables in `experiments.catalogue`.
         figures: names of figures in `experiments.catalogue`.
-        claims: comparative sentences about the suite's runs.
+        claims: comparative sentences about the suite's runs; the catalogue enters those of the study.
         yardsticks: functions by name that return a number for a set of scenarios, such as the length of A*'s
             path; claims compare with them as with controllers.
         replayed: controllers whose first runs a report replays; by default the baseline and the best one.
