@@ -108,7 +108,7 @@ PARAMETER_DRAWINGS: dict[str, Callable[[ParameterStudy, CaseRuns], Figure]] = {
 
 def _draw_quality(axes: Axes, runs: Runs, case: CaseRuns) -> None:
     values = np.array(list(runs))
-    samples = [_final_fitness(group) for group in runs.values()]
+    samples = [_values(group, "final_fitness") for group in runs.values()]
     spread = 0.15 * np.diff(values).min()
     number = max(map(len, samples))
     text = "a run" if number <= MOST_POINTS else f"a run, {MOST_POINTS} of {number}"
@@ -127,11 +127,14 @@ def _draw_quality(axes: Axes, runs: Runs, case: CaseRuns) -> None:
 def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     values, unit = list(runs), runs[study.printed]
     low, high = np.transpose(
-        [ratio_interval(_evaluations(group), _evaluations(unit)) for group in runs.values()]
+        [
+            ratio_interval(_values(group, "evaluations"), _values(unit, "evaluations"))
+            for group in runs.values()
+        ]
     )
     axes.fill_between(values, low, high, color=BLUE, alpha=2.0 * BAND, linewidth=0.0)
-    axes.plot(values, _ratios(runs, unit, _evaluations), color=BLUE, marker="o", label="our evaluations")
-    axes.plot(values, _ratios(runs, unit, _seconds), color=GREEN, linestyle="-.", marker="^",
+    axes.plot(values, _ratios(runs, unit, "evaluations"), color=BLUE, marker="o", label="our evaluations")
+    axes.plot(values, _ratios(runs, unit, "seconds"), color=GREEN, linestyle="-.", marker="^",
               label="our processor time")  # fmt: skip
     printed = {value: study.seconds[value] for value in values if value in study.seconds}
     if printed:
@@ -146,20 +149,13 @@ def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     axes.set_ylabel("ratio to the printed setting")
 
 
-def _ratios(runs: Runs, unit: list[Run], measure: Callable[[list[Run]], Floats]) -> Floats:
-    return np.array([measure(group).mean() for group in runs.values()]) / measure(unit).mean()
+def _ratios(runs: Runs, unit: list[Run], name: str) -> Floats:
+    return np.array([_values(group, name).mean() for group in runs.values()]) / _values(unit, name).mean()
 
 
-def _final_fitness(runs: list[Run]) -> Floats:
-    return np.array([run.final_fitness for run in runs])
-
-
-def _evaluations(runs: list[Run]) -> Floats:
-    return np.array([run.evaluations for run in runs], dtype=np.float64)
-
-
-def _seconds(runs: list[Run]) -> Floats:
-    return np.array([run.seconds for run in runs])
+def _values(runs: list[Run], name: str) -> Floats:
+    """Return a number of every run, by the name of its attribute."""
+    return np.array([getattr(run, name) for run in runs], dtype=np.float64)
 
 
 def _of_study(study: ParameterStudy, case: CaseRuns) -> tuple[CaseRuns, Runs]:
