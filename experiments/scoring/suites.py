@@ -174,17 +174,8 @@ def _is_reference(name: str) -> bool:
 def _scored(name: str, *recipes: str, num_seeds: int = 5, num_scenarios: int | None = None) -> ScoredSuite:
     """Return the scored part of a study's suite: the first scenarios and the first seeds."""
     whole = SUITES[name]
-    part = Experiment(
-        name,
-        whole.controllers,
-        whole.scenarios[:num_scenarios],
-        num_seeds,
-        optimizer=whole.optimizer,
-        options=whole.options,
-        first_seed=whole.first_seed,
-        seed_step=whole.seed_step,
-    )
-    return ScoredSuite(part, recipes)
+    scenarios = whole.scenarios[:num_scenarios]
+    return ScoredSuite(replace(whole, scenarios=scenarios, num_seeds=num_seeds, snapshots=()), recipes)
 
 
 SCORED: dict[str, ScoredSuite] = {
