@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from experiments.planners.all_planners import SWARMS
 from experiments.planners.measuring import NAMES, PlannerRun
 from experiments.statistics import mean_interval
-from experiments.tables.cell import MISSING, Cell, Entry, number, share
+from experiments.tables.cell import MISSING, Cell, Entry, number, share, share_in
 from experiments.tables.table import Row, Table
 
 Floats = NDArray[np.float64]
@@ -123,9 +123,7 @@ def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[fl
 
 def _difference(runs: Sequence[PlannerRun], ours: str, rival: str, seconds: float) -> Cell:
     differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
-    low, high = mean_interval(differences)
-    template = "{value:%+.1f} % [{low:%+.1f}, {high:%+.1f}]"
-    return Cell.of(template, value=float(differences.mean()), low=low, high=high)
+    return share_in(float(differences.mean()), mean_interval(differences), "+.1f")
 
 
 def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats:
