@@ -1,20 +1,19 @@
 """The tables of the MOA paper, its numbers beside ours and the true optimum."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.stats import ttest_ind
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, feasible_lengths
 from experiments.runs.suite import Suite
 from experiments.studies.moa.suites import PUBLISHED, THRESHOLDS, PublishedTask
 from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.document import document_of_suite
 from experiments.tables.table import Row, Table
 from swarm_gym.comparing.entrants import entrant
-from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario
 
@@ -55,7 +54,7 @@ def _length_rows(
     problem = make_scenario(scenario)
     assert isinstance(problem, GridScenario)
     optimum, _ = shortest_path(problem)
-    lengths = {name: _feasible_lengths(found) for name, found in runs.items()}
+    lengths = {name: feasible_lengths(found) for name, found in runs.items()}
     means = {name: own.mean() if own.size else np.nan for name, own in lengths.items()}
     reached = [name for name in runs if lengths[name].size]
     shortest = min(reached, key=means.__getitem__) if reached else None
@@ -105,11 +104,6 @@ def evaluations_to(run: Run, threshold: float) -> float:
     """
     below = np.flatnonzero(run.course("best_fitness") < threshold)
     return float(run.course("evaluations")[below[0] if below.size else -1])
-
-
-def _feasible_lengths(runs: Sequence[Run]) -> np.ndarray:
-    # The fitness of a feasible path is its length.
-    return np.array([run.final_fitness for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE])
 
 
 def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:
