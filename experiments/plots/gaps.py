@@ -64,7 +64,7 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
         _draw_steps(axes, np.array(list(points.values())))
         axes.set(title=scenario_set, xlabel="fitness evaluations, mean", ylabel="optimality gap, mean")
         axes.set(xscale="log", yscale="log")
-        _label_logarithmic(axes.xaxis, _thousands)
+        _label_logarithmic(axes.xaxis, lambda value, _: f"{value / 1000:g}k")
         _label_logarithmic(axes.yaxis, _percent)
     figure.suptitle("Quality against cost: means with 95 % intervals; both are better when smaller")
     legend_below(figure)
@@ -136,7 +136,3 @@ def logarithmic_ticks(low: float, high: float) -> list[float]:
 
 def _percent(value: float, _: int) -> str:
     return f"{100 * value:g} %"
-
-
-def _thousands(value: float, _: int) -> str:
-    return f"{value / 1000:g}k"
