@@ -4,33 +4,24 @@ Every number is the median of repeated runs, with the smallest and the largest b
 of the same call of this program.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import tyro
-from tqdm import tqdm
 
 from experiments.speed import environments, growth, moves, rendering, start, threads, training
 from experiments.speed.benchmark_page import write_page
-from experiments.speed.measurement import Measurement, Quantity, measure, measured_before, write_measurements
+from experiments.speed.measurement import (
+    BenchmarkGroup,
+    Measurement,
+    measure_all,
+    measured_before,
+    write_measurements,
+)
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.warm_up import warm_up
-
-
-@dataclass(frozen=True)
-class BenchmarkGroup:
-    """A group of the benchmark.
-
-    Attributes:
-        quantities: function that yields the quantities to measure.
-        summary: function that computes further numbers from their measurements.
-    """
-
-    quantities: Callable[[], Iterator[Quantity]]
-    summary: Callable[[list[Measurement]], list[Measurement]] = lambda _: []
-
 
 GROUPS: dict[str, BenchmarkGroup] = {
     "moves": BenchmarkGroup(moves.quantities, moves.summary),
@@ -44,24 +35,14 @@ GROUPS: dict[str, BenchmarkGroup] = {
 
 
 def measure_groups(names: Sequence[str], repeats: int) -> dict[str, list[Measurement]]:
-    """Return the measurements of groups, by their names.
-
-    Args:
-        names: names in `GROUPS`.
-        repeats: number of runs for each quantity that does not have its own.
+    """Return the measurements of groups, by their names in `GROUPS`; `measure_all` describes `repeats`.
 
     Raises:
         UnknownNameError: if there is no group of a name.
     """
     groups = {name: look_up("group", name, GROUPS) for name in names}
     warm_up()
-    plan = [(name, quantity) for name, group in groups.items() for quantity in group.quantities()]
-    measured: dict[str, list[Measurement]] = {name: [] for name in groups}
-    with tqdm(plan, unit="figure", desc="benchmark") as bar:
-        for name, quantity in bar:
-            bar.set_postfix_str(quantity.name)
-            measured[name].append(measure(quantity, repeats))
-    return {name: measured[name] + group.summary(measured[name]) for name, group in groups.items()}
+    return measure_all(groups, repeats)
 
 
 @dataclass(frozen=True)

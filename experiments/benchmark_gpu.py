@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import tyro
-from tqdm import tqdm
 
 from experiments.speed import gpu
 from experiments.speed.benchmark_page import describe, table
-from experiments.speed.measurement import measure, write_measurements
+from experiments.speed.measurement import BenchmarkGroup, measure_all, write_measurements
 from swarm_gym.command import command
 from swarm_gym.errors import SettingError
 from swarm_gym.files import write_atomically
@@ -35,22 +34,11 @@ def main() -> None:
     config = tyro.cli(GpuBenchmarkConfig, description=__doc__)
     with command():
         name = _gpu()
-        plan = list(gpu.quantities())
-        measured = []
-        with tqdm(plan, unit="figure", desc="benchmark") as bar:
-            for quantity in bar:
-                bar.set_postfix_str(quantity.name)
-                measured.append(measure(quantity, config.repeats))
-        measured += gpu.summary(measured)
-        file = config.output / "benchmark.json"
-        machine = write_measurements(file, {"gpu": measured})
+        measured = measure_all({"gpu": BenchmarkGroup(gpu.quantities, gpu.summary)}, config.repeats)
+        machine = write_measurements(config.output / "benchmark.json", measured)
         page = config.output / "README.md"
-        parts = [
-            "# Benchmark on a GPU",
-            f"{name}; {describe(machine)}",
-            table("gpu", measured, CAPTION).markdown(),
-        ]
-        write_atomically(page, "\n\n".join(parts))
+        shown = table("gpu", measured["gpu"], CAPTION).markdown()
+        write_atomically(page, f"# Benchmark on a GPU\n\n{name}; {describe(machine)}\n\n{shown}")
     print(page.read_text(encoding="utf-8"))
     print(f"written: {page}")
 

@@ -8,19 +8,23 @@ modules state what it has, all of it optional:
 * `tables.py`: TABLES, functions of a suite and its outcomes that make tables, and DOCUMENTS, which show them.
 * `figures.py`: FIGURES, functions of what is stored that tell what can be drawn. This module is imported only
   when a figure is drawn, since runs need no plotting library.
+* `claims.toml`: comparative sentences about the runs of its suites (`experiments.runs.claims`).
 
 A suite states by name which tables and figures are made of it, also those of another study.
 """
 
 import pkgutil
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from experiments import studies
+from experiments.runs.claims import load_claims
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.tables import Table
@@ -58,7 +62,21 @@ def _collect(module: str, registry: str) -> dict[str, Any]:
     return found
 
 
-SUITES: dict[str, Suite] = _collect("suites", "SUITES")
+def _suites() -> dict[str, Suite]:
+    """Return the suites of all studies, each with the claims about it.
+
+    Raises:
+        ClaimFileError: for a file of claims with an invalid entry.
+    """
+    files = sorted(Path(*studies.__path__).glob("*/claims.toml"))
+    claims = [claim for file in files for claim in load_claims(file)]
+    return {
+        name: replace(suite, claims=tuple(claim for claim in claims if claim.suite == name))
+        for name, suite in _collect("suites", "SUITES").items()
+    }
+
+
+SUITES = _suites()
 COLLECTIONS: dict[str, tuple[str, ...]] = _collect("suites", "COLLECTIONS")
 TABLES: dict[str, TableMaker] = _collect("tables", "TABLES")
 DOCUMENTS: dict[str, Document] = _collect("suites", "DOCUMENTS") | _collect("tables", "DOCUMENTS")

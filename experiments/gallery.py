@@ -5,25 +5,23 @@ either registry appear by themselves.
 """
 
 import re
+from contextlib import closing
 from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import gymnasium
-import numpy as np
 from tqdm import tqdm
 
 from agents import make_controller
+from experiments.plots.map_pictures import map_environment, map_of
 from experiments.plots.video_files import Picture, nearest, palette_of
 from swarm_gym.command import command
 from swarm_gym.comparing.entrants import iterate
 from swarm_gym.errors import SwarmGymError
 from swarm_gym.files import write_atomically
 from swarm_gym.optimizers import OPTIMIZERS
-from swarm_gym.registration import environment_id
-from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
 from swarm_gym.scenarios import FAMILIES, DynamicScenario, make_scenario
 
 DOCUMENT = Path("docs/gallery.md")
@@ -118,28 +116,18 @@ def _panel(optimizer: str, scenario: str) -> Panel:
 
 
 def _environment(panel: Panel) -> Any:
-    """Return the environment of a panel; it renders the picture with margins around the map."""
-    around = np.array([MARGIN + CHART_COLUMN, HEADER + FOOTER]) * SMALLEST_SCALE
-    return gymnasium.make(
-        environment_id(panel.optimizer),
-        scenario=panel.scenario,
-        render_mode="rgb_array",
-        render_width=WIDTH + round(around[0]),
-        render_height=HEIGHT + round(around[1]),
-        **make_controller(CONTROLLER).env_options(),
-        **panel.options,
+    controller = make_controller(CONTROLLER)
+    return map_environment(
+        panel.optimizer, controller, (WIDTH, HEIGHT), scenario=panel.scenario, **panel.options
     )
 
 
 def picture(panel: Panel) -> Picture:
     """Return the map with the swarm after the panel's iterations, (HEIGHT, WIDTH, 3)."""
-    controller, env = make_controller(CONTROLLER), _environment(panel)
-    for _ in islice(iterate(env, controller, SEED), panel.iterations + 1):
-        pass
-    rendered = env.render()
-    env.close()
-    top, left = round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
-    return rendered[top : top + HEIGHT, left : left + WIDTH]
+    with closing(_environment(panel)) as env:
+        for _ in islice(iterate(env, make_controller(CONTROLLER), SEED), panel.iterations + 1):
+            pass
+        return map_of(env.render(), (WIDTH, HEIGHT))
 
 
 def write_picture(drawn: Picture, path: Path) -> None:

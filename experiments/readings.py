@@ -17,8 +17,8 @@ from agents import make_controller
 from experiments.runs.labels import label
 from experiments.statistics import summarise
 from experiments.studies.spsfa.published import FITNESS
-from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry
+from experiments.tables.table import Row, Table
 from swarm_gym.files import write_atomically
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import TEST
@@ -53,37 +53,30 @@ class ReadingsConfig:
 
 def compare_readings(config: ReadingsConfig) -> Table:
     """Return mean and minimum of the final fitness under every reading, below those of the SPSFA paper."""
-    published = [FITNESS[config.case, controller] for controller in config.controllers]
-    rows: list[tuple[Entry, ...]] = [
-        (
-            "paper",
-            *(Cell.of("{value:.1f} ({minimum:.1f})", value=p.mean, minimum=p.minimum) for p in published),
-        )
-    ]
+    published = {controller: FITNESS[config.case, controller] for controller in config.controllers}
+    of_paper: dict[str, Entry] = {
+        label(controller): Cell.of("{value:.1f} ({minimum:.1f})", value=p.mean, minimum=p.minimum)
+        for controller, p in published.items()
+    }
+    rows: list[Row] = [{"reading": "paper", **of_paper}]
     for name, (low, high), options in tqdm(READINGS, unit="reading", desc=config.case):
         scenario = require_analytic(make_scenario(config.case))
         y = scenario.start[1]
         scenario = dataclasses.replace(scenario, initial_range=(low - y, high - y))
-        cells = []
+        cells: dict[str, Entry] = {}
         for controller in config.controllers:
             episodes = run_episodes(make_controller(controller), scenario, TEST[: config.seeds], **options)
             found = summarise(np.asarray(episodes.final_fitness))
-            cells.append(
-                Cell.of(
-                    "{value:.1f} [{low:.1f}, {high:.1f}] ({minimum:.1f})",
-                    value=found.mean,
-                    low=found.interval[0],
-                    high=found.interval[1],
-                    minimum=found.minimum,
-                )
+            cells[label(controller)] = Cell.of(
+                "{value:.1f} [{low:.1f}, {high:.1f}] ({minimum:.1f})",
+                value=found.mean,
+                low=found.interval[0],
+                high=found.interval[1],
+                minimum=found.minimum,
             )
-        rows.append((name, *cells))
-    return Table(
-        "readings",
-        f"Mean final fitness [95 % interval] (minimum) on {config.case}, {config.seeds} seeds",
-        ("reading", *map(label, config.controllers)),
-        rows,
-    )
+        rows.append({"reading": name, **cells})
+    caption = f"Mean final fitness [95 % interval] (minimum) on {config.case}, {config.seeds} seeds"
+    return Table.of("readings", caption, rows)
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ The exit status is 0 if all claims hold, and 1 if one does not, or if a submissi
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -29,6 +29,12 @@ HEADS = (
     "claimed feasible", "found feasible", "verdict",
 )  # fmt: skip
 NOTHING = "-"  # where nothing is claimed
+# The texts of numbers, by column of a score.
+FORMS: dict[str, Callable[[float], str]] = {
+    "gap": lambda share: f"{100 * share:.6f} %",
+    "evaluations": lambda number: f"{number:,.1f}",
+    "feasible": lambda share: f"{100 * share:.1f} %",
+}
 
 
 def report(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> str:
@@ -53,31 +59,14 @@ def conclusion(case: SubmittedCase, comparisons: Sequence[ScoreComparison]) -> s
     return f"{case.submission.name}: {said}, {case.num_runs} runs of {case.scored.name}{first}"
 
 
-def _cells(one: ScoreComparison) -> tuple[str, ...]:
-    claimed, found = one.claimed, one.found
-    return (
-        found.environment,
-        found.scenario_set,
-        NOTHING if claimed is None else _gap(claimed.gap),
-        _gap(found.gap),
-        NOTHING if claimed is None else _evaluations(claimed.evaluations),
-        _evaluations(found.evaluations),
-        NOTHING if claimed is None else _share(claimed.feasible),
-        _share(found.feasible),
-        NOTHING if one.verdict is None else one.verdict.value,
-    )
-
-
-def _gap(value: float) -> str:
-    return f"{100 * value:.6f} %"
-
-
-def _evaluations(value: float) -> str:
-    return f"{value:,.1f}"
-
-
-def _share(value: float) -> str:
-    return f"{100 * value:.1f} %"
+def _cells(one: ScoreComparison) -> list[str]:
+    numbers = [
+        NOTHING if row is None else form(getattr(row, name))
+        for name, form in FORMS.items()
+        for row in (one.claimed, one.found)
+    ]
+    verdict = NOTHING if one.verdict is None else one.verdict.value
+    return [one.found.environment, one.found.scenario_set, *numbers, verdict]
 
 
 @dataclass(frozen=True)

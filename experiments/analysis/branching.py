@@ -15,10 +15,9 @@ from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.statistics import paired
 from experiments.tables.cell import MISSING, Entry, number, percent, share, share_in
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table, write_tables_page
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller, Floats, Wrapper
-from swarm_gym.files import write_atomically
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.settings import Settings
@@ -136,49 +135,44 @@ def branching_tables(found: Branching) -> list[Table]:
     """Return the table of differences by window and change, and that of rank correlations."""
     where = f"{len(found.straight[0].gap)} seeds on each of {', '.join(found.scenarios)}"
     straight = outcome(found.straight)
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for ((first, end), change), branch in found.branches.items():
         changed = outcome(branch)
         differences = changed.gap - straight.gap
-        difference, ends = paired(differences)
         rows.append(
-            (
-                f"{first} to {end - 1}",
-                change,
-                share_in(difference, ends, "+.2f"),
-                share((np.abs(differences) > MOVED).mean(), ".0f"),
-                number(changed.evaluations.mean() / straight.evaluations.mean(), ".2f"),
-            )
+            {
+                "iterations": f"{first} to {end - 1}",
+                "change": change,
+                "difference": share_in(*paired(differences), "+.2f"),
+                "moved": share((np.abs(differences) > MOVED).mean(), ".0f"),
+                "evaluations ratio": number(changed.evaluations.mean() / straight.evaluations.mean(), ".2f"),
+            }
         )
-    branches = Table(
-        "branching",
+    caption = (
         f"{label(found.controller)} with one decision changed in a window of iterations: mean difference of "
         "the final gap on the same seeds [95 % bootstrap interval], runs whose gap moved by more than "
-        f"{percent(MOVED, '.0f')}, ratio of the mean evaluations; {where}",
-        ("iterations", "change", "difference", "moved", "evaluations ratio"),
-        rows,
+        f"{percent(MOVED, '.0f')}, ratio of the mean evaluations; {where}"
     )
-    return [branches, _foresight(found, where)]
+    return [Table.of("branching", caption, rows), _foresight(found, where)]
 
 
 def _foresight(found: Branching, where: str) -> Table:
     """Return rank correlations of observations before the beginning of each window with the final gap."""
     moments = [first for first, _ in WINDOWS[1:]]
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for column, feature in enumerate(make_observation(OBSERVED).features):
-        cells = [
-            _rank_correlation(w.seen[moment, :, column], w.gap) for w in found.straight for moment in moments
-        ]
-        if any(cell != MISSING for cell in cells):
-            rows.append((feature.name, *cells))
-    heads = [f"iteration {moment}, {scenario}" for scenario in found.scenarios for moment in moments]
-    return Table(
-        "foresight",
+        cells = {
+            f"iteration {moment}, {scenario}": _rank_correlation(w.seen[moment, :, column], w.gap)
+            for scenario, w in zip(found.scenarios, found.straight, strict=True)
+            for moment in moments
+        }
+        if any(cell != MISSING for cell in cells.values()):
+            rows.append({"seen": feature.name, **cells})
+    caption = (
         f"Rank correlation of what is seen before an iteration with the final gap, runs of "
-        f"{label(found.controller)}, {where}",
-        ("seen", *heads),
-        rows,
+        f"{label(found.controller)}, {where}"
     )
+    return Table.of("foresight", caption, rows)
 
 
 def _rank_correlation(seen: Floats, gap: Floats) -> Entry:
@@ -188,8 +182,5 @@ def _rank_correlation(seen: Floats, gap: Floats) -> Entry:
 
 def write_report(found: Branching, folder: Path) -> Path:
     """Write the tables as files, and a page that shows them; return the path of the page."""
-    tables = branching_tables(found)
-    for table in tables:
-        table.write(folder)
-    parts = [f"# When decisions of {label(found.controller)} matter\n", *(t.markdown() for t in tables)]
-    return write_atomically(folder / "README.md", "\n".join(parts))
+    title = f"When decisions of {label(found.controller)} matter"
+    return write_tables_page(folder, title, branching_tables(found))

@@ -13,10 +13,9 @@ from experiments.plots.style import BLUE, ORANGE, new_figure, settings, write_fi
 from experiments.runs.labels import label
 from experiments.runs.run import Floats
 from experiments.statistics import paired
-from experiments.tables.cell import MISSING, Entry, number, number_in, share, share_in
-from experiments.tables.table import Table
+from experiments.tables.cell import MISSING, number, number_in, share, share_in
+from experiments.tables.table import Row, Table, write_tables_page
 from swarm_gym.controllers.distilled import LINEAR
-from swarm_gym.files import write_atomically
 
 SIGNED = "+.2f"  # format of differences, in per cent
 SEEING = "nothing"  # taken away from the controller with all inputs
@@ -32,32 +31,33 @@ def sensitivity_tables(found: Sensitivity) -> list[Table]:
         ("without", *(_unit(decision) for decision in found.decisions)),
         [(name, *(number(change, ".3f") for change in row)) for name, row in found.changes.items()],
     )
-    seeing = share(found.seeing.gap.mean(), ".2f")
-    rows: list[tuple[Entry, ...]] = [(SEEING, seeing, MISSING, _evaluations(found.seeing), MISSING, MISSING)]
-    for name, outcome in found.masked.items():
-        gap, ends = paired(outcome.gap - found.seeing.gap)
-        gained, gained_ends = paired(outcome.returns - found.seeing.returns)
-        spent, spent_ends = paired(_relative_evaluations(found.seeing, outcome))
-        rows.append(
-            (
-                name,
-                share(outcome.gap.mean(), ".2f"),
-                share_in(gap, ends, SIGNED),
-                _evaluations(outcome),
-                share_in(spent, spent_ends, SIGNED),
-                number_in(gained, gained_ends, "+.3f"),
-            )
-        )
-    performance = Table(
+    without = {SEEING: found.seeing, **found.masked}
+    performance = Table.of(
         "sensitivity-performance",
         f"Episodes of {label(found.policy)} without an input, which is replaced by its mean course: mean "
         "gap, mean evaluations, and mean differences from the controller as it is, on the same scenarios and "
         f"seeds [95 % bootstrap interval]; of evaluations, relative to its mean on the scenario; {where}",
-        ("without", "mean gap", "difference", "mean evaluations", "difference of evaluations",
-         "difference of the return"),
-        rows,
-    )  # fmt: skip
+        [_performance(name, outcome, found.seeing) for name, outcome in without.items()],
+    )
     return [changes, performance]
+
+
+def _performance(name: str, outcome: EpisodeOutcome, seeing: EpisodeOutcome) -> Row:
+    """Return the row of episodes without an input; it has no differences if nothing was taken away."""
+    differences = {
+        "difference": share_in(*paired(outcome.gap - seeing.gap), SIGNED),
+        "difference of evaluations": share_in(*paired(_relative_evaluations(seeing, outcome)), SIGNED),
+        "difference of the return": number_in(*paired(outcome.returns - seeing.returns), "+.3f"),
+    }
+    return {
+        "without": name,
+        "mean gap": share(outcome.gap.mean(), ".2f"),
+        "difference": MISSING,
+        "mean evaluations": number(outcome.evaluations.mean(), ",.0f"),
+        "difference of evaluations": MISSING,
+        "difference of the return": MISSING,
+        **({} if name == SEEING else differences),
+    }
 
 
 def draw_sensitivity(found: Sensitivity) -> Figure:
@@ -90,19 +90,15 @@ def draw_sensitivity(found: Sensitivity) -> Figure:
 
 def write_report(found: Sensitivity, folder: Path) -> Path:
     """Write tables and figure as files, and a page that shows them; return the path of the page."""
-    tables = sensitivity_tables(found)
-    for table in tables:
-        table.write(folder)
     with settings():
         write_figure(draw_sensitivity(found), folder, "figure-sensitivity")
-    parts = [
-        f"# What {label(found.policy)} makes of its inputs\n",
+    made_by = (
         f"Made by `python -m experiments.sensitivity --policy {found.policy} "
-        f"--seeds {found.seeing.gap.shape[1]} --scenarios {' '.join(found.scenarios)}`.\n",
-        *(table.markdown() for table in tables),
-        "![sensitivity](figure-sensitivity.svg)\n",
-    ]
-    return write_atomically(folder / "README.md", "\n".join(parts))
+        f"--seeds {found.seeing.gap.shape[1]} --scenarios {' '.join(found.scenarios)}`.\n"
+    )
+    title = f"What {label(found.policy)} makes of its inputs"
+    figure = "![sensitivity](figure-sensitivity.svg)\n"
+    return write_tables_page(folder, title, sensitivity_tables(found), [made_by], [figure])
 
 
 def _relative_evaluations(seeing: EpisodeOutcome, outcome: EpisodeOutcome) -> Floats:
@@ -119,10 +115,6 @@ def _draw_differences(axes: Axes, places: NDArray, differences: list[Floats], na
     axes.plot([mean for mean, _ in found], places, "o", color=ORANGE)
     axes.axvline(0.0, color="0.3", linewidth=0.8)
     axes.set_xlabel(f"difference of\n{name}")
-
-
-def _evaluations(outcome: EpisodeOutcome) -> Entry:
-    return number(outcome.evaluations.mean(), ",.0f")
 
 
 def _unit(decision: str) -> str:

@@ -44,18 +44,15 @@ def write_function(folder: Path, algorithm: str, settings: str, groups: Sequence
         for ending, all_rows in ((".dat", False), (".tdat", True)):
             text = "".join(_rows(run, all_rows) for run in group.runs)
             write_atomically(folder / f"{stem}{ending}", text)
+        endings = [f"{run.instance}:{run.evaluations[-1]}|{run.precision[-1]:.1e}" for run in group.runs]
         lines += [
             f"suite = 'bbob', funcId = {function}, DIM = {group.dimension}, Precision = {PRECISION}, "
             f"algId = '{identifier}', logger = 'bbob', data_format = '{DATA_FORMAT}'",
             f"% {settings}",
-            ", ".join([f"{stem}.dat", *map(_ending_of, group.runs)]),
+            ", ".join([f"{stem}.dat", *endings]),
         ]
     # At last, so that it names only files that are complete.
     return write_atomically(folder / f"bbobexp_f{function}.info", "\n".join(lines) + "\n")
-
-
-def _ending_of(run: LoggedRun) -> str:
-    return f"{run.instance}:{run.evaluations[-1]}|{run.precision[-1]:.1e}"
 
 
 def _rows(run: LoggedRun, all_rows: bool) -> str:

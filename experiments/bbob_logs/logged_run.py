@@ -1,8 +1,9 @@
 """Runs on BBOB functions, as both formats of logs need them."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -10,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents import Controller, make_controller
-from swarm_gym.comparing.entrants import Entrant, iterate
+from swarm_gym.comparing.entrants import Entrant, entrant, iterate
 from swarm_gym.errors import SettingError
 from swarm_gym.registration import environment_id
 from swarm_gym.scenarios import BbobScenario, make_scenario
+from swarm_gym.scenarios.bbob.scenario import FUNCTIONS
 from swarm_gym.simulation import Simulation
 
 Floats = NDArray[np.float64]
@@ -69,67 +71,102 @@ class LoggedGroup:
 
 
 @dataclass(frozen=True)
+class BbobConfig:
+    """Options of runs on BBOB functions."""
+
+    controllers: tuple[str, ...] = ("fixed:40",)
+    """Controllers to run, e.g. fixed:40 random. The name of an optimizer may precede one with +, e.g.
+    fish-swarm+fixed:20."""
+    optimizer: str = "particle-swarm"
+    """Optimizer of controllers that name none, e.g. particle-swarm."""
+    functions: tuple[int, ...] = tuple(FUNCTIONS)
+    """Numbers of functions, 1 to 24, e.g. 1 8 15. By default all."""
+    dimensions: tuple[int, ...] = (2, 5, 10)
+    """Dimensions, 2 to 100, e.g. 2 3 5 10 20, which are those that cocopp compares."""
+    instances: tuple[int, ...] = tuple(range(1, 16))
+    """Numbers of instances, 1 to 1000, e.g. 1 2 3; a run for each. By default 1 to 15."""
+    budget: int = 1000
+    """Evaluations of a run for each dimension, e.g. 1000: then runs in 5 dimensions end after 5000. A
+    controller that was made for a budget of its own keeps that one."""
+    iterations: int | None = None
+    """Iterations of a run, e.g. 100, if the budget lasts. By default as many as the budget allows at the
+    first population size."""
+    parameters: dict[str, float] = field(default_factory=dict)
+    """Parameters of the optimizer that differ from its defaults, in units of the components where they are
+    lengths, e.g. noise 0.05."""
+    output: Path = Path("results/bbob")
+    """Folder for logs, by default results/bbob. Logs of another run that are there are not touched."""
+    seed: int = 0
+    """Seed of the run on the first instance, e.g. 0; that on the next instance has the next seed."""
+
+
+@dataclass(frozen=True)
 class LoggedExperiment:
-    """One entrant with the functions, dimensions and instances that it runs on.
+    """One entrant with the options of its runs.
 
     Attributes:
         name: name of the algorithm in the logs, such as `particle-swarm+fixed:40`.
         entrant: optimizer and controller.
-        functions: numbers of functions, 1 to 24.
-        dimensions: dimensions, 2 to 100.
-        instances: numbers of instances, 1 to 1000; a run for each.
-        budget: evaluations for each dimension, after which a run ends.
-        iterations: iterations of a run; None is as many as the budget allows at the first population size.
-        seed: seed of the run on the first instance; that on the next one has the next seed.
-        parameters: parameters of the optimizer that differ from its defaults, by name.
+        config: options of the runs; each function, dimension and instance is run once.
     """
 
     name: str
     entrant: Entrant
-    functions: tuple[int, ...]
-    dimensions: tuple[int, ...]
-    instances: tuple[int, ...]
-    budget: int
-    iterations: int | None = None
-    seed: int = 0
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    config: BbobConfig
+
+    @classmethod
+    def of(cls, controller: str, config: BbobConfig) -> "LoggedExperiment":
+        """Return the experiment of a controller, whose name may begin with an optimizer.
+
+        Raises:
+            UnknownNameError: if there is no such controller or optimizer.
+        """
+        found = entrant(controller, config.optimizer)
+        name = controller if controller != found.controller else f"{found.optimizer}+{controller}"
+        return cls(name, found, config)
 
     def run(self) -> Iterator[list[LoggedGroup]]:
         """Yield, for each function, the groups of all dimensions, once they have run."""
         controller = make_controller(self.entrant.controller)
-        for function in self.functions:
-            yield [self._group(controller, function, dimension) for dimension in self.dimensions]
+        for function in dict.fromkeys(self.config.functions):
+            dimensions = dict.fromkeys(self.config.dimensions)
+            yield [self._group(controller, function, dimension) for dimension in dimensions]
 
     @property
     def settings(self) -> str:
         """The options that decide the runs, in one line."""
-        shown: dict[str, object] = {"budget": f"{self.budget} D", "seed": self.seed, **self.parameters}
-        if self.iterations is not None:
-            shown["iterations"] = self.iterations
+        config = self.config
+        shown = {"budget": f"{config.budget} D", "seed": config.seed, **config.parameters}
+        if config.iterations is not None:
+            shown["iterations"] = config.iterations
         return ", ".join(f"{name} {value}" for name, value in shown.items())
 
     def _group(self, controller: Controller, function: int, dimension: int) -> LoggedGroup:
-        names = [f"function:bbob-{function}-{dimension}-{instance}" for instance in self.instances]
+        instances = dict.fromkeys(self.config.instances)
+        names = [f"function:bbob-{function}-{dimension}-{instance}" for instance in instances]
         env = gymnasium.make(
             environment_id(self.entrant.optimizer), **self._options(controller, names, dimension)
         )
         first = gymnasium.make(environment_id("particle-swarm"), scenario=names, iterations=1)
         runs = []
-        for k, name in enumerate(names):
-            first.reset(seed=self.seed + k, options={"scenario": name})
-            run = _run(env, controller, name, self.seed + k)
+        for seed, name in enumerate(names, self.config.seed):
+            first.reset(seed=seed, options={"scenario": name})
+            run = _run(env, controller, name, seed)
             runs.append(_with_first_evaluation(run, first.unwrapped.simulation))  # type: ignore[attr-defined]
         return LoggedGroup(function, dimension, tuple(runs))
 
     def _options(self, controller: Controller, names: Sequence[str], dimension: int) -> dict[str, Any]:
-        options: dict[str, Any] = {"max_evaluations": self.budget * dimension, **controller.env_options()}
+        options: dict[str, Any] = {
+            "max_evaluations": self.config.budget * dimension,
+            **controller.env_options(),
+        }
         enough = math.ceil(options["max_evaluations"] / controller.initial_population_size)
         return {
             "scenario": names,
-            "iterations": enough if self.iterations is None else self.iterations,
+            "iterations": enough if self.config.iterations is None else self.config.iterations,
             **options,
             **self.entrant.options,
-            **self.parameters,
+            **self.config.parameters,
         }
 
 

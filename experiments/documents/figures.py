@@ -6,12 +6,11 @@ from tqdm import tqdm
 
 from experiments.catalogue import figures
 from experiments.plots.stored import Drawings, Stored
-from experiments.plots.style import FORMATS, render, settings
+from experiments.plots.style import settings, write_figure
 from experiments.runs.database import Results
 from experiments.runs.suite import Suite
 from experiments.studies.spsfa.published import FIGURE_NUMBERS
 from swarm_gym.checks import look_up
-from swarm_gym.files import write_atomically
 
 
 def write_figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
@@ -24,10 +23,7 @@ def write_figures(suite: Suite, results: Results, folder: Path) -> list[Path]:
     written = []
     with settings():
         for name, draw in tqdm(drawings.items(), desc="figures", unit="figure"):
-            figure = draw()
-            for form in FORMATS:
-                path = folder / f"{_stem(name)}.{form}"
-                written.append(write_atomically(path, render(figure, form)))
+            written += write_figure(draw(), folder, _stem(name))
     return written
 
 

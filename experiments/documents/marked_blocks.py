@@ -66,7 +66,7 @@ def fill(document: Document, results: Path) -> Filled:
     folder = ResultsFolder(results / document.results)
     blocks = document.blocks
     if blocks is None:
-        blocks = {name: partial(_file, f"{name}.md") for name in block_names(text)}
+        blocks = {name: partial(ResultsFolder.text, name=f"{name}.md") for name in block_names(text)}
         for file in sorted(folder.path.rglob("*.svg")):
             folder.show(file.relative_to(folder.path).as_posix())
     unknown = sorted(set(block_names(text)) - set(blocks))
@@ -75,7 +75,3 @@ def fill(document: Document, results: Path) -> Filled:
     for name, make in blocks.items():
         text = replace_block(text, name, make(folder))
     return Filled(document, text, folder.shown)
-
-
-def _file(name: str, results: ResultsFolder) -> str:
-    return results.text(name)

@@ -6,8 +6,8 @@ from pathlib import Path
 from experiments.catalogue import SUITES, TABLES
 from experiments.runs.database import Results
 from experiments.runs.suite import Suite
-from experiments.tables import Table
 from experiments.tables.document import MADE_WITH
+from experiments.tables.table import Table, write_tables_page
 from swarm_gym.checks import look_up
 from swarm_gym.files import write_atomically
 
@@ -42,8 +42,6 @@ def write_page(
         folder: folder of the page, made if missing.
         made_with: provenances of the runs, written as one line; documents take it from a file of its own.
     """
-    for table in tables:
-        table.write(folder)
     pictures = [
         f"![{figure.stem.replace('-', ' ')}]({figure.name})\n"
         for figure in figures
@@ -54,14 +52,10 @@ def write_page(
     if made_with:
         said = f"{runs}, scenarios: {len(suite.scenarios)}. {describe_provenance(made_with)}"
         write_atomically(folder / MADE_WITH, said)
-    parts = [
-        f"# Suite {suite.name}: {runs}\n",
-        f"Made by `{command_of(suite)}`.\n",
-        *([describe_provenance(made_with)] if made_with else []),
-        *(table.markdown() for table in tables),
-        *pictures,
-    ]
-    return write_atomically(folder / "README.md", "\n".join(parts))
+    above = [f"Made by `{command_of(suite)}`.\n"]
+    if made_with:
+        above.append(describe_provenance(made_with))
+    return write_tables_page(folder, f"Suite {suite.name}: {runs}", tables, above, pictures)
 
 
 def write_collection_page(name: str, pages: Sequence[Path], folder: Path) -> Path:

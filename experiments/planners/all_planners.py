@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.planners.found import Found
+from experiments.planners.found import Floats, Found
 from experiments.planners.tasks import PlannerTask
 from swarm_gym.errors import MissingExtraError, NoPathError
 from swarm_gym.final_repair import final_repair
@@ -30,42 +30,40 @@ SOLVING = 0.9
 OMPL = ("RRTConnect", "RRTstar", "InformedRRTstar", "BITstar")
 
 
-def smoothed_a_star(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the path of A* on the cells, pulled tight."""
-    began = time.perf_counter()
-    path = shortest_way(task.scenario)
-    return [Found(time.perf_counter() - began, path)]
+def without_chance(find: Callable[[PlannerTask], Floats | None]) -> Planner:
+    """Return the planner of a function that returns one path, always the same, or None."""
+
+    def plan(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
+        began = time.perf_counter()
+        path = find(task)
+        return [] if path is None else [Found(time.perf_counter() - began, path)]
+
+    return plan
 
 
-def tightened_a_star(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the path of A* after the final repair of this project: what swarms begin around."""
-    began = time.perf_counter()
-    found = final_repair(GridProblem(task.scenario), shortest_way(task.scenario))
-    return [] if found is None else [Found(time.perf_counter() - began, found.path)]
+def _repaired(task: PlannerTask, path: Floats | None) -> Floats | None:
+    """Return a path after the final repair of this project; None if there is none."""
+    assert path is not None
+    found = final_repair(GridProblem(task.scenario), path)
+    return None if found is None else found.path
 
 
-def repaired_previous(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the previous path after final repair: what swarms begin around that go on from it."""
-    assert task.previous is not None
-    began = time.perf_counter()
-    found = final_repair(GridProblem(task.scenario), task.previous)
-    return [] if found is None else [Found(time.perf_counter() - began, found.path)]
-
-
-def exact(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the shortest path at any angle, on a map that has been prepared before."""
-    began = time.perf_counter()
-    _, path = shortest_path(task.scenario)
-    return [Found(time.perf_counter() - began, path)]
-
-
-def exact_prepared(task: PlannerTask, checkpoints: Sequence[float], seed: int) -> list[Found]:  # noqa: ARG001
-    """Return the shortest path at any angle; its time has the preparation of the map in it."""
+def _on_map_prepared_anew(task: PlannerTask) -> Floats:
     grid = task.scenario.map
-    began = time.perf_counter()
     start, target = grid.to_cells([task.scenario.start, task.scenario.target]).tolist()
     _, points = AnyAnglePlanner(grid.blocked).shortest_path(start, target)
-    return [Found(time.perf_counter() - began, grid.to_map(points))]
+    return grid.to_map(points)
+
+
+# By the name in the tables. Swarms begin around A*'s path after final repair, or around the previous path
+# after it. The time of the last one has the preparation of the map in it.
+DETERMINISTIC: dict[str, Planner] = {
+    "A*, smoothed": without_chance(lambda task: shortest_way(task.scenario)),
+    "A*, final repair": without_chance(lambda task: _repaired(task, shortest_way(task.scenario))),
+    "previous path, final repair": without_chance(lambda task: _repaired(task, task.previous)),
+    "exact, any angle": without_chance(lambda task: shortest_path(task.scenario)[1]),
+    "exact, any angle, map prepared anew": without_chance(_on_map_prepared_anew),
+}
 
 
 def of_ompl(name: str) -> Planner:

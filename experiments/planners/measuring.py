@@ -7,31 +7,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from experiments.planners.all_planners import (
-    OMPL,
-    SWARMS,
-    Planner,
-    exact,
-    exact_prepared,
-    of_ompl,
-    of_swarm,
-    repaired_previous,
-    smoothed_a_star,
-    tightened_a_star,
-)
+from experiments.planners.all_planners import DETERMINISTIC, OMPL, SWARMS, Planner, of_ompl, of_swarm
 from experiments.planners.found import Valid, validate
 from experiments.planners.tasks import PlannerTask
 
 SHORT = 0.05  # seconds of a run before all others, for kernels to be compiled
 
-# Planners without chance.
-DETERMINISTIC: dict[str, Planner] = {
-    "A*, smoothed": smoothed_a_star,
-    "A*, final repair": tightened_a_star,
-    "previous path, final repair": repaired_previous,
-    "exact, any angle": exact,
-    "exact, any angle, map prepared anew": exact_prepared,
-}
+
 NAMES = (*SWARMS, *(f"OMPL {name}" for name in OMPL), *DETERMINISTIC)
 GOING_ON = ("previous path, final repair", *(name for name, swarm in SWARMS.items() if swarm.goes_on))
 # Planners of tasks without and with a previous path.
@@ -79,7 +61,7 @@ def measure(
     Either all tasks have a previous path or none has; this decides which planners there are.
     Planners take turns, since the machine may be slow for a while; those without chance run once a task.
     """
-    runs = {_key(run): run for run in read(file)}
+    runs = {(run.kind, run.task, run.planner, run.seed): run for run in read(file)}
     names = ON_MAPS if tasks[0].previous is None else AFTER_EVENTS
     planners = {name: planner_of(name) for name in names}
     for planner in planners.values():
@@ -109,12 +91,7 @@ def read(file: Path) -> list[PlannerRun]:
     if not file.exists():
         return []
     lines = file.read_text(encoding="utf-8").splitlines()
-    return [_run(json.loads(line)) for line in lines]
-
-
-def _run(stored: dict) -> PlannerRun:
-    return PlannerRun(**{**stored, "found": tuple(Valid(**one) for one in stored["found"])})
-
-
-def _key(run: PlannerRun) -> tuple[str, int, str, int]:
-    return run.kind, run.task, run.planner, run.seed
+    return [
+        PlannerRun(**{**stored, "found": tuple(Valid(**one) for one in stored["found"])})
+        for stored in map(json.loads, lines)
+    ]

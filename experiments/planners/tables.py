@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from experiments.planners.all_planners import SWARMS
 from experiments.planners.measuring import NAMES, PlannerRun
 from experiments.statistics import mean_interval
-from experiments.tables import Table
-from experiments.tables.cell import MISSING, Cell, Entry, number, share
+from experiments.tables.cell import MISSING, Cell, Entry, number, share, share_in
+from experiments.tables.table import Row, Table
 
 Floats = NDArray[np.float64]
 
@@ -58,61 +58,72 @@ def _of(runs: Sequence[PlannerRun], planner: str, kind: str | None = None) -> li
 
 
 def _overall(name: str, title: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
-    rows: list[tuple[Entry, ...]] = []
-    for planner in _names(runs):
-        own = _of(runs, planner)
-        row: list[Entry] = [planner, number(len(own), ",d"), share(_found_share(own, checkpoints[-1]))]
-        row += [_mean_above(own, seconds) for seconds in checkpoints]
-        row += [_near_share(own, seconds) for seconds in checkpoints]
-        row += [_median_seconds(own), _median_clearance(own), _share_of_swarm(own)]
-        rows.append(tuple(row))
-    return Table(
+    of_planners = {planner: _of(runs, planner) for planner in _names(runs)}
+    return Table.of(
         name,
         f"{title}: share of runs that found a free path (by shapely); mean length above the "
         f"exact shortest path at any angle, of these, and share of runs within {NEAR:.0%} of it, by time; "
         "median seconds until then; median least distance from a blocked cell, in cells; share of runs "
         "whose last path is a swarm's, and not the path that it began around",
-        (
-            "planner", "runs", "found", *(f"above exact, {s:g} s" for s in checkpoints),
-            *(f"near, {s:g} s" for s in checkpoints), "seconds to near", "clearance", "by a swarm",
-        ),
-        rows,
-    )  # fmt: skip
-
-
-def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
-    rows: list[tuple[Entry, ...]] = []
-    for kind in dict.fromkeys(run.kind for run in runs):
-        for name in _names(runs):
-            own = _of(runs, name, kind)
-            row = [kind, name, share(_found_share(own, seconds)), _mean_above(own, seconds)]
-            rows.append((*row, _near_share(own, seconds), _median_seconds(own), _median_clearance(own)))
-    return Table(
-        "planners-by-map",
-        f"The same by map, after {seconds:g} s",
-        ("map", "planner", "found", "above exact", "near", "seconds to near", "clearance"),
-        rows,
+        [
+            {
+                "planner": planner,
+                "runs": number(len(own), ",d"),
+                "found": share(_found_share(own, checkpoints[-1])),
+                **{f"above exact, {seconds:g} s": _mean_above(own, seconds) for seconds in checkpoints},
+                **{f"near, {seconds:g} s": _near_share(own, seconds) for seconds in checkpoints},
+                "seconds to near": _median_seconds(own),
+                "clearance": _median_clearance(own),
+                "by a swarm": _share_of_swarm(own),
+            }
+            for planner, own in of_planners.items()
+        ],
     )
 
 
+def _by_map(runs: Sequence[PlannerRun], seconds: float) -> Table:
+    rows: list[Row] = []
+    for kind in dict.fromkeys(run.kind for run in runs):
+        for name in _names(runs):
+            own = _of(runs, name, kind)
+            rows.append(
+                {
+                    "map": kind,
+                    "planner": name,
+                    "found": share(_found_share(own, seconds)),
+                    "above exact": _mean_above(own, seconds),
+                    "near": _near_share(own, seconds),
+                    "seconds to near": _median_seconds(own),
+                    "clearance": _median_clearance(own),
+                }
+            )
+    return Table.of("planners-by-map", f"The same by map, after {seconds:g} s", rows)
+
+
 def _differences(name: str, runs: Sequence[PlannerRun], checkpoints: Sequence[float]) -> Table:
-    rows: list[tuple[Entry, ...]] = []
     names = _names(runs)
-    for ours in (planner for planner in names if planner in SWARMS):
-        for rival in (planner for planner in names if planner not in SWARMS):
-            row: list[Entry] = [ours, rival]
-            for seconds in checkpoints:
-                differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
-                row.append(_signed_share(float(differences.mean()), mean_interval(differences)))
-            rows.append(tuple(row))
-    return Table(
+    return Table.of(
         name,
         "Length above the exact shortest path: a swarm's minus that of another planner after the same time, "
         f"mean over tasks [95 % interval]; a run without a path counts as {MOST:.0%} above; below 0 the "
         "swarm's paths are shorter",
-        ("swarm", "other planner", *(f"after {seconds:g} s" for seconds in checkpoints)),
-        rows,
+        [
+            {
+                "swarm": ours,
+                "other planner": rival,
+                **{f"after {s:g} s": _difference(runs, ours, rival, s) for s in checkpoints},
+            }
+            for ours in names
+            if ours in SWARMS
+            for rival in names
+            if rival not in SWARMS
+        ],
     )
+
+
+def _difference(runs: Sequence[PlannerRun], ours: str, rival: str, seconds: float) -> Cell:
+    differences = _by_task(runs, ours, seconds) - _by_task(runs, rival, seconds)
+    return share_in(float(differences.mean()), mean_interval(differences), "+.1f")
 
 
 def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats:
@@ -121,11 +132,6 @@ def _by_task(runs: Sequence[PlannerRun], planner: str, seconds: float) -> Floats
     for run in _of(runs, planner):
         tasks.setdefault((run.kind, run.task), []).append(min(length_above(run, seconds), MOST))
     return np.array([np.mean(values) for values in tasks.values()])
-
-
-def _signed_share(value: float, ends: tuple[float, float]) -> Cell:
-    template = "{value:%+.1f} % [{low:%+.1f}, {high:%+.1f}]"
-    return Cell.of(template, value=value, low=ends[0], high=ends[1])
 
 
 def _found_share(runs: Sequence[PlannerRun], seconds: float) -> float:

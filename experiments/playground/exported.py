@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swarm_gym.compiler.simd import NUM_LANES
 from swarm_gym.controllers import make_controller
@@ -197,13 +196,11 @@ def _policy(name: str, policy: Any) -> dict[str, Any]:
         "correctedFrom": manifest["corrected_from"],
         "features": [one.name for one in make_observation(manifest["observation"]).features],
         "openLoop": loop.decisions.tolist(),
-        "layers": [
-            {kind: _floats(weights[f"{layer}.{kind}"]) for kind in ("weight", "bias")}
+        "layers": [  # four bytes for a number, the lowest byte first
+            {
+                kind: base64.b64encode(weights[f"{layer}.{kind}"].astype("<f4").tobytes()).decode()
+                for kind in ("weight", "bias")
+            }
             for layer in range(len(manifest["hidden_layers"]) + 1)
         ],
     }
-
-
-def _floats(array: NDArray[np.float32]) -> str:
-    """Return the numbers of an array in base 64, four bytes each, the lowest byte first."""
-    return base64.b64encode(array.astype("<f4").tobytes()).decode()

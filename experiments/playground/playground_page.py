@@ -51,7 +51,7 @@ def make_playground(scenarios: Sequence[str] = CASES, options: Mapping[str, Any]
     for key, name in (("schedule", data["schedule"]["name"]), ("policy", data["policy"]["name"])):
         data[key]["label"] = label(name)
     section = (
-        _templates()
+        templates(ASSETS)
         .get_template("section.html.jinja")
         .render(
             cases=[case["name"] for case in data["cases"]],
@@ -59,7 +59,7 @@ def make_playground(scenarios: Sequence[str] = CASES, options: Mapping[str, Any]
             first_size=data["schedule"]["firstSize"],
             schedule=data["schedule"]["label"],
             policy=data["policy"]["label"],
-            data=_json(data),
+            data=json_for_html(data),
         )
     )
     return Playground(Markup(_read("playground.css")), Markup(section), Markup(_script(SCRIPTS)))
@@ -85,7 +85,7 @@ def playground_page(scenarios: Sequence[str] = CASES) -> str:
     Raises:
         SettingError: for a scenario that the port lacks.
     """
-    template = _templates().get_template("page.html.jinja")
+    template = templates(ASSETS).get_template("page.html.jinja")
     return template.render(playground=make_playground(scenarios), version=swarm_gym.__version__)
 
 
@@ -103,15 +103,16 @@ def _read(name: str) -> str:
     return (ASSETS / name).read_text(encoding="utf-8")
 
 
-def _json(value: Any) -> str:
+def json_for_html(value: Any) -> str:
     """Return JSON in which no HTML parser finds the end of a script."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 @cache
-def _templates() -> Environment:
+def templates(folder: Path) -> Environment:
+    """Return the templates of a folder, in which every name must be given and texts are escaped."""
     return Environment(
-        loader=FileSystemLoader(ASSETS),
+        loader=FileSystemLoader(folder),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

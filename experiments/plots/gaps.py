@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,7 +54,7 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
     figure, panels = _panels(outcomes)
     for axes, scenario_set in zip(panels, outcomes.sets, strict=True):
         points = _draw_points(axes, outcomes, scenario_set)
-        for family, line in zip(suite.families, _family_lines(len(suite.families)), strict=True):
+        for family, line in zip(suite.families, cycle(FAMILY_LINES), strict=False):
             members = sorted(points[group] for group in family.groups if group in points)
             if len(members) > 1:
                 axes.plot(
@@ -63,7 +64,7 @@ def draw_front(suite: Suite, outcomes: Outcomes) -> Figure:
         _draw_steps(axes, np.array(list(points.values())))
         axes.set(title=scenario_set, xlabel="fitness evaluations, mean", ylabel="optimality gap, mean")
         axes.set(xscale="log", yscale="log")
-        _label_logarithmic(axes.xaxis, _thousands)
+        _label_logarithmic(axes.xaxis, lambda value, _: f"{value / 1000:g}k")
         _label_logarithmic(axes.yaxis, _percent)
     figure.suptitle("Quality against cost: means with 95 % intervals; both are better when smaller")
     legend_below(figure)
@@ -133,14 +134,5 @@ def logarithmic_ticks(low: float, high: float) -> list[float]:
     ]
 
 
-def _family_lines(number: int) -> list:
-    """Return a line style for each family."""
-    return [FAMILY_LINES[k % len(FAMILY_LINES)] for k in range(number)]
-
-
 def _percent(value: float, _: int) -> str:
     return f"{100 * value:g} %"
-
-
-def _thousands(value: float, _: int) -> str:
-    return f"{value / 1000:g}k"

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from itertools import count
 
 from experiments.runs.database import Results
 from experiments.runs.entries import is_aside
@@ -21,18 +21,6 @@ MOST_NAMED = 12  # names in a notice
 Counts = dict[tuple[str, str], int]  # number of runs by controller and scenario
 
 
-class Complete(NamedTuple):
-    """The complete part of a suite.
-
-    Attributes:
-        suite: suite with the controllers, scenarios and seeds of which all runs are stored; None if too few.
-        notices: sentences that say what is left out, and why.
-    """
-
-    suite: Suite | None
-    notices: list[str]
-
-
 def refuse_own_code(results: Results, suite: Suite) -> None:
     """Raise an error if a database has runs of controllers of own code that the user did not name.
 
@@ -47,15 +35,18 @@ def refuse_own_code(results: Results, suite: Suite) -> None:
             refuse_unless_given("controller", str(parts.controller), str(results.path))
 
 
-def complete_part(suite: Suite, results: Results) -> Complete:
+def complete_part(suite: Suite, results: Results) -> tuple[Suite | None, list[str]]:
     """Return the largest part of a suite of which no run is missing, with all controllers that are stored.
 
     Suites run seed by seed, so that the first seeds of a stopped suite are complete. Controllers with few
     runs, and scenarios that some controllers lack, are left out.
+
+    Returns:
+        The part, or None if too few runs are stored, and sentences that say what is left out, and why.
     """
     stored = results.finished()
     if not stored:
-        return Complete(None, ["The database holds no runs yet."])
+        return None, ["The database holds no runs yet."]
     present = _present(stored)
     controllers = [name for name in suite.controllers if name in present]
     controllers += sorted(present.difference(controllers))
@@ -66,9 +57,8 @@ def complete_part(suite: Suite, results: Results) -> Complete:
     while kept and not (scenarios := _complete_scenarios(suite, kept, counts, least)):
         kept.remove(min(kept, key=lambda name: sum(counts.get((name, s), 0) for s in suite.scenarios)))
     if not kept:
-        return Complete(
-            None, [f"The database holds {len(stored)} runs, but too few to compare: {_count(suite, counts)}."]
-        )
+        few = f"at most {most} seeds of a controller on a scenario, {suite.num_seeds} are asked for"
+        return None, [f"The database holds {len(stored)} runs, but too few to compare: {few}."]
     num_seeds = min(counts[name, scenario] for name in kept for scenario in scenarios)
     part = dataclasses.replace(
         suite,
@@ -78,7 +68,7 @@ def complete_part(suite: Suite, results: Results) -> Complete:
         snapshots=(),
         families=tuple(family for family in suite.families if set(family.controllers) <= set(kept)),
     )
-    return Complete(part, _notices(part, suite, controllers, counts, len(stored)))
+    return part, _notices(part, suite, controllers, counts, len(stored))
 
 
 def _present(stored: set[tuple[str, str, int]]) -> set[str]:
@@ -93,13 +83,10 @@ def _leading_seeds(suite: Suite, stored: set[tuple[str, str, int]]) -> Counts:
     for controller, scenario, seed in stored:
         if scenario in firsts:
             by_pair.setdefault((controller, scenario), set()).add(seed)
-    counts = {}
-    for pair, seeds in by_pair.items():
-        first = last = firsts[pair[1]]
-        while last in seeds:
-            last += 1
-        counts[pair] = last - first
-    return counts
+    return {
+        (controller, scenario): next(k for k in count() if firsts[scenario] + k not in seeds)
+        for (controller, scenario), seeds in by_pair.items()
+    }
 
 
 def _complete_scenarios(
@@ -134,9 +121,3 @@ def _notices(part: Suite, suite: Suite, controllers: list[str], counts: Counts, 
     if most > part.num_seeds:
         found.append(f"Every controller has {part.num_seeds} seeds on every scenario; some have {most}.")
     return found
-
-
-def _count(suite: Suite, counts: Counts) -> str:
-    """Return a phrase about the greatest number of seeds."""
-    wanted = f"{suite.num_seeds} are asked for"
-    return f"at most {max(counts.values(), default=0)} seeds of a controller on a scenario, {wanted}"

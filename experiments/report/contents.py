@@ -21,21 +21,15 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import RunKey
 from experiments.runs.suite import Suite
 from experiments.tables import Table
-from experiments.tables.cell import Entry, number
+from experiments.tables.cell import number
 from swarm_gym.errors import ScenarioError
 
 MOST_RUNS = 3000  # runs that are listed one by one
 REPLAYED_SCENARIOS = 3  # first scenarios of a suite, on which runs are replayed by default and swarms steered
 
 
-class Gaps(NamedTuple):
-    """Names of tables and figures of optimality gaps that a report adds to those of its suite."""
-
-    tables: tuple[str, ...] = ()
-    figures: tuple[str, ...] = ()
-
-
-GAPS = Gaps(("gaps", "front"), ("profiles", "front"))
+# Names of tables and figures of optimality gaps that a report adds to those of its suite.
+GAP_TABLES, GAP_FIGURES = ("gaps", "front"), ("profiles", "front")
 
 
 class Request(NamedTuple):
@@ -75,9 +69,11 @@ def make_report(request: Request, results: Results) -> Report:
         )
     outcomes = results.outcomes(part.controllers, part.seeds, part.options, part.alone)
     chosen = _chosen(request, part, outcomes)
-    gaps, without = _gaps(part, outcomes)
-    tables = make_tables(dataclasses.replace(part, tables=(*part.tables, *gaps.tables)), results)
-    figures, not_drawn = draw_all(part, results, gaps.figures) if request.figures else ([], [])
+    has_gaps, without = _has_gaps(part, outcomes)
+    further = [name for name in GAP_TABLES if has_gaps and name not in part.tables]
+    tables = make_tables(dataclasses.replace(part, tables=(*part.tables, *further)), results)
+    further = [name for name in GAP_FIGURES if has_gaps and name not in part.figures]
+    figures, not_drawn = draw_all(part, results, further) if request.figures else ([], [])
     replays, not_replayed = _replays(chosen, part, results)
     runs = _table_of_runs(part, outcomes)
     return Report(
@@ -107,18 +103,15 @@ def _number(count: int, what: str) -> str:
     return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
-def _gaps(part: Suite, outcomes: Outcomes) -> tuple[Gaps, list[str]]:
-    """Return the tables and figures of gaps to add, and notices if there are none."""
+def _has_gaps(part: Suite, outcomes: Outcomes) -> tuple[bool, list[str]]:
+    """Return whether there are tables and figures of gaps to add, and notices if optima are unknown."""
     if part.num_seeds == 1:
-        return Gaps(), []  # intervals over seeds need several
+        return False, []  # intervals over seeds need several
     try:
         outcomes.gap  # noqa: B018
     except ScenarioError as error:
-        return Gaps(), [f"Tables and figures of optimality gaps are left out: {error}."]
-    return Gaps(
-        tuple(name for name in GAPS.tables if name not in part.tables),
-        tuple(name for name in GAPS.figures if name not in part.figures),
-    ), []
+        return False, [f"Tables and figures of optimality gaps are left out: {error}."]
+    return True, []
 
 
 def _sections(part: Suite, tables: Sequence[Table], figures: Sequence[DrawnFigure]) -> list[Section]:
@@ -216,27 +209,23 @@ def _table_of_runs(part: Suite, outcomes: Outcomes) -> Table | None:
     """Return the table of all runs with all digits of their numbers; None if there are too many runs."""
     if outcomes.fitness.size > MOST_RUNS:
         return None
-    rows: list[tuple[Entry, ...]] = []
-    for controller in part.controllers:
-        for scenario, seeds in part.seeds.items():
-            numbers = outcomes.of(controller, scenario)
-            rows += [
-                (label(controller), scenario, number(seed, ""), *(number(value, "") for value in values))
-                for seed, *values in zip(
-                    seeds,
-                    numbers.fitness.tolist(),
-                    numbers.collision.tolist(),
-                    numbers.evaluations.astype(int).tolist(),
-                    numbers.seconds.tolist(),
-                    strict=True,
-                )
-            ]
-    return Table(
-        "runs",
-        "Every run: final fitness, degree of collision of that path, evaluations, seconds",
-        ("controller", "scenario", "seed", "final fitness", "collision", "evaluations", "seconds"),
-        rows,
-    )
+    rows = [
+        {
+            "controller": label(controller),
+            "scenario": scenario,
+            "seed": number(seed, ""),
+            "final fitness": number(float(numbers.fitness[k]), ""),
+            "collision": number(float(numbers.collision[k]), ""),
+            "evaluations": number(int(numbers.evaluations[k]), ""),
+            "seconds": number(float(numbers.seconds[k]), ""),
+        }
+        for controller in part.controllers
+        for scenario, seeds in part.seeds.items()
+        for numbers in [outcomes.of(controller, scenario)]
+        for k, seed in enumerate(seeds)
+    ]
+    caption = "Every run: final fitness, degree of collision of that path, evaluations, seconds"
+    return Table.of("runs", caption, rows)
 
 
 def _facts(part: Suite, made_with: Sequence[Mapping[str, str]]) -> list[tuple[str, str]]:

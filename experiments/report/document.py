@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 import swarm_gym
-from experiments.playground.playground_page import Playground
+from experiments.playground.playground_page import Playground, json_for_html, templates
 from experiments.report.drawn import DrawnFigure
 from experiments.tables.cell import Cell, Entry
 from experiments.tables.table import Table, text_columns
@@ -71,36 +70,21 @@ class Report:
 
 def to_html(report: Report) -> str:
     """Return the HTML of a report."""
-    environment = Environment(
-        loader=FileSystemLoader(ASSETS),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates(ASSETS)
     environment.filters.update(emphasised=_emphasised, sorted_by=_sorted_by, text_columns=text_columns)
     assets = {name: (ASSETS / name).read_text(encoding="utf-8") for name in ("report.css", *SCRIPTS)}
+    parts = {
+        **vars(report),
+        "replays": json_for_html(report.replays) if report.replays else "",
+        "configuration": json.dumps(report.configuration, indent=1) if report.configuration else "",
+    }
     return environment.get_template(TEMPLATE).render(
-        title=report.title,
-        lead=report.lead,
-        notices=report.notices,
-        sections=report.sections,
-        replays=_json(report.replays) if report.replays else "",
-        playground=report.playground,
-        runs=report.runs,
-        facts=report.facts,
-        commands=report.commands,
-        configuration=json.dumps(report.configuration, indent=1) if report.configuration else "",
+        parts,
         key=KEY,
         version=swarm_gym.__version__,
         css=Markup(assets["report.css"]),
         scripts=[assets[name] for name in SCRIPTS],
     )
-
-
-def _json(value: Any) -> str:
-    """Return JSON in which no HTML parser finds the end of a script."""
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 def _sorted_by(entry: Entry) -> Markup:

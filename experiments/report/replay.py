@@ -66,20 +66,21 @@ def _facts(recording: Recording) -> dict[str, Any]:
         "points": recording.are_points,
         "frames": iterations,
         "finalFitness": run.final_fitness,
-        "courses": {name: _rounded(run.course(name)[: iterations[-1] + 1]) for name in names},
+        "courses": {
+            name: [float(f"{value:.{DIGITS}g}") for value in run.course(name)[: iterations[-1] + 1]]
+            for name in names
+        },
     }
-
-
-def _rounded(course: Floats) -> list[float]:
-    """Return the values of a course with `DIGITS` digits."""
-    return [float(f"{value:.{DIGITS}g}") for value in course]
 
 
 def _populations(recording: Recording, fineness: Fineness) -> dict[str, Any]:
     """Return the populations and best paths of a recording, packed."""
     bits, points, every = fineness
     frames = recording.frames
-    paths = [_quantised(_thin(frame.paths, points)[::every], frame, bits) for frame in frames]
+    paths = [
+        _quantised(_with_points(frame.paths, min(frame.paths.shape[1], points))[::every], frame, bits)
+        for frame in frames
+    ]
     longest = min(points, max(len(frame.best_path) for frame in frames))
     best = [_quantised(_with_points(frame.best_path[None], longest), frame, bits) for frame in frames]
     varying, fixed = _columns(paths)
@@ -107,11 +108,6 @@ def _populations(recording: Recording, fineness: Fineness) -> dict[str, Any]:
         ],
         "data": base64.b64encode(packed).decode(),
     }
-
-
-def _thin(paths: Floats, most: int) -> Floats:
-    """Return paths, (m, k, 2), with at most `most` points; the first and the last point are kept."""
-    return _with_points(paths, min(paths.shape[1], most))
 
 
 def _with_points(paths: Floats, number: int) -> Floats:

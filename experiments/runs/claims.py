@@ -91,15 +91,6 @@ def load_claims(path: Path) -> tuple[GroupClaim, ...]:
     )
 
 
-def claims_of(path: Path, suite: str) -> tuple[GroupClaim, ...]:
-    """Return the claims in a file about the runs of a suite.
-
-    Raises:
-        ClaimFileError: as `load_claims`.
-    """
-    return tuple(claim for claim in load_claims(path) if claim.suite == suite)
-
-
 def _read(entry: dict[str, Any], where: str) -> list[GroupClaim]:
     known = [one.name for one in dataclasses.fields(GroupClaim)]
     if unknown := sorted(set(entry) - set(known)):

@@ -131,16 +131,9 @@ class Results:
             connection.executemany(
                 "INSERT OR IGNORE INTO snapshots VALUES (?, ?, ?, ?, ?, ?)",
                 [
-                    (
-                        run.controller,
-                        run.scenario,
-                        run.seed,
-                        s.iteration,
-                        s.paths.tobytes(),
-                        s.collisions.tobytes(),
-                    )
+                    (*_key(run), kept.iteration, kept.paths.tobytes(), kept.collisions.tobytes())
                     for run in runs
-                    for s in run.snapshots
+                    for kept in run.snapshots
                 ],
             )
 
@@ -336,12 +329,14 @@ def _read_only_uri(path: Path) -> str:
     return f"{path.resolve().as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
 
 
+def _key(run: Run) -> RunKey:
+    return run.controller, run.scenario, run.seed
+
+
 def _row(run: Run) -> tuple:
     """Return a run as a row of the table, in the order of its columns."""
     return (
-        run.controller,
-        run.scenario,
-        run.seed,
+        *_key(run),
         run.final_fitness,
         run.final_collision,
         run.evaluations,

@@ -48,16 +48,8 @@ def _spread(sample: Sample) -> Floats:
     return abs(gap - np.median(gap, axis=(0, 2), keepdims=True))
 
 
-def _offline_objective(sample: Sample, price: float) -> Floats:
-    return 100.0 * sample.find_offline_error() + sample.cost(price)
-
-
-def _convergence(run: Run) -> float:
-    return float(convergence_iteration(run.course("best_fitness")))
-
-
-def _evaluations_to_converge(run: Run) -> float:
-    return float(run.course("evaluations")[convergence_iteration(run.course("best_fitness"))])
+def _convergence(run: Run) -> int:
+    return convergence_iteration(run.course("best_fitness"))
 
 
 @cache
@@ -106,7 +98,7 @@ MEASURES: dict[str, Measure] = {
         "the offline error is the mean gap since the first event on the map, in per cent",
     ),
     "offline objective": Measure(
-        _offline_objective,
+        lambda sample, price: 100.0 * sample.find_offline_error() + sample.cost(price),
         "the offline objective is the mean gap since the first event on the map in per cent plus the price "
         "times evaluations / 100,000",
     ),
@@ -115,13 +107,13 @@ MEASURES: dict[str, Measure] = {
         "infeasible is the per cent of the best paths that are not feasible",
     ),
     "convergence": Measure(
-        lambda sample, _: sample.each(_convergence),
+        lambda sample, _: sample.each(_convergence).astype(np.float64),
         f"convergence is the iteration after which at most {STILL_TO_COME:g} of the run's whole gain is "
         "still to come",
         ".1f",
     ),
     "evaluations to converge": Measure(
-        lambda sample, _: sample.each(_evaluations_to_converge),
+        lambda sample, _: sample.each(lambda run: run.course("evaluations")[_convergence(run)]),
         "evaluations to converge are those until then",
         ",.0f",
     ),

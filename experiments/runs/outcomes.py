@@ -1,6 +1,6 @@
 """Numbers of a suite's runs as arrays, with their optimality gaps."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ import numpy as np
 from experiments.runs.changes import offline_errors
 from experiments.runs.groups import EVERY_SET, group_controllers, scenario_sets
 from experiments.runs.run import Floats
-from experiments.statistics import Draws, draw
+from experiments.statistics import Draws, Interval, draw, interval, means
 from swarm_gym.comparing.compared_runs import optima_of, refuse_unknown_optima
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import gap_to_optimum
@@ -90,9 +90,9 @@ class Sample:
         """Return the draws of bootstrap resamples; samples that are compared need different streams."""
         return draw(self.num_training_seeds, self.set_sizes, self.fitness.shape[2], stream)
 
-
-def _nothing_stored(controller: str, scenario: str) -> list[Any]:  # noqa: ARG001
-    return []
+    def mean(self, values: Floats) -> tuple[float, Interval]:
+        """Return the mean of values of the runs, shaped like `fitness`, and its 95 % interval."""
+        return float(values.mean()), interval(means(values, self.draws()))
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Outcomes:
     collision: Floats
     evaluations: Floats
     seconds: Floats
-    load: Callable[[str, str], list[Any]] = _nothing_stored
+    load: Callable[[str, str], list[Any]] = lambda *_: []
     options: Mapping[str, Any] = field(default_factory=dict)
     alone: tuple[str, ...] = ()
 
@@ -176,6 +176,12 @@ class Outcomes:
                 for controller in self.controllers
             ]
         )
+
+    def samples(self) -> Iterator[tuple[str, str, Sample]]:
+        """Yield every set to report on, every group, and the runs of the group on the set."""
+        for scenario_set in self.sets:
+            for group in self.groups:
+                yield scenario_set, group, self.sample(group, scenario_set)
 
     def sample(self, group: str, scenario_set: str) -> Sample:
         """Return the runs of a group on a set of scenarios, or on a scenario, by the keys of both."""

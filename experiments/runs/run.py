@@ -1,6 +1,6 @@
 """Records of finished runs, and measures of their convergence, trajectories and paths."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,6 +78,11 @@ def arrives(run: Run, target: Point) -> bool:
     if len(run.trajectory):
         return bool((run.trajectory[-1] == target).all())
     return run.final_collision <= FEASIBILITY_TOLERANCE
+
+
+def feasible_lengths(runs: Iterable[Run]) -> Floats:
+    """Return the lengths of the best paths that are feasible; the fitness of such a path is its length."""
+    return np.array([run.final_fitness for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE])
 
 
 def turning_of(path: Floats) -> float:

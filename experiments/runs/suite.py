@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 from experiments.runs.claims import GroupClaim
 from experiments.runs.experiment import Experiment
@@ -50,7 +51,7 @@ class Suite(Experiment):
         reference: evaluations and gap from which hypervolumes are measured; worse points contribute nothing.
         tables: names of tables in `experiments.catalogue`.
         figures: names of figures in `experiments.catalogue`.
-        claims: comparative sentences about the suite's runs.
+        claims: comparative sentences about the suite's runs; the catalogue enters those of the study.
         yardsticks: functions by name that return a number for a set of scenarios, such as the length of A*'s
             path; claims compare with them as with controllers.
         replayed: controllers whose first runs a report replays; by default the baseline and the best one.
@@ -66,6 +67,20 @@ class Suite(Experiment):
     claims: tuple[GroupClaim, ...] = ()
     yardsticks: Mapping[str, Callable[[str], float]] = field(default_factory=dict)
     replayed: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        families: tuple[ControllerFamily, ...],
+        scenarios: tuple[str, ...],
+        num_seeds: int,
+        others: tuple[str, ...] = (),
+        **fields: Any,
+    ) -> "Suite":
+        """Return a suite of the controllers of families, then others; `fields` are further attributes."""
+        controllers = (*controllers_of(families), *others)
+        return cls(name, controllers, scenarios, num_seeds, families=families, **fields)
 
     @property
     def alone(self) -> tuple[str, ...]:

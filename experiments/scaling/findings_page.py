@@ -14,9 +14,8 @@ from experiments.scaling.model import Overheads, Work, predict
 from experiments.scaling.overheads import Timed
 from experiments.scaling.study import evaluations, trainings
 from experiments.speed.benchmark_page import describe, form_of
-from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry, number, share
-from swarm_gym.files import write_atomically
+from experiments.tables.table import Row, Table, write_tables_page
 
 CORES = (10, 100, 1000)
 PRICE = 0.05  # dollars for an hour of a core; a round number, to be replaced by your own
@@ -69,37 +68,33 @@ def write_page(findings: Findings, folder: Path) -> Path:
         work_table(findings),
         prediction_table(findings),
     ]
-    for table in tables:
-        table.write(folder)
     with settings():
         write_figure(draw_scaling(findings), folder, "scaling")
-    parts = ["# Scaling\n", *(table.markdown() for table in tables), "![scaling](scaling.svg)\n"]
-    return write_atomically(folder / "README.md", "\n".join(parts))
+    return write_tables_page(folder, "Scaling", tables, below=["![scaling](scaling.svg)\n"])
 
 
 def overhead_table(findings: Findings) -> Table:
     """Return the table that compares backends with the same work."""
-    rows: list[tuple[Entry, ...]] = []
-    for backend in dict.fromkeys(timed.backend for timed in findings.backends):
-        rounds = [timed for timed in findings.backends if timed.backend == backend]
+    names = list(dict.fromkeys(timed.backend for timed in findings.backends))
+    by_name = {name: [timed for timed in findings.backends if timed.backend == name] for name in names}
+    rows: list[Row] = []
+    for name, rounds in by_name.items():
         overheads = [timed.overhead for timed in rounds]
         rows.append(
-            (
-                backend,
-                number(rounds[0].workers, "d"),
-                number(sum(timed.units for timed in rounds), ","),
-                number(sum(timed.wall for timed in rounds)),
-                number(sum(timed.ideal for timed in rounds)),
-                share(overhead_of(rounds)),
-                Cell.of("{low:%.1f} % to {high:%.1f} %", low=min(overheads), high=max(overheads)),
-            )
+            {
+                "backend": name,
+                "workers": number(rounds[0].workers, "d"),
+                "units": number(sum(timed.units for timed in rounds), ","),
+                "wall, s": number(sum(timed.wall for timed in rounds)),
+                "ideal, s": number(sum(timed.ideal for timed in rounds)),
+                "overhead": share(overhead_of(rounds)),
+                f"of {len(by_name[names[-1]])} rounds": Cell.of(
+                    "{low:%.1f} % to {high:%.1f} %", low=min(overheads), high=max(overheads)
+                ),
+            }
         )
-    return Table(
-        "overhead",
-        f"Units of {findings.backends[0].seconds:g} s that compute, on {describe(findings.machine)}",
-        ("backend", "workers", "units", "wall, s", "ideal, s", "overhead", f"of {len(rounds)} rounds"),
-        rows,
-    )
+    caption = f"Units of {findings.backends[0].seconds:g} s that compute, on {describe(findings.machine)}"
+    return Table.of("overhead", caption, rows)
 
 
 def overhead_of(rounds: Sequence[Timed]) -> float:
@@ -109,26 +104,24 @@ def overhead_of(rounds: Sequence[Timed]) -> float:
 
 def nodes_table(findings: Findings) -> Table:
     """Return the table of logical nodes, measured and predicted by the model."""
-    rows: list[tuple[Entry, ...]] = []
-    for timed in findings.nodes:
-        work = Work(timed.units, timed.seconds, timed.seconds)
-        started = replace(findings.overheads, start=0.0)
-        rows.append(
-            (
-                timed.backend,
-                timed.work,
-                number(timed.units, ","),
-                number(timed.wall),
-                number(timed.ideal),
-                share(timed.overhead),
-                number(predict(work, started, timed.workers).seconds),
-            )
-        )
-    return Table(
+    started = replace(findings.overheads, start=0.0)
+    return Table.of(
         "nodes",
         f"Logical nodes on one machine, units of {findings.nodes[0].seconds:g} s",
-        ("nodes, processors of each", "units", "how many", "wall, s", "ideal, s", "overhead", "model, s"),
-        rows,
+        [
+            {
+                "nodes, processors of each": timed.backend,
+                "units": timed.work,
+                "how many": number(timed.units, ","),
+                "wall, s": number(timed.wall),
+                "ideal, s": number(timed.ideal),
+                "overhead": share(timed.overhead),
+                "model, s": number(
+                    predict(Work(timed.units, timed.seconds, timed.seconds), started, timed.workers).seconds
+                ),
+            }
+            for timed in findings.nodes
+        ],
     )
 
 
@@ -176,31 +169,25 @@ def work_table(findings: Findings) -> Table:
 
 def prediction_table(findings: Findings) -> Table:
     """Return the table of predicted wall time and cost on clusters."""
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for name, work_on in _works(findings).items():
         for cores in CORES:
             work = work_on(cores)
             found = predict(work, findings.overheads, cores)
             hours = cores * found.seconds / 3600
             rows.append(
-                (
-                    name,
-                    number(cores, ","),
-                    number(work.units, ","),
-                    Cell.of(_duration(found.seconds), value=found.seconds),
-                    found.bottleneck,
-                    number(hours, ",.1f"),
-                    number(work.units * work.seconds / 3600, ",.1f"),
-                    number(PRICE * hours, ",.2f"),
-                )
+                {
+                    "work": name,
+                    "cores": number(cores, ","),
+                    "units": number(work.units, ","),
+                    "wall time": Cell.of(_duration(found.seconds), value=found.seconds),
+                    "bound by": found.bottleneck,
+                    "core hours": number(hours, ",.1f"),
+                    "of which work": number(work.units * work.seconds / 3600, ",.1f"),
+                    f"dollars, at {PRICE:g} for an hour": number(PRICE * hours, ",.2f"),
+                }
             )
-    dollars = f"dollars, at {PRICE:g} for an hour"
-    return Table(
-        "prediction",
-        "Predicted: at most so long, and what bounds it",
-        ("work", "cores", "units", "wall time", "bound by", "core hours", "of which work", dollars),
-        rows,
-    )
+    return Table.of("prediction", "Predicted: at most so long, and what bounds it", rows)
 
 
 def draw_scaling(findings: Findings) -> Figure:

@@ -6,9 +6,9 @@ from experiments.runs.labels import label
 from experiments.scoring.files import SCORES, ScoreFileError, read_scores, scores_file
 from experiments.scoring.score import ScoreRow, mean
 from experiments.scoring.suites import PRICE, SCORED, get_scored
-from experiments.tables.cell import Entry, number, share
+from experiments.tables.cell import number, share
 from experiments.tables.document import ResultsFolder
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
 DIGITS = 8  # of a digest
 SUITES_BLOCK = "suites"
@@ -25,59 +25,51 @@ def ranking(suite: str, scores: Sequence[ScoreRow]) -> Table:
     for row in scores:
         by_entrant.setdefault(row.controller, []).append(row)
     ranked = sorted(by_entrant.items(), key=lambda item: (_objective(item[1]), item[0]))
-    rows: list[tuple[Entry, ...]] = [
-        (
-            number(place, "d"),
-            label(name),
-            number(sum(len(row.fitness_of_runs) for row in found), "d"),
-            share(_mean(found, "gap"), ".2f"),
-            number(_mean(found, "evaluations"), ",.0f"),
-            number(_objective(found), ".3f"),
-            share(_mean(found, "feasible")),
-            found[0].digest[:DIGITS],
-        )
-        for place, (name, found) in enumerate(ranked, 1)
-    ]
-    return Table(
+    return Table.of(
         suite,
         f"Suite {suite}: controllers by objective, the mean gap in per cent plus {PRICE:g} for 100,000 "
         "evaluations; gaps are those at the end of the runs, means are over all runs",
-        (
-            "place", "controller", "runs", "mean gap", "evaluations", "objective", "feasible", "digest",
-        ),
-        rows,
-    )  # fmt: skip
+        [
+            {
+                "place": number(place, "d"),
+                "controller": label(name),
+                "runs": number(sum(len(row.fitness_of_runs) for row in found), "d"),
+                "mean gap": share(_mean(found, "gap"), ".2f"),
+                "evaluations": number(_mean(found, "evaluations"), ",.0f"),
+                "objective": number(_objective(found), ".3f"),
+                "feasible": share(_mean(found, "feasible")),
+                "digest": found[0].digest[:DIGITS],
+            }
+            for place, (name, found) in enumerate(ranked, 1)
+        ],
+    )
 
 
 def suites_table() -> Table:
     """Return the table of scored suites: environments, scenarios and seeds."""
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for name, scored in SCORED.items():
-        experiment, sets = scored.experiment, scored.sets
-        seeds = sorted({seed for chosen in sets.values() for _, seed in chosen.runs})
+        experiment = scored.experiment
+        seeds = sorted({seed for chosen in scored.sets.values() for _, seed in chosen.runs})
+        options = [f"{key}={value}" for key, value in sorted(experiment.options.items())]
         rows.append(
-            (
-                name,
-                ", ".join(scored.optimizers),
-                " ".join(f"{key}={value}" for key, value in sorted(experiment.options.items())) or "none",
-                ", ".join(sets),
-                number(len(experiment.scenarios), "d"),
-                f"{seeds[0]:,}" if len(seeds) == 1 else f"{seeds[0]:,} to {seeds[-1]:,}",
-                number(experiment.num_seeds, "d"),
-                number(len(scored.policies), "d"),
-                number(len(scored.references), "d"),
-            )
+            {
+                "suite": name,
+                "optimizers": ", ".join(scored.optimizers),
+                "options": " ".join(options) or "none",
+                "sets of scenarios": ", ".join(scored.sets),
+                "scenarios": number(len(experiment.scenarios), "d"),
+                "seeds": f"{seeds[0]:,}" if len(seeds) == 1 else f"{seeds[0]:,} to {seeds[-1]:,}",
+                "seeds each": number(experiment.num_seeds, "d"),
+                "policies": number(len(scored.policies), "d"),
+                "others": number(len(scored.references), "d"),
+            }
         )
-    return Table(
-        SUITES_BLOCK,
+    caption = (
         "Suites: optimizers and options of the environments, scenarios, seeds in all and for each scenario, "
-        "packaged policies, and controllers beside them",
-        (
-            "suite", "optimizers", "options", "sets of scenarios", "scenarios", "seeds", "seeds each",
-            "policies", "others",
-        ),
-        rows,
-    )  # fmt: skip
+        "packaged policies, and controllers beside them"
+    )
+    return Table.of(SUITES_BLOCK, caption, rows)
 
 
 def ranking_block(suite: str, results: ResultsFolder) -> str:  # noqa: ARG001

@@ -111,23 +111,19 @@ def mean(values: Sequence[float]) -> float:
 
 
 def _row(name: str, digest: str, scored: ScoredSuite, chosen: ScoredSet, outcomes: Outcomes) -> ScoreRow:
-    fitness: list[float] = []
-    evaluations: list[int] = []
-    feasible: list[bool] = []
-    gaps: list[float] = []
-    for scenario in chosen.scenarios:
-        found = outcomes.of(name, scenario)
-        fitness += found.fitness.tolist()
-        evaluations += map(int, found.evaluations)
-        feasible += (found.collision <= FEASIBILITY_TOLERANCE).tolist()
-        gaps += gap_to_optimum(found.fitness, scored.optima[scenario]).tolist()
+    found = [outcomes.of(name, scenario) for scenario in chosen.scenarios]
+    optima = [scored.optima[scenario] for scenario in chosen.scenarios]
+    fitness = np.concatenate([one.fitness for one in found]).tolist()
+    evaluations = np.concatenate([one.evaluations for one in found]).astype(int).tolist()
+    feasible = np.concatenate([one.collision <= FEASIBILITY_TOLERANCE for one in found]).tolist()
+    gaps = [gap_to_optimum(one.fitness, optimum) for one, optimum in zip(found, optima, strict=True)]
     return ScoreRow(
         controller=name,
         environment=scored.environment(entrant(name, scored.experiment.optimizer).optimizer),
         scenario_set=chosen.name,
         first_seed=chosen.first_seed,
         num_seeds=chosen.num_seeds,
-        gap=mean(gaps),
+        gap=mean(np.concatenate(gaps).tolist()),
         evaluations=mean(evaluations),
         feasible=mean(feasible),
         digest=digest,

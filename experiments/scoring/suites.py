@@ -4,7 +4,6 @@ A packaged policy is scored by the suites whose patterns its recipe matches, on 
 it was trained on. Controllers of the study that are no policies are scored beside it.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cache, cached_property
@@ -145,11 +144,8 @@ class ScoredSuite:
     @cached_property
     def entrants(self) -> tuple[str, ...]:
         """All entrants that ship: the references, then the packaged policies."""
-        return (*self.references, *self._entrants_of_policies())
-
-    def _entrants_of_policies(self) -> Iterator[str]:
-        for policy in self.policies:
-            yield from self.entrants_of(policy, packaged_manifest(policy))
+        of_policies = [self.entrants_of(policy, packaged_manifest(policy)) for policy in self.policies]
+        return (*self.references, *(entrant for several in of_policies for entrant in several))
 
 
 @cache
@@ -177,17 +173,8 @@ def _is_reference(name: str) -> bool:
 def _scored(name: str, *recipes: str, num_seeds: int = 5, num_scenarios: int | None = None) -> ScoredSuite:
     """Return the scored part of a study's suite: the first scenarios and the first seeds."""
     whole = SUITES[name]
-    part = Experiment(
-        name,
-        whole.controllers,
-        whole.scenarios[:num_scenarios],
-        num_seeds,
-        optimizer=whole.optimizer,
-        options=whole.options,
-        first_seed=whole.first_seed,
-        seed_step=whole.seed_step,
-    )
-    return ScoredSuite(part, recipes)
+    scenarios = whole.scenarios[:num_scenarios]
+    return ScoredSuite(replace(whole, scenarios=scenarios, num_seeds=num_seeds, snapshots=()), recipes)
 
 
 SCORED: dict[str, ScoredSuite] = {

@@ -6,7 +6,6 @@ how many links it checked, and every broken one.
 
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -24,36 +23,26 @@ class BrokenLinksError(ValueError):
     """A built site with broken links; the message lists them."""
 
 
-@dataclass
-class LinkedPage:
-    """The links of a page, and the anchors that others can lead to.
+class LinkedPage(HTMLParser):
+    """The links of an HTML page, and the anchors that others can lead to.
 
     Attributes:
         links: targets as they stand in the page.
         anchors: ids of elements, and names of `a` elements.
     """
 
-    links: list[str] = field(default_factory=list)
-    anchors: set[str] = field(default_factory=set)
-
-
-class _Reader(HTMLParser):
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
         super().__init__()
-        self.page = LinkedPage()
+        self.links: list[str] = []
+        self.anchors: set[str] = set()
+        self.feed(text)
+        self.close()
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Add the links and anchors of an element."""
         given = {name: value or "" for name, value in attrs}
-        self.page.links += [given[name] for name in LINKS.get(tag, ()) if given.get(name)]
-        self.page.anchors |= {given[name] for name in ("id", "name") if given.get(name)}
-
-
-def read_page(text: str) -> LinkedPage:
-    """Return the links and anchors of an HTML page."""
-    reader = _Reader()
-    reader.feed(text)
-    reader.close()
-    return reader.page
+        self.links += [given[name] for name in LINKS.get(tag, ()) if given.get(name)]
+        self.anchors |= {given[name] for name in ("id", "name") if given.get(name)}
 
 
 def check_links(site: Path) -> int:
@@ -63,7 +52,7 @@ def check_links(site: Path) -> int:
         BrokenLinksError: if some do not, or there is no page.
     """
     pages = {
-        path.resolve(): read_page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))
+        path.resolve(): LinkedPage(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))
     }
     if not pages:
         raise BrokenLinksError(f"{site}: expected a built site, found no HTML page; run `make docs`")
@@ -91,6 +80,7 @@ def _is_internal(link: str) -> bool:
 def _faults(link: str, path: Path, pages: dict[Path, LinkedPage], site: Path) -> Iterator[str]:
     """Yield what is wrong with a link of the page at a path."""
     parts = urlsplit(link)
+    names = {parts.fragment, unquote(parts.fragment)}
     target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
     if target.is_dir():
         target /= "index.html"
@@ -98,12 +88,8 @@ def _faults(link: str, path: Path, pages: dict[Path, LinkedPage], site: Path) ->
         yield f"{link} leads out of the site"
     elif not target.is_file():
         yield f"{link} leads to no file"
-    elif parts.fragment and target in pages and not _has(pages[target], parts.fragment):
+    elif parts.fragment and target in pages and not names & pages[target].anchors:
         yield f"{link} leads to no element of that page"
-
-
-def _has(page: LinkedPage, fragment: str) -> bool:
-    return fragment in page.anchors or unquote(fragment) in page.anchors
 
 
 def main() -> None:

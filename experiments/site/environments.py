@@ -15,7 +15,7 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 from swarm_gym.kinds import KINDS
 from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reset_options import RESET_OPTIONS
@@ -169,9 +169,10 @@ def environment_page(optimizer: str, animated_on: str, controller: str, scores: 
 def index_page() -> str:
     """Return the page that lists all environments."""
     rows = [
-        (f"[`{environment_id(name)}`]({name}.md)", first_sentence(get_optimizer(name))) for name in OPTIMIZERS
+        (f"[`{environment_id(name)}`]({name}.md)", first_sentence(get_optimizer(name)))
+        for name in ALL_OPTIMIZERS
     ]
-    pages = "\n".join(OPTIMIZERS)
+    pages = "\n".join(ALL_OPTIMIZERS)
     return f"""\
 # Environments
 

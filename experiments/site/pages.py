@@ -9,10 +9,9 @@ import re
 from contextlib import closing
 from pathlib import Path
 
-import gymnasium
-
 from agents import make_controller
-from experiments.plots.video_files import GifFile, Picture
+from experiments.plots.map_pictures import map_environment, map_of
+from experiments.plots.video_files import GifFile
 from experiments.site import reference
 from experiments.site.commands import commands_page
 from experiments.site.environments import environment_page, index_page
@@ -20,16 +19,14 @@ from experiments.site.reference import reference_pages
 from experiments.site.registries import REGISTRIES
 from experiments.video import film
 from swarm_gym.files import write_atomically
-from swarm_gym.optimizers import OPTIMIZERS
-from swarm_gym.registration import environment_id
-from swarm_gym.rendering.pen import CHART_COLUMN, FOOTER, HEADER, MARGIN, SMALLEST_SCALE
+from swarm_gym.optimizers import ALL_OPTIMIZERS, SPECIAL_OPTIMIZERS
 
 ENVIRONMENTS, REFERENCE = "environments", "reference"
 
 # Few members: their lines are what makes a file large.
 SCENARIO, CONTROLLER, SEED, ITERATIONS = "case2", "fixed:10", 0, 40
-# Size of the map in pixels, without the margins around it; pictures per second.
-WIDTH, HEIGHT, FPS = 260, 156, 8
+# Width and height of the map in pixels, without the margins around it; pictures per second.
+SIZE, FPS = (260, 156), 8
 
 # By document outside of `docs`, its page on the site. The README has the role of the first page.
 PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
@@ -73,7 +70,7 @@ def generated_pages(root: Path) -> dict[str, str]:
         f"{ENVIRONMENTS}/{name}.md": environment_page(
             name, SCENARIO, CONTROLLER, scores if scores.is_dir() else None
         )
-        for name in OPTIMIZERS
+        for name in ALL_OPTIMIZERS
     }
     pages[f"{ENVIRONMENTS}/index.md"] = index_page()
     modules = reference_pages()
@@ -104,7 +101,7 @@ def write_pages(docs: Path) -> None:
         path = docs / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             write_atomically(path, text)
-    for name in OPTIMIZERS:
+    for name in ALL_OPTIMIZERS:
         write_animation(name, docs / ENVIRONMENTS / "animations" / f"{name}.gif")
 
 
@@ -156,21 +153,8 @@ def write_animation(optimizer: str, path: Path) -> None:
         MissingExtraError: if a library of the extra `video` is missing.
     """
     controller = make_controller(CONTROLLER)
-    env = gymnasium.make(
-        environment_id(optimizer),
-        scenario=SCENARIO,
-        iterations=ITERATIONS,
-        render_mode="rgb_array",
-        render_width=WIDTH + round((MARGIN + CHART_COLUMN) * SMALLEST_SCALE),
-        render_height=HEIGHT + round((HEADER + FOOTER) * SMALLEST_SCALE),
-        **controller.env_options(),
-    )
+    options = {} if optimizer in SPECIAL_OPTIMIZERS else {"scenario": SCENARIO}
+    env = map_environment(optimizer, controller, SIZE, iterations=ITERATIONS, **options)
     with closing(env), GifFile(path, FPS) as file:
         for picture in film(env, controller, SEED):
-            file.add(_map_of(picture))
-
-
-def _map_of(picture: Picture) -> Picture:
-    """Return the map of a picture, (HEIGHT, WIDTH, 3)."""
-    top, left = round(HEADER * SMALLEST_SCALE), round(MARGIN * SMALLEST_SCALE)
-    return picture[top : top + HEIGHT, left : left + WIDTH]
+            file.add(map_of(picture, SIZE))

@@ -10,7 +10,7 @@ from experiments.site.markdown import code, first_sentence, listed, table
 from swarm_gym.action import ACTIONS
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS
@@ -85,7 +85,7 @@ def layouts_page() -> str:
             first_sentence(get_optimizer(name)),
             f"[`{environment_id(name)}`](../environments/{name}.md)",
         )
-        for name in OPTIMIZERS
+        for name in ALL_OPTIMIZERS
     ]
     actions = [
         (code(name), layout.size, _yes(layout.extended), _yes(layout.sourced))

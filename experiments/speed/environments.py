@@ -1,12 +1,11 @@
 """Steps per second of single and vector environments."""
 
-import time
 from collections.abc import Callable, Iterator
 
 import gymnasium
 import numpy as np
 
-from experiments.speed.measurement import ALL_THREADS, CASES, Quantity
+from experiments.speed.measurement import ALL_THREADS, CASES, Quantity, seconds_of
 from swarm_gym.vector_env import SwarmVectorEnv
 
 SIZES = (30, 60, 100)
@@ -77,7 +76,4 @@ def vector(width: int, size: int, threads: int, moves: float = SHORT_RUN) -> Cal
 
 def run_steps(env: gymnasium.Env | SwarmVectorEnv, actions: np.ndarray, steps: int) -> float:
     """Return the wall time of some steps in seconds."""
-    begin = time.perf_counter()
-    for _ in range(steps):
-        env.step(actions)
-    return time.perf_counter() - begin
+    return seconds_of(lambda: [env.step(actions) for _ in range(steps)])

@@ -44,47 +44,35 @@ def quantities() -> Iterator[Quantity]:
     """Yield the quantities of this group."""
     for size in SIZES:
         for width in WIDTHS:
-            yield Quantity(
-                steps_name(width, size), "steps/s", partial(_steps_per_second, "cuda", width, size)
-            )
-            yield Quantity(moves_name(width, size), "moves/s", partial(_moves_before, "cuda", width, size), 1)
-    yield Quantity(
-        steps_name(*COMPARED) + ", float32",
-        "steps/s",
-        partial(_steps_per_second, "cuda", *COMPARED, precision="float32"),
-    )
-    yield Quantity(cpu_name(), "steps/s", partial(_steps_per_second, "cpu", CPU_WIDTH, COMPARED[1]))
-    yield Quantity(cpu_name("moves"), "moves/s", partial(_moves_before, "cpu", CPU_WIDTH, COMPARED[1]), 1)
-    yield Quantity("registers of a lane, step kernel", "", lambda: float(_registers()), 1)
-    yield Quantity("warps that fit on a multiprocessor", "", lambda: float(_resident_warps()), 1)
+            steps, moves = (partial(rate, "cuda", width, size) for rate in (_steps_per_second, _moves_before))
+            yield Quantity(name_of(width, size), "steps/s", steps)
+            yield Quantity(f"{name_of(width, size)}, moves", "moves/s", moves, 1)
+    in_float32 = partial(_steps_per_second, "cuda", *COMPARED, precision="float32")
+    yield Quantity(f"{name_of(*COMPARED)}, float32", "steps/s", in_float32)
+    yield Quantity(CPU, "steps/s", partial(_steps_per_second, "cpu", CPU_WIDTH, COMPARED[1]))
+    yield Quantity(f"{CPU}, moves", "moves/s", partial(_moves_before, "cpu", CPU_WIDTH, COMPARED[1]), 1)
+    yield Quantity("registers of a lane, step kernel", "", _registers, 1)
+    yield Quantity("warps that fit on a multiprocessor", "", _resident_warps, 1)
     yield Quantity("share of a step that the kernel takes", "%", _kernel_share)
     yield Quantity("bound of float64 arithmetic", "moves/s", roofline, 1)
     yield Quantity("training by device-ppo, 8192 swarms", "steps/s", _training_rate, 1)
 
 
-def steps_name(width: int, size: int) -> str:
-    """Return the name of the steps per second of so many swarms of so many members on the GPU."""
-    return f"GPU, {width} swarms of {size} members"
+def name_of(width: int, size: int, device: str = "GPU") -> str:
+    """Return the name of the steps per second of so many swarms of so many members."""
+    return f"{device}, {width} swarms of {size} members"
 
 
-def moves_name(width: int, size: int) -> str:
-    """Return the name of the moves per second of the same run as `steps_name`."""
-    return f"GPU, {width} swarms of {size} members, moves"
-
-
-def cpu_name(what: str = "") -> str:
-    """Return the name of the rate of all cores of the CPU."""
-    return f"CPU, {ALL_THREADS} threads, {CPU_WIDTH} swarms of {COMPARED[1]} members{what and ', ' + what}"
+CPU = name_of(CPU_WIDTH, COMPARED[1], f"CPU, {ALL_THREADS} threads")
 
 
 def summary(measured: list[Measurement]) -> list[Measurement]:
     """Return the GPU's rate over that of all cores, and over the bound of its arithmetic."""
     found = medians(measured)
-    moves = found[moves_name(*COMPARED)]
-    over_cpu = found[steps_name(*COMPARED)] / found[cpu_name()]
-    bound = 100.0 * moves / found["bound of float64 arithmetic"]
+    name = name_of(*COMPARED)
+    bound = 100.0 * found[f"{name}, moves"] / found["bound of float64 arithmetic"]
     return [
-        derived(f"{steps_name(*COMPARED)} / all cores of the CPU", "times", over_cpu),
+        derived(f"{name} / all cores of the CPU", "times", found[name] / found[CPU]),
         derived("moves over the bound of float64 arithmetic", "%", bound),
     ]
 

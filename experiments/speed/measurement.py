@@ -5,7 +5,7 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 
 import numba
 import numpy as np
+from tqdm import tqdm
 
 from swarm_gym.files import write_atomically
 from swarm_gym.runs.provenance import provenance
@@ -50,6 +51,35 @@ class Measurement:
     median: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class BenchmarkGroup:
+    """A group of a benchmark.
+
+    Attributes:
+        quantities: function that yields the quantities to measure.
+        summary: function that computes further numbers from their measurements.
+    """
+
+    quantities: Callable[[], Iterator[Quantity]]
+    summary: Callable[[list[Measurement]], list[Measurement]] = lambda _: []
+
+
+def measure_all(groups: Mapping[str, BenchmarkGroup], repeats: int) -> dict[str, list[Measurement]]:
+    """Return the measurements of groups and their summaries, by the names of the groups.
+
+    Args:
+        groups: groups by name.
+        repeats: number of runs for each quantity that does not have its own.
+    """
+    plan = [(name, quantity) for name, group in groups.items() for quantity in group.quantities()]
+    measured: dict[str, list[Measurement]] = {name: [] for name in groups}
+    with tqdm(plan, unit="figure", desc="benchmark") as bar:
+        for name, quantity in bar:
+            bar.set_postfix_str(quantity.name)
+            measured[name].append(measure(quantity, repeats))
+    return {name: measured[name] + group.summary(measured[name]) for name, group in groups.items()}
 
 
 def measure(quantity: Quantity, repeats: int) -> Measurement:

@@ -20,15 +20,9 @@ env.reset(seed=0)
 env.step(np.array([60.0, 0.0]))
 print(time.perf_counter() - begin)
 """
-FIRST_VECTOR_STEP = """
-import time
-begin = time.perf_counter()
-import gymnasium, numpy as np, swarm_gym
-env = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=8)
-env.reset(seed=0)
-env.step(np.tile([60.0, 0.0], (8, 1)))
-print(time.perf_counter() - begin)
-"""
+FIRST_VECTOR_STEP = FIRST_STEP.replace(
+    'make("swarm_gym/Firefly-v0")', 'make_vec("swarm_gym/Firefly-v0", 8)'
+).replace("np.array([60.0, 0.0])", "np.tile([60.0, 0.0], (8, 1))")
 HEAVY = ("torch", "stable_baselines3", "matplotlib", "pandas", "scipy", "pygame")
 IMPORTED = f"import sys, swarm_gym; print(sum(name in sys.modules for name in {HEAVY!r}))"
 STATUS = Path("/proc/self/status")  # of this process, on Linux
@@ -53,14 +47,10 @@ def quantities() -> Iterator[Quantity]:
     """Yield the quantities of this group."""
     yield Quantity("import swarm_gym", "s", import_seconds)
     yield Quantity(f"of {', '.join(HEAVY)}, imported with it", "", lambda: float(run_python(IMPORTED)), 1)
-    yield Quantity("import and first step, single, kernels cached", "s", first_step(FIRST_STEP, cold=False))
-    yield Quantity("import and first step, single, nothing cached", "s", first_step(FIRST_STEP, cold=True), 1)
-    yield Quantity(
-        "import and first step, vector, kernels cached", "s", first_step(FIRST_VECTOR_STEP, cold=False)
-    )
-    yield Quantity(
-        "import and first step, vector, nothing cached", "s", first_step(FIRST_VECTOR_STEP, cold=True), 1
-    )
+    for kind, program in (("single", FIRST_STEP), ("vector", FIRST_VECTOR_STEP)):
+        begun = f"import and first step, {kind}"
+        yield Quantity(f"{begun}, kernels cached", "s", first_step(program, cold=False))
+        yield Quantity(f"{begun}, nothing cached", "s", first_step(program, cold=True), 1)
     yield Quantity(PEAK_OF_MANY, "MiB", peak_mebibytes, 1)
 
 

@@ -6,10 +6,11 @@ as many processes take turns, and every ratio compares measurements that follow 
 
 import multiprocessing
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import cache
-from multiprocessing.connection import Connection
 from multiprocessing.synchronize import Barrier
+from typing import Any
 
 import numpy as np
 
@@ -60,31 +61,21 @@ def _turns() -> tuple[Rates, Rates, Rates]:
 def processes(number: int, width: int, size: int, moves: float) -> Iterator[Callable[[], float]]:
     """Yield a function that lets processes run at the same time and returns the sum of their rates."""
     context = multiprocessing.get_context("spawn")
-    barrier = context.Barrier(number)
-    pipes, children = [], []
-    for _ in range(number):
-        here, there = context.Pipe()
-        children.append(context.Process(target=_run_on_demand, args=(there, barrier, width, size, moves)))
-        children[-1].start()
-        pipes.append(here)
-
-    def together() -> float:
-        for pipe in pipes:
-            pipe.send(True)
-        return sum(pipe.recv() for pipe in pipes)
-
-    try:
-        yield together
-    finally:
-        for pipe, child in zip(pipes, children, strict=True):
-            pipe.send(False)
-            child.join()
+    arguments = (context.Barrier(number), width, size, moves)
+    with ProcessPoolExecutor(number, context, _prepare, arguments) as pool:
+        # Every call waits for all others, so that each process takes one of them.
+        yield lambda: sum(pool.map(_measure, range(number)))
 
 
-def _run_on_demand(pipe: Connection, barrier: Barrier, width: int, size: int, moves: float) -> None:
-    """Measure whenever the pipe asks for it; all processes begin at the same time."""
+_prepared: dict[str, Any] = {}  # what a process of the pool measures
+
+
+def _prepare(barrier: Barrier, width: int, size: int, moves: float) -> None:
     once = vector(width, size, 1, moves)
     once()  # past the first steps of an episode
-    while pipe.recv():
-        barrier.wait()
-        pipe.send(once())
+    _prepared.update(barrier=barrier, once=once)
+
+
+def _measure(_: int) -> float:
+    _prepared["barrier"].wait()
+    return _prepared["once"]()

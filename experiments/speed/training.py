@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -25,17 +25,12 @@ def quantities() -> Iterator[Quantity]:
     """Yield the quantities of this group."""
     yield Quantity(PACE, "steps/s", lambda: _shares()[0], 1)
     for number, part in enumerate(PARTS):
-        yield Quantity(f"share of the time in: {part}", "%", _share(number), 1)
-    yield Quantity(ENVIRONMENT, "%", _environment_share, 1)
+        yield Quantity(f"share of the time in: {part}", "%", partial(_share, number), 1)
+    yield Quantity(ENVIRONMENT, "%", lambda: _share(0) + _share(1), 1)
 
 
-def _share(number: int) -> Callable[[], float]:
-    return lambda: _shares()[1][number]
-
-
-def _environment_share() -> float:
-    shares = _shares()[1]
-    return shares[0] + shares[1]
+def _share(number: int) -> float:
+    return _shares()[1][number]
 
 
 class Stopwatch:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from experiments.statistics import Interval
+from experiments.statistics import Interval, mean_interval
 
 Number = float | np.number[Any]
 
@@ -91,6 +92,13 @@ def share_in(value: Number, ends: Interval, form: str = ".1f") -> Cell:
     """Return a cell with a share in per cent and its interval: 5.0 % [4.0, 6.0]."""
     template = f"{{value:%{form}}} % [{{low:%{form}}}, {{high:%{form}}}]"
     return Cell.of(template, value=value, low=ends[0], high=ends[1])
+
+
+def mean_cell(values: NDArray[np.float64], form: str = ".1f") -> Entry:
+    """Return a cell with a mean and its interval, a single value alone, or the sign for a missing number."""
+    if values.size < 2:
+        return number(values[0], form) if values.size else MISSING
+    return number_in(values.mean(), mean_interval(values), form)
 
 
 def signed_p(p_value: float, direction: int) -> Entry:

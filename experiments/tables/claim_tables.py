@@ -11,9 +11,8 @@ from experiments.runs.suite import Suite
 from experiments.statistics import Interval, interval, mean_difference, mean_of_present, means
 from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, verdict
 from experiments.tables.differences import RIVAL_STREAM
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
-COLUMNS = ("claim", "scenarios", "measure", "controller", "rival or limit", "difference", "holds")
 CAPTION = (
     "Sentences that compare, a row for each set of scenarios: mean of the measure; that of the rival, times "
     "the factor that the sentence names, or the limit; their difference [95 % interval over training seeds, "
@@ -41,7 +40,7 @@ def group_claim_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for scenario_set in claim.sets or outcomes.sets
         if scenario_set in {*outcomes.sets, *outcomes.scenarios}
     ]
-    return [Table("claims", _caption(CAPTION, claims), COLUMNS, rows)] if rows else []
+    return Table.if_any("claims", _caption(CAPTION, claims), rows)
 
 
 def _caption(first: str, claims: list[GroupClaim]) -> str:
@@ -89,19 +88,19 @@ def check_claim(
     return mean, mean_of_present(others), ends
 
 
-def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str) -> tuple[Entry, ...]:
+def _row(claim: GroupClaim, suite: Suite, outcomes: Outcomes, scenario_set: str) -> Row:
     mine, theirs, ends = check_claim(claim, suite, outcomes, scenario_set)
     form = MEASURES[claim.metric].form
     told = f" at price {claim.price:g}" if claim.metric.endswith("objective") else ""
-    return (
-        claim.sentence,
-        scenario_set,
-        f"{claim.metric}{told}",
-        number(mine, form),
-        number(theirs, form),
-        MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, f"+{form}"),
-        verdict(ends[1] < 0.0),
-    )
+    return {
+        "claim": claim.sentence,
+        "scenarios": scenario_set,
+        "measure": f"{claim.metric}{told}",
+        "controller": number(mine, form),
+        "rival or limit": number(theirs, form),
+        "difference": MISSING if math.isnan(mine - theirs) else number_in(mine - theirs, ends, f"+{form}"),
+        "holds": verdict(ends[1] < 0.0),
+    }
 
 
 @dataclass(frozen=True)

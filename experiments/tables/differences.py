@@ -18,8 +18,9 @@ from experiments.tables.cell import (
     signed_p,
     superiority_cell,
 )
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
+RIVAL = "rival"  # head of a column
 RIVAL_STREAM = 1  # of draws, so that training seeds of the other group are drawn independently
 
 WHAT = (
@@ -28,39 +29,32 @@ WHAT = (
     "A12 over all runs, probability of improvement on the same scenario and seed, Wilcoxon signed-rank "
     f"p-value of the means over training seeds after Holm's correction. {SIGNS}"
 )
-COLUMNS = ("difference", "change of mean gap", "evaluations ratio", "A12", "improvement", "p")
 
 
 def difference_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of every group against the baseline; p-values are corrected over the whole table.
 
-    There is no table where the suite is run without its baseline.
+    There is no table where the suite is run without its baseline, or with nothing else.
     """
     if suite.baseline not in outcomes.groups:
         return []
     pairs = [(group, suite.baseline) for group in outcomes.groups if group != suite.baseline]
-    rows = [(found, label(group), *cells) for found, group, _, cells in _compare(outcomes, pairs)]
     caption = f"Paired with {label(suite.baseline)} on the same scenarios and seeds: {WHAT}"
-    return [Table("differences", caption, ("scenarios", "controller", *COLUMNS), rows)]
+    rows = [
+        {head: entry for head, entry in row.items() if head != RIVAL} for row in _compare(outcomes, pairs)
+    ]
+    return Table.if_any("differences", caption, rows)
 
 
 def paired_comparison_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of the pairs that the suite names, as far as they were run."""
     pairs = [pair for pair in suite.pairs if outcomes.groups.keys() >= set(pair)]
-    if not pairs:
-        return []
-    rows = [
-        (found, label(group), label(rival), *cells)
-        for found, group, rival, cells in _compare(outcomes, pairs)
-    ]
     caption = f"Paired with a rival of its own on the same scenarios and seeds: {WHAT}"
-    return [Table("duels", caption, ("scenarios", "controller", "rival", *COLUMNS), rows)]
+    return [Table.of("duels", caption, _compare(outcomes, pairs))] if pairs else []
 
 
-def _compare(
-    outcomes: Outcomes, pairs: Sequence[tuple[str, str]]
-) -> list[tuple[str, str, str, tuple[Entry, ...]]]:
-    """Return set, group, rival and the cells of `COLUMNS`, for every pair on every set of scenarios."""
+def _compare(outcomes: Outcomes, pairs: Sequence[tuple[str, str]]) -> list[Row]:
+    """Return a row for every pair on every set of scenarios."""
     compared = []
     for scenario_set in outcomes.sets:
         for group, other in pairs:
@@ -70,19 +64,17 @@ def _compare(
             compared.append((scenario_set, group, other, found, cost))
     adjusted = holm([found.p_value for *_, found, _ in compared])
     return [
-        (
-            scenario_set,
-            group,
-            other,
-            (
-                share_in(found.difference, found.interval, "+.2f"),
-                share(found.relative_change, "+.1f"),
-                number(cost, ".2f"),
-                superiority_cell(found.superiority, found.difference),
-                number(found.improvement, ".2f"),
-                signed_p(p_value, found.direction),
-            ),
-        )
+        {
+            "scenarios": scenario_set,
+            "controller": label(group),
+            RIVAL: label(other),
+            "difference": share_in(found.difference, found.interval, "+.2f"),
+            "change of mean gap": share(found.relative_change, "+.1f"),
+            "evaluations ratio": number(cost, ".2f"),
+            "A12": superiority_cell(found.superiority, found.difference),
+            "improvement": number(found.improvement, ".2f"),
+            "p": signed_p(p_value, found.direction),
+        }
         for (scenario_set, group, other, found, cost), p_value in zip(compared, adjusted, strict=True)
     ]
 

@@ -11,7 +11,7 @@ from experiments.runs.run import Floats, Run
 from experiments.runs.suite import Suite
 from experiments.statistics import draw, interval, mean_of_present, means
 from experiments.tables.cell import MISSING, Entry, number, share, share_in
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.final_repair import final_repair
 from swarm_gym.problem import MapProblem
 from swarm_gym.problem.geometry.clearance import clearance_of
@@ -20,10 +20,6 @@ from swarm_gym.reference import shortest_path
 from swarm_gym.worlds import make_problem
 
 SEEDS = 50  # of each controller and scenario, at most
-COLUMNS = (
-    "scenarios", "controller", "strictly free", "free after repair", "change of length", "above the shortest",
-    "clearance", "planned anew",
-)  # fmt: skip
 CAPTION = (
     f"Best paths of the first {SEEDS} seeds of each scenario: share that is free of any collision, checked "
     "exactly; share that is after final repair; length after it against that of the best path, and above the "
@@ -52,7 +48,7 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for controller in outcomes.controllers
         for name in outcomes.scenarios
     }
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set, strata in outcomes.sets.items():
         names = [scenario for stratum in strata for scenario in stratum]
         found = {}
@@ -64,25 +60,31 @@ def free_path_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                     for part in _FinalRepairs._fields
                 )
             )
-        for group in sorted(found, key=lambda name: -found[name].free.mean()):
-            freed = found[group]
-            draws = draw(freed.free.shape[0], tuple(map(len, strata)), freed.free.shape[2])
-            rows.append(
-                (
-                    scenario_set,
-                    label(group),
-                    *(share_in(v.mean(), interval(means(v, draws))) for v in (freed.free, freed.repaired)),
-                    *(
-                        share_in(mean_of_present(v), interval(means(v, draws)), "+.2f")
-                        if np.isfinite(v).any()
-                        else MISSING
-                        for v in (freed.change, freed.excess)
-                    ),
-                    number(mean_of_present(freed.clearance), ".2g") if freed.repaired.any() else MISSING,
-                    share(mean_of_present(freed.planned)) if freed.repaired.any() else MISSING,
-                )
-            )
-    return [Table("free-paths", CAPTION, COLUMNS, rows)]
+        sizes = tuple(map(len, strata))
+        rows += [
+            {"scenarios": scenario_set, "controller": label(group), **_cells(found[group], sizes)}
+            for group in sorted(found, key=lambda name: -found[name].free.mean())
+        ]
+    return [Table.of("free-paths", CAPTION, rows)]
+
+
+def _cells(freed: _FinalRepairs, set_sizes: tuple[int, ...]) -> Row:
+    """Return the entries of a group, from arrays (training seeds, scenarios, seeds)."""
+    draws = draw(freed.free.shape[0], set_sizes, freed.free.shape[2])
+
+    def mean(values: Floats, form: str = ".1f") -> Entry:
+        if not np.isfinite(values).any():
+            return MISSING
+        return share_in(mean_of_present(values), interval(means(values, draws)), form)
+
+    return {
+        "strictly free": mean(freed.free),
+        "free after repair": mean(freed.repaired),
+        "change of length": mean(freed.change, "+.2f"),
+        "above the shortest": mean(freed.excess, "+.2f"),
+        "clearance": number(mean_of_present(freed.clearance), ".2g"),
+        "planned anew": share(mean_of_present(freed.planned)),
+    }
 
 
 def _freed(runs: list[Run], suite: Suite, scenario: str) -> _FinalRepairs:

@@ -6,36 +6,31 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import ControllerFamily, Suite
 from experiments.statistics import Interval, hypervolume, interval, means, non_dominated
-from experiments.tables.cell import Entry, number, number_in, percent, share_in
-from experiments.tables.table import Table
+from experiments.tables.cell import number, number_in, percent, share_in
+from experiments.tables.table import Row, Table
 
 
 def front_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of the points of all groups, and one of hypervolumes if the suite has families."""
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         samples = [outcomes.sample(group, scenario_set) for group in outcomes.groups]
         points = np.array([(sample.evaluations.mean(), sample.gap.mean()) for sample in samples])
-        for group, sample, point, best in zip(
-            outcomes.groups, samples, points, non_dominated(points), strict=True
-        ):
-            rows.append(
-                (
-                    scenario_set,
-                    label(group),
-                    number(point[0], ",.0f"),
-                    share_in(point[1], interval(means(sample.gap, sample.draws())), ".2f"),
-                    "yes" if best else "no",
-                )
-            )
-    table = Table(
-        "front",
+        rows += [
+            {
+                "scenarios": scenario_set,
+                "controller": label(group),
+                "mean evaluations": number(sample.evaluations.mean(), ",.0f"),
+                "mean gap": share_in(*sample.mean(sample.gap), ".2f"),
+                "on the front": "yes" if best else "no",
+            }
+            for group, sample, best in zip(outcomes.groups, samples, non_dominated(points), strict=True)
+        ]
+    caption = (
         "Mean evaluations against mean gap [95 % interval]; on the front is what no other controller matches "
-        "in both and beats in one",
-        ("scenarios", "controller", "mean evaluations", "mean gap", "on the front"),
-        rows,
+        "in both and beats in one"
     )
-    return [table, *_hypervolume_tables(suite, outcomes)]
+    return [Table.of("front", caption, rows), *_hypervolume_tables(suite, outcomes)]
 
 
 def family_hypervolume(
@@ -64,19 +59,22 @@ def family_hypervolume(
 
 
 def _hypervolume_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
-    present = [family for family in suite.families if not outcomes.groups.keys().isdisjoint(family.groups)]
-    rows: list[tuple[Entry, ...]] = []
-    for scenario_set in outcomes.sets:
-        for family in present:
-            found, ends = family_hypervolume(family, outcomes, scenario_set, suite.reference)
-            members = ", ".join(label(group) for group in family.groups if group in outcomes.groups)
-            rows.append((scenario_set, family.name, members, number_in(found, ends, ".4f")))
+    rows: list[Row] = [
+        {
+            "scenarios": scenario_set,
+            "family": family.name,
+            "controllers": ", ".join(label(group) for group in family.groups if group in outcomes.groups),
+            "hypervolume": number_in(
+                *family_hypervolume(family, outcomes, scenario_set, suite.reference), ".4f"
+            ),
+        }
+        for scenario_set in outcomes.sets
+        for family in suite.families
+        if not outcomes.groups.keys().isdisjoint(family.groups)
+    ]
     evaluations, gap = suite.reference
-    table = Table(
-        "hypervolume",
+    caption = (
         "Hypervolume of the front of a family, decades of evaluations times gap (larger is better) [95 % "
-        f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}",
-        ("scenarios", "family", "controllers", "hypervolume"),
-        rows,
+        f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}"
     )
-    return [table] if rows else []
+    return Table.if_any("hypervolume", caption, rows)

@@ -6,10 +6,10 @@ from experiments.runs.groups import EVERY_SET
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
-from experiments.statistics import interval, mean_difference, means
+from experiments.statistics import mean_difference
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
 from experiments.tables.differences import RIVAL_STREAM
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.controllers.names import BLINDED, ControllerName
 
 CAPTION = (
@@ -30,26 +30,24 @@ def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     samples = {group: outcomes.sample(group, whole) for group in outcomes.groups}
     objectives = {group: float(samples[group].objective(price_of(group)).mean()) for group in samples}
     shown = [group for group in samples if ControllerName.parse(group).family != BLINDED]
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for group in sorted(shown, key=lambda name: (price_of(name), objectives[name])):
         mine, price = samples[group], price_of(group)
         rival = best_blind(suite, price, objectives)
         rows.append(
-            (
-                label(group),
-                number(price, "g"),
-                number(mine.num_training_seeds, "d"),
-                number_in(objectives[group], interval(means(mine.objective(price), mine.draws())), ".3f"),
-                *(_gap_at_cost(outcomes.sample(group, name)) for name in sets),
-                _minus(mine, samples.get(blinded(group)), price, 0),
-                MISSING if rival == group else _minus(mine, samples.get(rival), price, RIVAL_STREAM),
-            )
+            {
+                "controller": label(group),
+                "price": number(price, "g"),
+                "seeds": number(mine.num_training_seeds, "d"),
+                "objective": number_in(*mine.mean(mine.objective(price)), ".3f"),
+                **{name: _gap_at_cost(outcomes.sample(group, name)) for name in sets},
+                "minus itself blinded": _minus(mine, samples.get(blinded(group)), price, 0),
+                "minus the best blind rival": MISSING
+                if rival == group
+                else _minus(mine, samples.get(rival), price, RIVAL_STREAM),
+            }
         )
-    columns = (
-        "controller", "price", "seeds", "objective", *sets, "minus itself blinded",
-        "minus the best blind rival",
-    )  # fmt: skip
-    return [Table("headline", CAPTION, columns, rows)]
+    return Table.if_any("headline", CAPTION, rows)
 
 
 def price_of(group: str) -> float:

@@ -5,7 +5,7 @@ import io
 import json
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -15,6 +15,8 @@ from experiments.tables.cell import MISSING, Cell, Entry, plain_text
 from swarm_gym.files import write_atomically
 
 LINE = 100  # characters of a line of a caption
+
+Row = Mapping[str, Entry]  # the entries of a row by the heads of their columns
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,23 @@ class Table:
     columns: tuple[str, ...]
     rows: Sequence[tuple[Entry, ...]]
     scenario: str | None = None
+
+    @classmethod
+    def of(cls, name: str, caption: str, rows: Iterable[Row], scenario: str | None = None) -> "Table":
+        """Return a table whose rows state their entries by the heads of the columns; there is at least one.
+
+        Raises:
+            ValueError: if there is no row, or if two rows have other heads.
+        """
+        first, *others = listed = [*rows]
+        if any(tuple(row) != tuple(first) for row in others):
+            raise ValueError(f"table {name!r}: expected the columns {', '.join(first)} in every row")
+        return cls(name, caption, tuple(first), [tuple(row.values()) for row in listed], scenario)
+
+    @classmethod
+    def if_any(cls, name: str, caption: str, rows: Sequence[Row]) -> list["Table"]:
+        """Return a list with the table of these rows; an empty one if there is no row."""
+        return [cls.of(name, caption, rows)] if rows else []
 
     def write(self, folder: Path) -> None:
         """Write <name>.md, <name>.tex, <name>.csv and <name>.json."""
@@ -116,6 +135,24 @@ class Table:
         )
         facts = {name: getattr(self, name) for name in ("name", "caption", "scenario", "columns")}
         return f'{json.dumps(facts, ensure_ascii=False)[:-1]}, "rows": [\n{rows}\n]}}\n'
+
+
+def write_tables_page(
+    folder: Path, title: str, tables: Sequence[Table], above: Sequence[str] = (), below: Sequence[str] = ()
+) -> Path:
+    """Write tables to files of their own, and a README.md that shows all of them; return the latter.
+
+    Args:
+        folder: folder of the files, made if missing.
+        title: heading of the page.
+        tables: the tables.
+        above: paragraphs between the heading and the tables, each with a line break at its end.
+        below: paragraphs after the tables.
+    """
+    for table in tables:
+        table.write(folder)
+    parts = [f"# {title}\n", *above, *(table.markdown() for table in tables), *below]
+    return write_atomically(folder / "README.md", "\n".join(parts))
 
 
 def wrapped(text: str) -> str:

@@ -1,16 +1,16 @@
 """Measure swarm_gym and other libraries in one run: `python -m experiments.speed.peers --help`."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import tyro
-from tqdm import tqdm
 
-from experiments.speed.measurement import Measurement, Quantity, measure, write_measurements
-from experiments.speed.peers import bezier, fish, libraries, with_niapy
+from experiments.speed.measurement import BenchmarkGroup, measure_all, write_measurements
+from experiments.speed.peers import bezier, fireflies, fish, libraries
 from experiments.speed.peers.runs import Peer, ratios
 
+FIREFLIES = (Peer("niapy", "firefly", libraries.niapy_firefly),)
 FISH = (Peer("scikit-opt AFSA", fish.OURS, libraries.scikit_opt_fish_swarm),)
 PEERS = (
     Peer("pyswarms GlobalBestPSO", "particle-swarm", libraries.pyswarms_particle_swarm),
@@ -19,6 +19,11 @@ PEERS = (
     Peer("pygmo sga", "elite-genetic", libraries.pygmo_genetic),
     Peer("pymoo GA", "elite-genetic", libraries.pymoo_genetic),
 )
+GROUPS = {
+    "peers": BenchmarkGroup(partial(fireflies.quantities, FIREFLIES), fireflies.summary),
+    "bezier-peers": BenchmarkGroup(partial(bezier.quantities, PEERS), ratios),
+    "fish-peers": BenchmarkGroup(partial(fish.quantities, FISH), ratios),
+}
 
 
 @dataclass(frozen=True)
@@ -35,21 +40,12 @@ def main() -> None:
     """Measure, then print and store the numbers."""
     config = tyro.cli(PeersConfig, description=__doc__)
     file = config.output / "peers.json"
-    fireflies = _measured(list(with_niapy.quantities()), config.repeats, with_niapy.summary)
-    curves = _measured(list(bezier.quantities(PEERS)), config.repeats, ratios)
-    schools = _measured(list(fish.quantities(FISH)), config.repeats, ratios)
-    write_measurements(file, {"peers": fireflies, "bezier-peers": curves, "fish-peers": schools})
-    for m in fireflies + curves + schools:
-        print(f"{m.name:65} {m.median:10.4g} {m.unit}")
+    groups = measure_all(GROUPS, config.repeats)
+    write_measurements(file, groups)
+    for measured in groups.values():
+        for m in measured:
+            print(f"{m.name:65} {m.median:10.4g} {m.unit}")
     print(f"written: {file}")
-
-
-def _measured(
-    quantities: list[Quantity], repeats: int, summary: Callable[[list[Measurement]], list[Measurement]]
-) -> list[Measurement]:
-    """Return the measurements of quantities, and their summary."""
-    measured = [measure(q, repeats) for q in tqdm(quantities, unit="quantity", desc="peers")]
-    return measured + summary(measured)
 
 
 if __name__ == "__main__":

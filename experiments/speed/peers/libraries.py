@@ -1,4 +1,7 @@
-"""Runs of other libraries: particle swarms, genetic algorithms and a fish swarm.
+"""Runs of other libraries: fireflies, particle swarms, genetic algorithms and a fish swarm.
+
+niapy's `FireflyAlgorithm` differs from ours in `>=` instead of `>`, so that every firefly also moves towards
+itself.
 
 `pso_gen` of pygmo evaluates a population in one call. `sga` of pygmo 2.20 evaluates one member per call, and
 so does `pso`, which is therefore slower than `pso_gen`.
@@ -16,6 +19,9 @@ from typing import Any
 
 import numpy as np
 import pygmo
+from niapy.algorithms.basic import FireflyAlgorithm
+from niapy.problems import Problem as NiapyProblem
+from niapy.task import Task
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.algorithms.soo.nonconvex.pso import PSO
 from pymoo.core.problem import Problem as PymooProblem
@@ -28,6 +34,39 @@ from swarm_gym.problem import Problem
 
 # pyswarms has no defaults; these are c1, c2 and the last inertia weight of PSO-w in the MOA paper.
 PYSWARMS_PARAMETERS = {"c1": 1.49445, "c2": 1.49445, "w": 0.5}
+
+
+class NiapyPathProblem(NiapyProblem):
+    """A problem for niapy, which evaluates one member per call."""
+
+    def __init__(self, problem: Problem, cost: Cost):
+        lower, upper = problem.bounds
+        super().__init__(problem.dimension, lower.tolist(), upper.tolist())
+        self.cost = cost
+
+    def _evaluate(self, x: Floats) -> float:
+        return self.cost.of_one(x)
+
+
+def niapy_firefly(problem: Problem, cost: Cost, size: int, iterations: int) -> int:
+    """Run the fireflies with the SPSFA paper's parameters; return the number of evaluations."""
+
+    def first_population(task: Any, population_size: int, rng: Any, **_: Any) -> Any:
+        population = rng.uniform(*problem.initial_bounds, (population_size, problem.dimension))
+        return population, np.apply_along_axis(task.eval, 1, population)
+
+    task = Task(NiapyPathProblem(problem, cost), max_iters=iterations)
+    algorithm = FireflyAlgorithm(
+        population_size=size,
+        alpha=2.0 / task.range,
+        beta0=0.1,
+        gamma=5e-6,
+        theta=1.0,
+        seed=0,
+        initialization_function=first_population,
+    )
+    algorithm.run(task)
+    return task.evals
 
 
 def pyswarms_particle_swarm(problem: Problem, cost: Cost, size: int, iterations: int) -> int:

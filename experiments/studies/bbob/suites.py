@@ -6,9 +6,6 @@ algorithm was chosen for this suite. The schedule of the SPSFA paper is not in i
 a function is 0, so that it keeps its first size.
 """
 
-from pathlib import Path
-
-from experiments.runs.claims import claims_of
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
 
@@ -29,7 +26,6 @@ CONTROLLERS = {
     "grows on stagnation": (40, "status-monitor:start=60"),
 }
 BASELINE = "60 members"
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 
 def name_of(optimizer: str, controller: str) -> str:
@@ -56,7 +52,6 @@ BBOB = Suite(
     options={"max_evaluations": BUDGET},
     tables=("bbob-groups", "bbob-rules", "claims"),
     figures=(),
-    claims=claims_of(CLAIMS, "bbob"),
 )
 
 SUITES = (BBOB,)

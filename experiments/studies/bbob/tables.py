@@ -17,7 +17,7 @@ from experiments.statistics import Difference, Draws, difference, draw, holm, in
 from experiments.studies.bbob.suites import BASELINE, BUDGET, CONTROLLERS, DIMENSION, OPTIMIZERS, name_of
 from experiments.tables.cell import MISSING, Entry, number, number_in, share_in, signed_p
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.scenarios import BbobScenario, make_scenario
 
 # The groups of the definition of BBOB, see `swarm_gym.scenarios.bbob`.
@@ -40,14 +40,14 @@ def group_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "Lower is closer"
     )
     rows = [
-        (
-            optimizer,
-            controller,
-            *(_mean(outcomes, name, functions) for functions in GROUPS.values()),
-        )
+        {
+            "optimizer": optimizer,
+            "size": controller,
+            **{group: _mean(outcomes, name, functions) for group, functions in GROUPS.items()},
+        }
         for optimizer, controller, name in _entrants(suite, outcomes)
     ]
-    return [Table("bbob-groups", caption, ("optimizer", "size", *GROUPS), rows)]
+    return Table.if_any("bbob-groups", caption, rows)
 
 
 def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -58,16 +58,6 @@ def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         if controller != BASELINE and name_of(optimizer, BASELINE) in outcomes.controllers
     }
     adjusted = dict(zip(compared, holm([found.p_value for found in compared.values()]), strict=True))
-    rows = [
-        (
-            optimizer,
-            controller,
-            _solved(outcomes, name),
-            number(outcomes.evaluations[outcomes.controllers.index(name)].mean(), ",.0f"),
-            *(_differences(compared[name], adjusted[name]) if name in compared else (MISSING,) * 3),
-        )
-        for optimizer, controller, name in _entrants(suite, outcomes)
-    ]
     caption = (
         f"Over all functions: share of {len(TARGETS)} targets, precisions 1e2 to 1e{LEAST_PRECISION}, that "
         "runs reach [95 % interval over instances]; mean evaluations; mean logarithm of the precision minus "
@@ -75,8 +65,17 @@ def rule_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "interval]; share of the pairs in which it is closer; p of Wilcoxon's signed-rank test, two-sided, "
         "Holm-corrected over the table, with the sign of its rank sum"
     )
-    columns = ("optimizer", "size", "targets reached", "evaluations", f"minus {BASELINE}", "closer", "p")
-    return [Table("bbob-rules", caption, columns, rows)]
+    rows = [
+        {
+            "optimizer": optimizer,
+            "size": controller,
+            "targets reached": _solved(outcomes, name),
+            "evaluations": number(outcomes.evaluations[outcomes.controllers.index(name)].mean(), ",.0f"),
+            **_differences(compared.get(name), adjusted.get(name, np.nan)),
+        }
+        for optimizer, controller, name in _entrants(suite, outcomes)
+    ]
+    return Table.if_any("bbob-rules", caption, rows)
 
 
 def _entrants(suite: Suite, outcomes: Outcomes) -> Iterator[tuple[str, str, str]]:
@@ -123,12 +122,16 @@ def _compare(outcomes: Outcomes, name: str, rival: str) -> Difference:
     return difference(log_precision(mine), log_precision(theirs), draws, draws)
 
 
-def _differences(compared: Difference, p_value: float) -> tuple[Entry, ...]:
-    return (
-        number_in(compared.difference, compared.interval, "+.2f"),
-        number(compared.improvement, ".2f"),
-        signed_p(p_value, compared.direction),
-    )
+def _differences(compared: Difference | None, p_value: float) -> Row:
+    """Return the entries of a comparison with the constant size; none are there for this size itself."""
+    minus = f"minus {BASELINE}"
+    if compared is None:
+        return dict.fromkeys((minus, "closer", "p"), MISSING)
+    return {
+        minus: number_in(compared.difference, compared.interval, "+.2f"),
+        "closer": number(compared.improvement, ".2f"),
+        "p": signed_p(p_value, compared.direction),
+    }
 
 
 TABLES = {"bbob-groups": group_tables, "bbob-rules": rule_tables}

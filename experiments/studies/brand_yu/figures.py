@@ -1,6 +1,6 @@
 """Figures of the paper of Brand and Yu: fireflies on their map, trajectories, and growing grids."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from experiments.plots import map_plot
 from experiments.plots.courses import CaseRuns
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker
 from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.run import Run, RunKey, Snapshot, arrives, trajectory_of, turning_of
 from swarm_gym.controllers.names import ControllerName
@@ -46,9 +46,11 @@ def draw_grids(cases: Sequence[CaseRuns]) -> Figure:
     figure = new_figure(8.4, 3.8)
     sides = np.array([case.scenario.map.width for case in cases])  # type: ignore[union-attr]
     among = styles(cases[0].runs)
-    for axes, name, value in zip(
-        figure.subplots(1, 2), ("length", "processor time of a run, s"), (_length, _seconds), strict=True
-    ):
+    measures: dict[str, Callable[[Run], float]] = {
+        "length": lambda run: length_of(trajectory_of(run)),
+        "processor time of a run, s": lambda run: run.seconds,
+    }
+    for axes, (name, value) in zip(figure.subplots(1, 2), measures.items(), strict=True):
         for controller in among:
             values = [np.array([value(run) for run in _arrived(case, controller)]) for case in cases]
             middle, low, high = (np.array([of(v) for v in values]) for of in (np.mean, np.min, np.max))
@@ -81,25 +83,10 @@ def _arrived(case: CaseRuns, controller: str) -> list[Run]:
     return [run for run in case.runs[controller] if arrives(run, case.scenario.target)]  # type: ignore[union-attr]
 
 
-def _length(run: Run) -> float:
-    return length_of(trajectory_of(run))
-
-
-def _seconds(run: Run) -> float:
-    return run.seconds
-
-
-def trajectory_figures(stored: Stored) -> Drawings:
-    """Return a figure of trajectories for each scenario."""
-    return {
+FIGURES: dict[str, FigureMaker] = {
+    "brand-yu-ways": lambda stored: {
         f"ways-{case.scenario.name}": partial(draw_trajectories, case, stored.snapshots)
         for case in stored.cases
-    }
-
-
-def grid_figures(stored: Stored) -> Drawings:
-    """Return the figure of length and time against the side of the grid."""
-    return {"grids": partial(draw_grids, stored.cases)}
-
-
-FIGURES: dict[str, FigureMaker] = {"brand-yu-ways": trajectory_figures, "brand-yu-grids": grid_figures}
+    },
+    "brand-yu-grids": lambda stored: {"grids": partial(draw_grids, stored.cases)},
+}

@@ -5,10 +5,9 @@ grid of 500 x 500 with one obstacle. Where start, goal and obstacle are is in fi
 not stated. Figures 8 and 9, length and time against the size of the grid, have no numbers in the text.
 """
 
-from pathlib import Path
+from functools import partial
 from typing import NamedTuple
 
-from experiments.runs.claims import claims_of
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
 
@@ -35,50 +34,35 @@ APPEARS = 70
 GLOWWORMS = tuple(f"glowworm+fixed:{count}" for count in TABLE_1)
 FEW, ANTS = "glowworm+fixed:26", "ant-colony(100)+fixed:50"
 SIDES = (50, 100, 200, 500, 1000, 2000)
-OPTIONS = {"encoding": "walk"}
-CLAIMS = Path(__file__).parent / "claims.toml"
 
-STATIC = Suite(
+_suite = partial(Suite, optimizer="glowworm", first_seed=FRESH_SEEDS)
+_of_counts = partial(
+    _suite,
+    controllers=GLOWWORMS,
+    num_seeds=20,
+    baseline=GLOWWORMS[0],
+    tables=("brand-yu-counts", "claims"),
+    figures=("brand-yu-ways",),
+)
+STATIC = _of_counts(
     name="brand-yu-static",
-    controllers=GLOWWORMS,
     scenarios=("block:500",),
-    num_seeds=20,
-    baseline=GLOWWORMS[0],
-    optimizer="glowworm",
-    first_seed=FRESH_SEEDS,
-    options={**OPTIONS, "iterations": 600},
-    snapshots=tuple(
-        (controller, "block:500", FRESH_SEEDS, (0, iteration))
-        for controller, iteration in zip(GLOWWORMS, (90,) * len(GLOWWORMS), strict=True)
-    ),
-    tables=("brand-yu-counts", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-static"),
-    figures=("brand-yu-ways",),
+    options={"encoding": "walk", "iterations": 600},
+    snapshots=tuple((controller, "block:500", FRESH_SEEDS, (0, 90)) for controller in GLOWWORMS),
 )
-DYNAMIC = Suite(
+DYNAMIC = _of_counts(
     name="brand-yu-dynamic",
-    controllers=GLOWWORMS,
     scenarios=(f"dynamic:open:500-block@{APPEARS}",),
-    num_seeds=20,
-    baseline=GLOWWORMS[0],
-    optimizer="glowworm",
-    first_seed=FRESH_SEEDS,
-    options={**OPTIONS, "iterations": 1500},
-    tables=("brand-yu-counts", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-dynamic"),
-    figures=("brand-yu-ways",),
+    options={"encoding": "walk", "iterations": 1500},
 )
-GRIDS = Suite(
+GRIDS = _suite(
     name="brand-yu-grids",
     controllers=(FEW, ANTS),
     scenarios=tuple(f"block:{side}" for side in SIDES),
     num_seeds=10,
     baseline=FEW,
-    optimizer="glowworm",
-    first_seed=FRESH_SEEDS,
-    options={**OPTIONS, "iterations": 600},
+    options={"encoding": "walk", "iterations": 600},
     tables=("brand-yu-grids", "claims"),
-    claims=claims_of(CLAIMS, "brand-yu-grids"),
     figures=("brand-yu-grids",),
 )
 

@@ -9,12 +9,11 @@ from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run, arrives, trajectory_of, turning_of
 from experiments.runs.suite import Suite
-from experiments.statistics import mean_interval
 from experiments.studies.brand_yu.suites import ANTS, TABLE_1
-from experiments.tables.cell import MISSING, Cell, Entry, count_of, number, number_in, percent, share
+from experiments.tables.cell import Cell, Entry, count_of, mean_cell, number, percent, share
 from experiments.tables.claim_tables import Claim, claims_table
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.problem.geometry.polylines import length_of
@@ -82,52 +81,36 @@ class RunsOnMap:
         """Processor time of all runs, in seconds."""
         return np.array([run.seconds for run in self.runs])
 
-    @property
-    def arrival_cell(self) -> Cell:
-        """Number of runs that arrived, of all runs."""
-        return count_of(len(self.arrived), len(self.runs))
-
 
 def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return table 1, lengths and times by the number of fireflies, and the claims about them."""
     (scenario,) = suite.scenarios
     walks = [_walks(suite, outcomes, name, scenario) for name in suite.controllers]
     optimum = shortest_path(walks[0].scenario)[0]
-    columns: tuple[str, ...] = (
-        "fireflies", "arrived", "mean length", "above the shortest", "iterations", "turning, degrees",
-        "seconds",
-    )  # fmt: skip
     is_published = not walks[0].changed  # the paper of Brand and Yu has no numbers of maps that change
-    if is_published:
-        columns += ("length, paper", "seconds, paper")
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[dict[str, Entry]] = []
     for walk in walks:
-        row = TABLE_1.get(walk.count)
-        published = (number(row.length, ".0f"), number(row.seconds)) if row else (MISSING, MISSING)
         rows.append(
-            (
-                number(walk.count, "d"),
-                walk.arrival_cell,
-                _mean(walk.lengths, ".1f"),
-                share(_excess(walk)),
-                _mean(walk.iterations, ".0f"),
-                _mean(walk.turnings, ".0f"),
-                number(walk.seconds.mean(), ".3f"),
-                *(published if is_published else ()),
-            )
+            {
+                "fireflies": number(walk.count, "d"),
+                "arrived": count_of(len(walk.arrived), len(walk.runs)),
+                "mean length": mean_cell(walk.lengths),
+                "above the shortest": share(_excess(walk)),
+                "iterations": mean_cell(walk.iterations, ".0f"),
+                "turning, degrees": mean_cell(walk.turnings, ".0f"),
+                "seconds": number(walk.seconds.mean(), ".3f"),
+            }
         )
-    named = {walk.count: walk for walk in walks}
+        if is_published:
+            row = TABLE_1.get(walk.count)
+            rows[-1]["length, paper"] = number(row.length if row else None, ".0f")
+            rows[-1]["seconds, paper"] = number(row.seconds if row else None)
+    named = {f"{walk.count} fireflies": walk for walk in walks}
     claims = [
-        Claim(
-            "all runs arrive",
-            {f"{n} fireflies": len(walk.arrived) == len(walk.runs) for n, walk in named.items()},
-        ),
+        Claim("all runs arrive", {n: len(walk.arrived) == len(walk.runs) for n, walk in named.items()}),
         Claim(
             f"mean length within {percent(MOST_ABOVE_OPTIMUM, '.0f')} of the shortest possible",
-            {
-                f"{n} fireflies": bool(walk.lengths.size) and _excess(walk) <= MOST_ABOVE_OPTIMUM
-                for n, walk in named.items()
-            },
+            {n: bool(walk.lengths.size) and _excess(walk) <= MOST_ABOVE_OPTIMUM for n, walk in named.items()},
         ),
     ]
     return [
@@ -136,7 +119,7 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             f"What is said of fireflies on {scenario}, and where it does not hold",
             claims,
         ),
-        Table(
+        Table.of(
             f"{suite.name}-counts",
             f"{'Table 1, on' if is_published else 'On'} {scenario}, whose shortest path is {optimum:.1f}: "
             "means [95 % intervals] over the runs that arrived, of the way that the robot went, of "
@@ -147,7 +130,6 @@ def count_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 else "The shortest way is that from where the robot was when the map changed, and what it "
                 "had gone"
             ),
-            columns,
             rows,
         ),
     ]
@@ -162,16 +144,16 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for controller in suite.controllers
     }
     optima = {side: _optima(walks[suite.controllers[0], side].scenario) for side in sides}
-    rows = [
-        (
-            f"{side} x {side}",
-            walk.method,
-            walk.arrival_cell,
-            _mean(walk.lengths, ".1f"),
-            share(_mean_of(walk.lengths) / optima[side][0] - 1.0),
-            share(_mean_of(walk.lengths) / optima[side][1] - 1.0, "+.1f"),
-            number(walk.seconds.mean(), ".3f"),
-        )
+    rows: list[Row] = [
+        {
+            "grid": f"{side} x {side}",
+            "method": walk.method,
+            "arrived": count_of(len(walk.arrived), len(walk.runs)),
+            "mean length": mean_cell(walk.lengths),
+            "above shortest path": share(_mean_of(walk.lengths) / optima[side][0] - 1.0),
+            "against octile": share(_mean_of(walk.lengths) / optima[side][1] - 1.0, "+.1f"),
+            "seconds": number(walk.seconds.mean(), ".3f"),
+        }
         for (_, side), walk in walks.items()
     ]
     slopes = [
@@ -183,13 +165,12 @@ def grid_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for controller in suite.controllers
     ]
     tables = [
-        Table(
+        Table.of(
             f"{suite.name}-lengths",
             "Length and time against the size of the grid (figures 8 and 9): means [95 % intervals] of the "
             "way that the robot of the glowworms went and of the best path of the ants; above the shortest "
             "path at any angle, and above the shortest one in steps to eight neighbours; processor time "
             "of a run",
-            ("grid", "method", "arrived", "mean length", "above shortest path", "against octile", "seconds"),
             rows,
         ),
         Table(
@@ -211,23 +192,22 @@ def _grid_claims(
     optima: dict[int, tuple[float, float]],
     sides: list[int],
 ) -> Table:
-    def named(side: int) -> str:
-        return f"{side} x {side}"
-
     ants = {side: walks[ANTS, side] for side in sides}
-    arrived = {side: len(walk.arrived) == len(walk.runs) for side, walk in ants.items()}
-    small = [side for side in OCTILE_SIDES if side in ants]
     return claims_table(
         f"{suite.name}-claims",
         "What is said of ants on growing grids, and where it does not hold",
         [
-            Claim("ants arrive in every run", {named(side): holds for side, holds in arrived.items()}),
+            Claim(
+                "ants arrive in every run",
+                {f"{side} x {side}": len(walk.arrived) == len(walk.runs) for side, walk in ants.items()},
+            ),
             Claim(
                 f"the ants' best paths are within {percent(MOST_ABOVE_OCTILE, '.0f')} of the shortest in "
                 "steps to eight neighbours, on average",
                 {
-                    named(side): _mean_of(ants[side].lengths) <= (1.0 + MOST_ABOVE_OCTILE) * optima[side][1]
-                    for side in small
+                    f"{side} x {side}": _mean_of(walk.lengths) <= (1.0 + MOST_ABOVE_OCTILE) * optima[side][1]
+                    for side, walk in ants.items()
+                    if side in OCTILE_SIDES
                 },
             ),
         ],
@@ -270,13 +250,6 @@ def _excess(walk: RunsOnMap) -> float:
 
 def _mean_of(values: Floats) -> float:
     return float(values.mean()) if values.size else np.nan
-
-
-def _mean(values: Floats, form: str) -> Entry:
-    """Return the mean and its interval, a single value alone, or the sign for a missing number."""
-    if values.size < 2:
-        return number(values[0], form) if values.size else MISSING
-    return number_in(values.mean(), mean_interval(values), form)
 
 
 TABLES = {"brand-yu-counts": count_tables, "brand-yu-grids": grid_tables}

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.plots.courses import columns
 from experiments.plots.gaps import logarithmic_ticks
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
@@ -64,9 +64,6 @@ def _draw_optima(axes: Axes, settings: Settings, last: int) -> None:
         axes.axvline(begin, color=GREY, linestyle=":", linewidth=1.0, label="the obstacle appears")
 
 
-def recovery_figures(stored: Stored) -> Drawings:
-    """Return the figure of runs before and after an obstacle appears."""
-    return {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)}
-
-
-FIGURES: dict[str, FigureMaker] = {"recovery": recovery_figures}
+FIGURES: dict[str, FigureMaker] = {
+    "recovery": lambda stored: {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)}
+}

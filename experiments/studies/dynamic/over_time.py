@@ -7,16 +7,12 @@ from experiments.runs.labels import label
 from experiments.runs.measures import MEASURES
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import interval, means
-from experiments.tables.cell import Entry, number, number_in, share
-from experiments.tables.table import Table
+from experiments.tables.cell import number, number_in, share
+from experiments.tables.table import Row, Table
 
 SOON = 10  # iterations after an event within which a path is to be feasible again
 PRICE = 1.0
-COLUMNS = (
-    "scenarios", "controller", "seeds", "offline objective", "offline error", "final gap", "evaluations",
-    "feasible soon",
-)  # fmt: skip
+
 CAPTION = (
     "Offline error: mean gap in per cent on the map in force, from the first event to the end. Offline "
     f"objective: that plus evaluations / 100,000, over all training and tuning seeds [95 % interval over "
@@ -28,26 +24,24 @@ CAPTION = (
 def over_time_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
     """Return a table with a row for each set of scenarios and group, ordered by objective in each set."""
     objective = MEASURES["offline objective"].of
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         samples = {group: outcomes.sample(group, scenario_set) for group in outcomes.groups}
         values = {group: objective(sample, PRICE) for group, sample in samples.items()}
-        for group in sorted(samples, key=lambda name: float(values[name].mean())):
-            sample = samples[group]
-            resampled = means(values[group], sample.draws())
-            rows.append(
-                (
-                    scenario_set,
-                    label(group),
-                    number(sample.num_training_seeds, "d"),
-                    number_in(values[group].mean(), interval(resampled), ".3f"),
-                    number(100.0 * sample.find_offline_error().mean(), ".3f"),
-                    number(100.0 * sample.gap.mean(), ".3f"),
-                    number(sample.evaluations.mean(), ",.0f"),
-                    share(_soon(outcomes, group, sample.scenarios)),
-                )
-            )
-    return [Table("over-time", CAPTION, COLUMNS, rows)]
+        rows += [
+            {
+                "scenarios": scenario_set,
+                "controller": label(group),
+                "seeds": number(samples[group].num_training_seeds, "d"),
+                "offline objective": number_in(*samples[group].mean(values[group]), ".3f"),
+                "offline error": number(100.0 * samples[group].find_offline_error().mean(), ".3f"),
+                "final gap": number(100.0 * samples[group].gap.mean(), ".3f"),
+                "evaluations": number(samples[group].evaluations.mean(), ",.0f"),
+                "feasible soon": share(_soon(outcomes, group, samples[group].scenarios)),
+            }
+            for group in sorted(samples, key=lambda name: float(values[name].mean()))
+        ]
+    return [Table.of("over-time", CAPTION, rows)]
 
 
 def _soon(outcomes: Outcomes, group: str, scenarios: tuple[str, ...]) -> float:

@@ -1,6 +1,6 @@
 """The table of recovery after events: when, and at what cost, there is a feasible path again."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -9,14 +9,11 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
-from experiments.tables.cell import Cell, Entry, number, share
-from experiments.tables.table import Table
+from experiments.tables.cell import Cell, number, share
+from experiments.tables.table import Row, Table
 
 NEVER = "never"  # printed for an infinite number
-COLUMNS = (
-    "scenarios", "controller", "events", "feasible before", "right after", "at last", "iterations",
-    "evaluations",
-)  # fmt: skip
+
 CAPTION = (
     "Recovery from events: shares of the events before which, right after which and after which at some "
     "time there was a feasible path; iterations and evaluations from the event to a feasible path, median "
@@ -65,32 +62,30 @@ class Recovery:
             for scenario in scenarios
             for event in Changes.of(scenario).events
         ]
-        names = ("was_feasible", "stayed_feasible", "iterations", "evaluations")
+        names = [field.name for field in fields(cls)]
         return cls(*(np.concatenate([getattr(one, name) for one in each]) for name in names))
 
 
 def recovery_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
-    """Return a table with a row for each set of scenarios with events and group of controllers."""
-    rows: list[tuple[Entry, ...]] = []
-    for scenario_set, strata in outcomes.sets.items():
-        scenarios = tuple(scenario for stratum in strata for scenario in stratum)
-        if not any(Changes.of(scenario).events.size for scenario in scenarios):
+    """Return a table with a row for each set of scenarios with events and group of controllers, if any."""
+    rows: list[Row] = []
+    for scenario_set, group, sample in outcomes.samples():
+        if not any(Changes.of(scenario).events.size for scenario in sample.scenarios):
             continue
-        for group in outcomes.groups:
-            found = Recovery.of_group(outcomes, group, scenarios)
-            rows.append(
-                (
-                    scenario_set,
-                    label(group),
-                    number(len(found.iterations), ",d"),
-                    share(found.was_feasible.mean()),
-                    share(found.stayed_feasible.mean()),
-                    share(np.isfinite(found.iterations).mean()),
-                    _quartiles(found.iterations),
-                    _quartiles(found.evaluations),
-                )
-            )
-    return [Table("recovery", CAPTION, COLUMNS, rows)]
+        found = Recovery.of_group(outcomes, group, sample.scenarios)
+        rows.append(
+            {
+                "scenarios": scenario_set,
+                "controller": label(group),
+                "events": number(len(found.iterations), ",d"),
+                "feasible before": share(found.was_feasible.mean()),
+                "right after": share(found.stayed_feasible.mean()),
+                "at last": share(np.isfinite(found.iterations).mean()),
+                "iterations": _quartiles(found.iterations),
+                "evaluations": _quartiles(found.evaluations),
+            }
+        )
+    return Table.if_any("recovery", CAPTION, rows)
 
 
 def _quartiles(values: Floats) -> Cell:

@@ -8,9 +8,8 @@ from experiments.statistics import interval, means
 from experiments.studies.dynamic.over_time import PRICE
 from experiments.studies.dynamic.suites import TOLD
 from experiments.tables.cell import MISSING, Entry, number, share_in
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
-COLUMNS = ("scenarios", "controller", "offline objective", "share of the gain")
 CAPTION = (
     "What seeing a change is worth: the best blind controller of each set gains nothing, the best one that "
     "is told the times of events gains everything, and the others have their share of that gain [95 % "
@@ -26,7 +25,7 @@ def seeing_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     if not set(told) & set(outcomes.groups) or not set(blind) & set(outcomes.groups):
         return []
     objective = MEASURES["offline objective"].of
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         samples = {group: outcomes.sample(group, scenario_set) for group in outcomes.groups}
         found = {group: float(objective(sample, PRICE).mean()) for group, sample in samples.items()}
@@ -34,18 +33,19 @@ def seeing_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             min((group for group in groups if group in found), key=found.__getitem__)
             for groups in (blind, told)
         )
-        rows.append((scenario_set, label(rival), number(found[rival], ".3f"), "0 %"))
         others = [group for group in found if group not in blind]
-        for group in sorted(others, key=found.__getitem__, reverse=True):
-            rows.append(
-                (
-                    scenario_set,
-                    label(group),
-                    number(found[group], ".3f"),
-                    _share(samples[group], samples[rival], samples[bound]),
-                )
-            )
-    return [Table("seeing", CAPTION, COLUMNS, rows)]
+        rows += [
+            {
+                "scenarios": scenario_set,
+                "controller": label(group),
+                "offline objective": number(found[group], ".3f"),
+                "share of the gain": "0 %"
+                if group == rival
+                else _share(samples[group], samples[rival], samples[bound]),
+            }
+            for group in (rival, *sorted(others, key=found.__getitem__, reverse=True))
+        ]
+    return [Table.of("seeing", CAPTION, rows)]
 
 
 def _share(*samples: Sample) -> Entry:

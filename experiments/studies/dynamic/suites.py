@@ -3,15 +3,13 @@
 To add a controller, enter its name in a family. All training seeds of a recipe are reported on together.
 """
 
-from pathlib import Path
+from functools import partial
 
-from experiments.runs.claims import claims_of
-from experiments.runs.suite import ControllerFamily, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.controllers import CASES, training_seeds
 from swarm_gym.scenarios import expand_name
 
 NEVER_USED = 56_000  # test seeds that no earlier commit has used: 56,000 to 56,299
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 # An obstacle appears on a case, at times that nothing was tuned or trained with: it closes the corridor that
 # most runs settle in (gate), or stands in the shortest way (block).
@@ -66,39 +64,17 @@ FAMILIES = (PRINTED, STILL, BLIND, REACTING, LEARNED, BLINDED, INFORMED)
 DRIVING = ControllerFamily("trained with robots that drive", training_seeds("learned:dynamic-robots", 5))
 
 
-def _suite(
-    name: str,
-    scenarios: tuple[str, ...],
-    num_seeds: int,
-    tables: tuple[str, ...],
-    figures: tuple[str, ...] = (),
-    families: tuple[ControllerFamily, ...] = FAMILIES,
-    seed_step: int = 0,
-) -> Suite:
-    return Suite(
-        name=name,
-        controllers=controllers_of(families),
-        scenarios=scenarios,
-        num_seeds=num_seeds,
-        baseline="spsfa-tip",
-        first_seed=NEVER_USED,
-        seed_step=seed_step,
-        families=families,
-        replayed=REPLAYED,
-        tables=tables,
-        figures=figures,
-        claims=claims_of(CLAIMS, name),
-    )
-
-
 # Replayed by a report, side by side: what was learned, and what sees nothing.
 REPLAYED = ("learned:dynamic/0", LONG_LOOP, LONG_REACTING, "spsfa-tip")
-
 OVER_TIME = ("over-time", "seeing", "recovery", "claims")
-DYNAMIC = _suite("dynamic", CASE_EVENTS, 10, OVER_TIME, ("recovery",))
+
+_suite = partial(Suite.of, baseline="spsfa-tip", first_seed=NEVER_USED, replayed=REPLAYED)
+DYNAMIC = _suite("dynamic", FAMILIES, CASE_EVENTS, 10, tables=OVER_TIME, figures=("recovery",))
 # Each field has one seed, which no other field has.
-DYNAMIC_FIELDS = _suite("dynamic-fields", (*FIELDS, *MOVING), 1, OVER_TIME, seed_step=1)
-DYNAMIC_ROBOTS = _suite("dynamic-robots", DRIVES, 16, ("robots",), families=(*FAMILIES, DRIVING))
+DYNAMIC_FIELDS = _suite(
+    "dynamic-fields", FAMILIES, (*FIELDS, *MOVING), 1, seed_step=1, tables=OVER_TIME, figures=()
+)
+DYNAMIC_ROBOTS = _suite("dynamic-robots", (*FAMILIES, DRIVING), DRIVES, 16, tables=("robots",), figures=())
 
 SUITES = (DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS)
 COLLECTIONS = {"dynamic-study": tuple(suite.name for suite in SUITES)}

@@ -5,21 +5,20 @@ from functools import cache
 import numpy as np
 
 from experiments.runs.labels import label
-from experiments.runs.outcomes import Floats, Outcomes
+from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run, arrives
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, mean_of_present, means
 from experiments.studies.dynamic.over_time import over_time_tables
 from experiments.studies.dynamic.recovery import recovery_tables
 from experiments.studies.dynamic.seeing import seeing_tables
-from experiments.tables.cell import MISSING, Entry, number, number_in, share_in
+from experiments.tables.cell import MISSING, number, number_in, share_in
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import FunctionScenario, Point, make_scenario, worlds_of
 
-COLUMNS = ("scenarios", "controller", "runs", "arrived", "driven", "evaluations")
 CAPTION = (
     "Robots that drive while an obstacle appears: share that arrives without a collision; length that "
     "these have driven, in per cent above the shortest way from the start on the changed map; evaluations "
@@ -29,40 +28,31 @@ CAPTION = (
 
 def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
     """Return a table with a row for each set of scenarios and group of controllers, most arrivals first."""
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
-        found: list[tuple[float, tuple[Entry, ...]]] = []
+        found: list[tuple[float, Row]] = []
         for group in outcomes.groups:
             sample = outcomes.sample(group, scenario_set)
-            detours = np.array(
-                [
-                    [_detours(outcomes.runs(controller, scenario), scenario) for scenario in sample.scenarios]
-                    for controller in outcomes.groups[group]
-                ]
-            )
-            arrived, draws = np.isfinite(detours).astype(np.float64), sample.draws()
-            driven: Entry = MISSING
-            if arrived.any():
-                driven = share_in(mean_of_present(detours), interval(means(detours, draws)), "+.2f")
-            entries = (
-                number(detours.size, ",d"),
-                share_in(arrived.mean(), interval(means(arrived, draws))),
-                driven,
-                number_in(sample.evaluations.mean(), interval(means(sample.evaluations, draws)), ",.0f"),
-            )
-            found.append((float(arrived.mean()), (scenario_set, label(group), *entries)))
-        rows += [entries for _, entries in sorted(found, key=lambda one: -one[0])]
-    return [Table("robots", CAPTION, COLUMNS, rows)]
+            detours = sample.each(_detour)
+            arrived = np.isfinite(detours).astype(np.float64)
+            driven = mean_of_present(detours), interval(means(detours, sample.draws()))
+            row: Row = {
+                "scenarios": scenario_set,
+                "controller": label(group),
+                "runs": number(detours.size, ",d"),
+                "arrived": share_in(*sample.mean(arrived)),
+                "driven": share_in(*driven, "+.2f") if arrived.any() else MISSING,
+                "evaluations": number_in(*sample.mean(sample.evaluations), ",.0f"),
+            }
+            found.append((float(arrived.mean()), row))
+        rows += [row for _, row in sorted(found, key=lambda one: -one[0])]
+    return [Table.of("robots", CAPTION, rows)]
 
 
-def _detours(runs: list[Run], scenario: str) -> Floats:
-    """Return the detours of runs as in the reward `detour`, (runs,); NaN for robots that have not arrived."""
-    target, shortest = _target_and_shortest(scenario)
-    found = np.full(len(runs), np.nan)
-    for k, run in enumerate(runs):
-        if arrives(run, target):
-            found[k] = length_of(run.trajectory) / shortest - 1.0
-    return found
+def _detour(run: Run) -> float:
+    """Return the detour of a run as in the reward `detour`; NaN for a robot that has not arrived."""
+    target, shortest = _target_and_shortest(run.scenario)
+    return length_of(run.trajectory) / shortest - 1.0 if arrives(run, target) else np.nan
 
 
 @cache

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from experiments.plots import map_plot
 from experiments.plots.courses import CaseRuns, best_by_evaluations, columns
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker
 from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.labels import label
 from experiments.runs.run import Floats, Run
@@ -169,17 +169,12 @@ def _draw_walls(axes: Axes, raw: GridMap) -> None:
     )
 
 
-def function_figures(stored: Stored) -> Drawings:
-    """Return the figures of convergence on the test functions, one for each axis."""
-    return {f"functions-by-{axis}": partial(draw_function_convergence, stored.cases, axis) for axis in AXES}
-
-
-def route_figures(stored: Stored) -> Drawings:
-    """Return the figures of routes: maps with best paths, and convergence."""
-    return {
+FIGURES: dict[str, FigureMaker] = {
+    "functions": lambda stored: {
+        f"functions-by-{axis}": partial(draw_function_convergence, stored.cases, axis) for axis in AXES
+    },
+    "routes": lambda stored: {
         "route-maps": partial(draw_route_maps, stored.cases),
         "route-convergence": partial(draw_route_convergence, stored.cases),
-    }
-
-
-FIGURES: dict[str, FigureMaker] = {"functions": function_figures, "routes": route_figures}
+    },
+}

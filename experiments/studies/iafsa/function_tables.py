@@ -5,7 +5,7 @@ independent and spread over many powers of ten: Mann-Whitney's U test compares t
 runs are paired by the place of the optimum: Wilcoxon's signed-rank test compares them.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,10 @@ from experiments.runs.groups import scenario_sets
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import compare, holm, mean_interval, rank_sum
+from experiments.statistics import compare, holm, rank_sum
 from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, MEAN_BEST, Function
-from experiments.tables.cell import Entry, number, number_in, verdict
-from experiments.tables.table import Table
+from experiments.tables.cell import Entry, mean_cell, number, verdict
+from experiments.tables.table import Row, Table
 from swarm_gym.comparing.entrants import Entrant, entrant
 
 # Number of runs in table 2 of the IAFSA paper; its table 3 has more.
@@ -47,10 +47,10 @@ class SwarmComparison:
         """True if IAFSA's mean is below AFSA's."""
         return bool(self.fitness[IAFSA].mean() < self.fitness[AFSA].mean())
 
-    def over_published(self, optimizer: str) -> float:
-        """Return the mean over the published one; NaN if the IAFSA paper has none."""
+    def over_published(self, optimizer: str, of: Callable[[Floats], float] = np.mean) -> float:
+        """Return the mean, or another value of the runs, over the published mean; NaN if there is none."""
         published = MEAN_BEST.get((self.function.key, optimizer, self.iterations), np.nan)
-        return float(self.fitness[optimizer].mean() / published)
+        return float(of(self.fitness[optimizer]) / published)
 
 
 def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -58,46 +58,34 @@ def function_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     comparisons = find_comparisons(suite, outcomes, paired=False)
     adjusted = holm([compared.p_value for compared in comparisons])
     rows = [
-        (
-            *_result_cells(compared, p),
-            *(_published(compared, optimizer) for optimizer in (AFSA, IAFSA)),
-            *(number(compared.over_published(optimizer), ".2g") for optimizer in (AFSA, IAFSA)),
-        )
+        {
+            **_result_row(compared, p),
+            "paper AFSA": _published(compared, AFSA),
+            "paper IAFSA": _published(compared, IAFSA),
+            "AFSA / paper": number(compared.over_published(AFSA), ".2g"),
+            "IAFSA / paper": number(compared.over_published(IAFSA), ".2g"),
+        }
         for compared, p in zip(comparisons, adjusted, strict=True)
     ]
-    return [
-        Table(
-            "iafsa-functions",
-            f"Table 2. Mean final value [95 % interval] of {_runs(comparisons)} runs, optimum 0; p of "
-            "Mann-Whitney's U test, two-sided, Holm-corrected over the table; mean evaluations; the paper's "
-            "means, and ours in units of them. The paper states 10-D for Rastrigin and Sum squares",
-            (*RESULT_COLUMNS, "paper AFSA", "paper IAFSA", "AFSA / paper", "IAFSA / paper"),
-            rows,
-        ),
-        _dimensions_table(comparisons),
-    ]
+    caption = (
+        f"Table 2. Mean final value [95 % interval] of {_runs(comparisons)} runs, optimum 0; p of "
+        "Mann-Whitney's U test, two-sided, Holm-corrected over the table; mean evaluations; the paper's "
+        "means, and ours in units of them. The paper states 10-D for Rastrigin and Sum squares"
+    )
+    return [*Table.if_any("iafsa-functions", caption, rows), *_dimension_tables(comparisons)]
 
 
 def shifted_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return means for functions whose optimum is at another place in each run."""
     comparisons = find_comparisons(suite, outcomes, paired=True)
     adjusted = holm([compared.p_value for compared in comparisons])
-    return [
-        Table(
-            "iafsa-shifted",
-            f"Mean final value [95 % interval] of {_runs(comparisons)} runs, each with the optimum, 0, at "
-            "another place; p of Wilcoxon's signed-rank test, two-sided, Holm-corrected over the table; mean "
-            "evaluations",
-            RESULT_COLUMNS,
-            [_result_cells(compared, p) for compared, p in zip(comparisons, adjusted, strict=True)],
-        ),
-    ]
-
-
-RESULT_COLUMNS = (
-    "function", "iterations", "AFSA", "IAFSA", "IAFSA below AFSA", "p", "AFSA evaluations",
-    "IAFSA evaluations",
-)  # fmt: skip
+    caption = (
+        f"Mean final value [95 % interval] of {_runs(comparisons)} runs, each with the optimum, 0, at "
+        "another place; p of Wilcoxon's signed-rank test, two-sided, Holm-corrected over the table; mean "
+        "evaluations"
+    )
+    rows = [_result_row(compared, p) for compared, p in zip(comparisons, adjusted, strict=True)]
+    return Table.if_any("iafsa-shifted", caption, rows)
 
 
 def find_comparisons(suite: Suite, outcomes: Outcomes, paired: bool) -> list[SwarmComparison]:
@@ -141,50 +129,41 @@ def _runs(comparisons: list[SwarmComparison]) -> int:
     return max((len(compared.fitness[AFSA]) for compared in comparisons), default=0)
 
 
-def _result_cells(compared: SwarmComparison, p_value: float) -> tuple[Entry, ...]:
-    return (
-        compared.function.label,
-        number(compared.iterations, "d"),
-        *(_mean(compared.fitness[optimizer]) for optimizer in (AFSA, IAFSA)),
-        verdict(compared.improves),
-        number(p_value, ".1g"),
-        *(number(compared.evaluations[optimizer], ",.0f") for optimizer in (AFSA, IAFSA)),
-    )
-
-
-def _mean(values: Floats) -> Entry:
-    return number_in(values.mean(), mean_interval(values), ".2g")
+def _result_row(compared: SwarmComparison, p_value: float) -> Row:
+    return {
+        "function": compared.function.label,
+        "iterations": number(compared.iterations, "d"),
+        "AFSA": mean_cell(compared.fitness[AFSA], ".2g"),
+        "IAFSA": mean_cell(compared.fitness[IAFSA], ".2g"),
+        "IAFSA below AFSA": verdict(compared.improves),
+        "p": number(p_value, ".1g"),
+        "AFSA evaluations": number(compared.evaluations[AFSA], ",.0f"),
+        "IAFSA evaluations": number(compared.evaluations[IAFSA], ",.0f"),
+    }
 
 
 def _published(compared: SwarmComparison, optimizer: str) -> Entry:
     return number(MEAN_BEST.get((compared.function.key, optimizer, compared.iterations)), ".2g")
 
 
-def _best_over_published(compared: SwarmComparison, optimizer: str) -> float:
-    published = MEAN_BEST[compared.function.key, optimizer, compared.iterations]
-    return float(compared.fitness[optimizer].min() / published)
-
-
-def _dimensions_table(comparisons: list[SwarmComparison]) -> Table:
-    rows = [
-        (
-            compared.function.label,
-            number(compared.iterations, "d"),
-            OPTIMIZER_LABELS[optimizer],
-            number(compared.fitness[optimizer].min(), ".2g"),
-            number(compared.fitness[optimizer].mean(), ".2g"),
-            _published(compared, optimizer),
-            number(_best_over_published(compared, optimizer), ".2g"),
-            number(compared.over_published(optimizer), ".2g"),
-        )
+def _dimension_tables(comparisons: list[SwarmComparison]) -> list[Table]:
+    rows: list[Row] = [
+        {
+            "function": compared.function.label,
+            "iterations": number(compared.iterations, "d"),
+            "method": OPTIMIZER_LABELS[optimizer],
+            "best run": number(compared.fitness[optimizer].min(), ".2g"),
+            "mean": number(compared.fitness[optimizer].mean(), ".2g"),
+            "paper": _published(compared, optimizer),
+            "best run / paper": number(compared.over_published(optimizer, np.min), ".2g"),
+            "mean / paper": number(compared.over_published(optimizer), ".2g"),
+        }
         for optimizer in (AFSA, IAFSA)
         for compared in sorted(comparisons, key=lambda compared: compared.function.key)
         if DIMENSIONS[compared.function.key] > 2
     ]
-    return Table(
-        "iafsa-dimensions",
+    caption = (
         "The functions that the paper states as 10-D, in 10 and in 2 dimensions: best and mean final value "
-        "of our runs beside the mean that is printed",
-        ("function", "iterations", "method", "best run", "mean", "paper", "best run / paper", "mean / paper"),
-        rows,
+        "of our runs beside the mean that is printed"
     )
+    return Table.if_any("iafsa-dimensions", caption, rows)

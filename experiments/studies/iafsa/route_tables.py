@@ -9,20 +9,15 @@ import numpy as np
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import holm, mean_interval, rank_sum
+from experiments.statistics import holm, rank_sum
 from experiments.studies.iafsa.published import AFSA, ROUTE_LENGTHS
 from experiments.studies.iafsa.routes import A_STAR, Route, make_route
-from experiments.tables.cell import MISSING, Entry, number, number_in, share
+from experiments.tables.cell import MISSING, Entry, mean_cell, number, share
 from experiments.tables.claim_tables import Claim, claims_table
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios.papers.iafsa import SITES
-
-COLUMNS = (
-    "route", "method", "feasible", "mean length", "shortest", "above shortest path", "against A*",
-    "p against AFSA", "least clearance", "evaluations", "paper",
-)  # fmt: skip
 
 
 def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -36,25 +31,26 @@ def route_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         if min(route.lengths(optimizer).size, route.lengths(AFSA).size) > 1
     }
     adjusted = dict(zip(p_values, holm(list(p_values.values())), strict=True))
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for route in routes:
-        rows.append(_optimum_row(route))
+        length, points = route.shortest
+        rows.append(_row(route, "shortest path", np.array([length]), route.clearance(points)))
         rows += [_grid_row(route, method) for method in route.cell_paths]
         rows += [_swarm_row(route, o, adjusted.get((route.label, o))) for o in route.runs]
+    radii = " and ".join(f"{site.radius:g} ({name}, {site.robot})" for name, site in SITES.items())
     return [
         claims_table(
             "iafsa-routes-claims",
             f"What is said of the routes, over {suite.num_seeds} runs, and where it does not hold",
             _claims(routes),
         ),
-        Table(
+        Table.of(
             "iafsa-routes",
             f"Tables 4 and 5. Mean length [95 % interval] of the feasible runs of {suite.num_seeds}, in "
             "metres, above the shortest path at any angle on the map inflated for the robot; against A* on "
             "that map, negative where shorter; p of Mann-Whitney's U test, two-sided, Holm-corrected over "
-            f"the table; least distance of any run from an obstacle, to be {_radii()} at least; what A* "
+            f"the table; least distance of any run from an obstacle, to be {radii} at least; what A* "
             "evaluates is cells. The paper's lengths are of other maps",
-            COLUMNS,
             rows,
         ),
     ]
@@ -69,48 +65,47 @@ def find_routes(suite: Suite, outcomes: Outcomes) -> list[Route]:
     ]
 
 
-def _optimum_row(route: Route) -> tuple[Entry, ...]:
-    length, points = route.shortest
-    lengths = (number(length, ".3f"),) * 2
-    cells = (route.label, "shortest path", number(1.0, ".2f"), *lengths, *_above(length, route))
-    return (*cells, MISSING, number(route.clearance(points), ".3f"), MISSING, MISSING)
+def _row(route: Route, method: str, lengths: Floats, clearance: float, **others: Entry) -> Row:
+    """Return the row of a method with the lengths of its feasible paths; `others` are further entries."""
+    mean = float(np.mean(lengths)) if lengths.size else np.nan
+    return {
+        "route": route.label,
+        "method": method,
+        "feasible": number(1.0, ".2f"),
+        "mean length": mean_cell(lengths, ".3f"),
+        "shortest": number(lengths.min() if lengths.size else None, ".3f"),
+        "above shortest path": share(mean / route.shortest[0] - 1.0),
+        "against A*": share(mean / route.mean(A_STAR) - 1.0, "+.1f"),
+        "p against AFSA": MISSING,
+        "least clearance": number(clearance, ".3f"),
+        "evaluations": MISSING,
+        "paper": MISSING,
+        **others,
+    }
 
 
-def _grid_row(route: Route, method: str) -> tuple[Entry, ...]:
+def _grid_row(route: Route, method: str) -> Row:
     path = route.cell_paths[method]
-    length = number(length_of(path), ".3f")
-    return (
-        route.label,
+    return _row(
+        route,
         method,
-        number(1.0, ".2f"),
-        length,
-        length,
-        *_above(route.mean(method), route),
-        MISSING,
-        number(route.clearance(path), ".3f"),
-        number(route.a_star.expansions, ","),
-        _published(route, "a-star") if method == A_STAR else MISSING,
+        np.array([length_of(path)]),
+        route.clearance(path),
+        evaluations=number(route.a_star.expansions, ","),
+        paper=_published(route, "a-star") if method == A_STAR else MISSING,
     )
 
 
-def _swarm_row(route: Route, optimizer: str, p_value: float | None) -> tuple[Entry, ...]:
+def _swarm_row(route: Route, optimizer: str, p_value: float | None) -> Row:
     runs, lengths = route.runs[optimizer], route.lengths(optimizer)
-    return (
-        route.label,
-        OPTIMIZER_LABELS.get(optimizer, optimizer),
-        number(lengths.size / len(runs), ".2f"),
-        _mean_cell(lengths),
-        number(lengths.min() if lengths.size else None, ".3f"),
-        *_above(route.mean(optimizer), route),
-        number(p_value, ".1g"),
-        number(route.clearances(optimizer).min(), ".3f"),
-        number(np.mean([run.evaluations for run in runs]), ",.0f"),
-        _published(route, optimizer),
-    )
-
-
-def _above(mean: float, route: Route) -> tuple[Entry, Entry]:
-    return share(mean / route.shortest[0] - 1.0), share(mean / route.mean(A_STAR) - 1.0, "+.1f")
+    others = {
+        "feasible": number(lengths.size / len(runs), ".2f"),
+        "p against AFSA": number(p_value, ".1g"),
+        "evaluations": number(np.mean([run.evaluations for run in runs]), ",.0f"),
+        "paper": _published(route, optimizer),
+    }
+    label = OPTIMIZER_LABELS.get(optimizer, optimizer)
+    return _row(route, label, lengths, float(route.clearances(optimizer).min()), **others)
 
 
 def _published(route: Route, method: str) -> Entry:
@@ -125,13 +120,3 @@ def _claims(routes: list[Route]) -> list[Claim]:
         )
         for optimizer in dict.fromkeys(optimizer for route in routes for optimizer in route.runs)
     ]
-
-
-def _mean_cell(lengths: Floats) -> Entry:
-    if lengths.size < 2:
-        return number(lengths[0], ".3f") if lengths.size else MISSING
-    return number_in(lengths.mean(), mean_interval(lengths), ".3f")
-
-
-def _radii() -> str:
-    return " and ".join(f"{site.radius:g} ({name}, {site.robot})" for name, site in SITES.items())

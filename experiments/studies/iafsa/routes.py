@@ -7,8 +7,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from experiments.runs.outcomes import Floats
-from experiments.runs.run import Run
-from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
+from experiments.runs.run import Run, feasible_lengths
 from swarm_gym.problem.geometry.clearance import clearance
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import GridPath, shortest_grid_path, shortest_path, smooth
@@ -68,14 +67,8 @@ class Route:
         return float(np.mean(lengths)) if np.size(lengths) else np.nan
 
     def lengths(self, optimizer: str) -> Floats:
-        """Return the lengths of the feasible runs; the fitness of a feasible path is its length."""
-        return np.array(
-            [
-                run.final_fitness
-                for run in self.runs[optimizer]
-                if run.final_collision <= FEASIBILITY_TOLERANCE
-            ]
-        )
+        """Return the lengths of the feasible runs."""
+        return feasible_lengths(self.runs[optimizer])
 
     def clearances(self, optimizer: str) -> Floats:
         """Return the least distance of every run's best path from an obstacle."""

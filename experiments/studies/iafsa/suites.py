@@ -1,9 +1,7 @@
 """The suites of the IAFSA paper: test functions, shifted test functions, and routes."""
 
 from functools import partial
-from pathlib import Path
 
-from experiments.runs.claims import claims_of
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
 from experiments.studies.iafsa.published import AFSA, DIMENSIONS, IAFSA, ITERATIONS, published_mean
@@ -12,7 +10,6 @@ from swarm_gym.scenarios import expand_name
 
 STATED = tuple(f"{key}-{dimension}" for key, dimension in DIMENSIONS.items())
 RIVALS = (AFSA, IAFSA)
-CLAIMS = Path(__file__).parent / "claims.toml"
 # Since schedules span the episode, its length makes another entrant.
 ENTRANTS = tuple(f"{method}({iterations})+fixed:100" for iterations in ITERATIONS for method in RIVALS)
 # Table 2 of the IAFSA paper is over 50 of these runs, table 3 over all. Functions that the IAFSA paper states
@@ -28,7 +25,6 @@ FUNCTIONS = Suite(
     first_seed=FRESH_SEEDS,
     tables=("iafsa-functions", "iafsa-convergence", "claims"),
     figures=("functions",),
-    claims=claims_of(CLAIMS, "iafsa-functions"),
     yardsticks={
         f"the paper's {name}({iterations})": partial(
             published_mean, optimizer=optimizer, iterations=iterations
@@ -48,7 +44,6 @@ SHIFTED = Suite(
     seed_step=1,
     tables=("iafsa-shifted", "claims"),
     figures=(),
-    claims=claims_of(CLAIMS, "iafsa-shifted"),
 )
 ROUTES = Suite(
     name="iafsa-routes",
@@ -61,7 +56,6 @@ ROUTES = Suite(
     options={"encoding": "bezier", "num_control_points": 4, "iterations": 100},
     tables=("iafsa-routes", "claims"),
     figures=("routes",),
-    claims=claims_of(CLAIMS, "iafsa-routes"),
     yardsticks={method: partial(length_of_planner, method=method) for method in (A_STAR, SMOOTHED)},
 )
 

@@ -3,62 +3,39 @@
 The IAFSA paper states no criterion of convergence; ours is that of `experiments.runs.run`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import STILL_TO_COME, Run, convergence_iteration
 from experiments.runs.suite import Suite
-from experiments.statistics import mean_interval
 from experiments.studies.iafsa.function_tables import find_entrants, function_tables, shifted_tables
 from experiments.studies.iafsa.published import AFSA, CONVERGENCE, ITERATIONS, Function
 from experiments.studies.iafsa.route_tables import route_tables
-from experiments.tables.cell import MISSING, Entry, number, number_in
+from experiments.tables.cell import mean_cell, number
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 
 LENGTH = ITERATIONS[-1]  # of the runs; the IAFSA paper does not state it
-
-
-class Converged(NamedTuple):
-    """Convergence of the runs of one optimizer on one function, (runs,) each.
-
-    Attributes:
-        iterations: iterations until a run converged.
-        evaluations: evaluations until a run converged.
-        until_level: iterations until a level is reached, all if it never is.
-    """
-
-    iterations: Floats
-    evaluations: Floats
-    until_level: Floats
 
 
 def convergence_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return iterations to convergence (table 3)."""
     names = {o: name for (o, length), name in find_entrants(suite).items() if length == LENGTH}
-    found = {}
+    rows: list[Row] = []
     for scenario in suite.scenarios:
         level = outcomes.of(names[AFSA], scenario).fitness.mean() if AFSA in names else np.nan
-        for optimizer, name in names.items():
-            runs = outcomes.runs(name, scenario)
-            found[Function.of(scenario), optimizer] = _converged(runs, level)
-    return [
-        Table(
-            "iafsa-convergence",
-            f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
-            f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
-            "% interval], and mean evaluations until then; mean iterations until the run is below the final "
-            "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations",
-            (
-                "function", "method", "max", "min", "mean", "evaluations", "to AFSA's mean",
-                "paper max", "paper min", "paper mean",
-            ),
-            [_row(function, optimizer, one) for (function, optimizer), one in found.items()],
-        ),
-    ]  # fmt: skip
+        rows += [
+            _row(Function.of(scenario), optimizer, outcomes.runs(name, scenario), level)
+            for optimizer, name in names.items()
+        ]
+    caption = (
+        f"Table 3. Iterations to convergence over {suite.num_seeds} runs of {LENGTH} iterations: the "
+        f"first after which at most {STILL_TO_COME:g} of the run's whole gain is still to come; mean [95 "
+        "% interval], and mean evaluations until then; mean iterations until the run is below the final "
+        "mean of AFSA, all where it never is. The paper states no criterion and no number of iterations"
+    )
+    return Table.if_any("iafsa-convergence", caption, rows)
 
 
 def iterations_to(course: Floats, level: float) -> int:
@@ -67,27 +44,25 @@ def iterations_to(course: Floats, level: float) -> int:
     return int(below[0]) if below.size else len(course) - 1
 
 
-def _converged(runs: list[Run], level: float) -> Converged:
+def _row(function: Function, optimizer: str, runs: list[Run], level: float) -> Row:
+    """Return the row of runs of one optimizer on one function; `level` is the final mean of AFSA."""
     courses = [run.course("best_fitness") for run in runs]
-    at = [convergence_iteration(course) for course in courses]
-    spent = [run.course("evaluations")[k] for run, k in zip(runs, at, strict=True)]
-    until = [iterations_to(course, level) for course in courses]
-    return Converged(np.array(at, dtype=np.float64), np.array(spent), np.array(until, dtype=np.float64))
-
-
-def _row(function: Function, optimizer: str, found: Converged) -> tuple[Entry, ...]:
-    published = CONVERGENCE.get((function.key, optimizer))
-    iterations = found.iterations
-    return (
-        function.label,
-        OPTIMIZER_LABELS[optimizer],
-        number(iterations.max(), ".0f"),
-        number(iterations.min(), ".0f"),
-        number_in(iterations.mean(), mean_interval(iterations)),
-        number(found.evaluations.mean(), ",.0f"),
-        number(found.until_level.mean()),
-        *([number(value, ".0f") for value in published] if published else [MISSING] * 3),
-    )
+    iterations = np.array([convergence_iteration(course) for course in courses], dtype=np.float64)
+    spent = [run.course("evaluations")[int(k)] for run, k in zip(runs, iterations, strict=True)]
+    published = CONVERGENCE.get((function.key, optimizer), (None, None, None))
+    return {
+        "function": function.label,
+        "method": OPTIMIZER_LABELS[optimizer],
+        "max": number(iterations.max(), ".0f"),
+        "min": number(iterations.min(), ".0f"),
+        "mean": mean_cell(iterations),
+        "evaluations": number(np.mean(spent), ",.0f"),
+        "to AFSA's mean": number(np.mean([iterations_to(course, level) for course in courses])),
+        **{
+            f"paper {name}": number(value, ".0f")
+            for name, value in zip(("max", "min", "mean"), published, strict=True)
+        },
+    }
 
 
 TABLES = {

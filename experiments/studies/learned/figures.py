@@ -10,16 +10,6 @@ from experiments.runs.groups import group_controllers
 from experiments.tables.block_contents import decisions_name
 
 
-def profile_figures(stored: Stored) -> Drawings:
-    """Return the figure of the share of runs within a gap, by the gap."""
-    return {"profiles": partial(draw_profiles, stored.outcomes)}
-
-
-def front_figures(stored: Stored) -> Drawings:
-    """Return the figure of mean gap against mean evaluations."""
-    return {"front": partial(draw_front, stored.suite, stored.outcomes)}
-
-
 def decision_figures(stored: Stored) -> Drawings:
     """Return a figure of the decisions of each group of controllers that decides anything."""
     among = styles(group_controllers(stored.suite.controllers))
@@ -30,7 +20,7 @@ def decision_figures(stored: Stored) -> Drawings:
 
 
 FIGURES: dict[str, FigureMaker] = {
-    "profiles": profile_figures,
-    "front": front_figures,
+    "profiles": lambda stored: {"profiles": partial(draw_profiles, stored.outcomes)},
+    "front": lambda stored: {"front": partial(draw_front, stored.suite, stored.outcomes)},
     "decisions": decision_figures,
 }

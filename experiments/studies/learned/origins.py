@@ -7,7 +7,7 @@ from typing import Any
 from agents import make_controller
 from experiments.runs.groups import group_controllers
 from experiments.runs.labels import label
-from experiments.tables.cell import MISSING, Cell, Entry, number
+from experiments.tables.cell import MISSING, Entry, interval_cell, number
 from experiments.tables.table import Table
 from swarm_gym.controllers.distilled import DISTILLED
 from swarm_gym.controllers.names import ControllerName
@@ -60,10 +60,7 @@ def _cells(manifest: Mapping[str, Any]) -> tuple[Entry, ...]:
 def _price(price: Any) -> Entry:
     """Return a cell with a price, or with the range of prices of a policy that observes its price."""
     ends = price if isinstance(price, list | tuple) else [price]
-    if len(ends) == 1:
-        return number(ends[0], "g")
-    low, high = ends
-    return Cell.of("{low:g} to {high:g}", low=low, high=high)
+    return number(ends[0], "g") if len(ends) == 1 else interval_cell((ends[0], ends[1]), "g")
 
 
 def _beginning(config: Mapping[str, Any]) -> str:

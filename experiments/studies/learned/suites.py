@@ -4,10 +4,9 @@ To add a controller, enter its name in a family. Training seeds of a recipe, suc
 `*training_seeds("learned:three-cases", 10)`, are reported on together (see `experiments.runs.groups`).
 """
 
-from pathlib import Path
+from functools import partial
 
-from experiments.runs.claims import claims_of
-from experiments.runs.suite import ControllerFamily, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_LEARNED, training_seeds
 from swarm_gym.scenarios import expand_name
 
@@ -77,47 +76,19 @@ LOOKED_INTO = ("learned:three-cases/*@1", "open-loop:three-cases-long/*@1", "tun
 
 STUDY_TABLES = ("headline", "claims", "gaps", "differences", "front", "near-optimum", "free-paths")
 STUDY_FIGURES = ("profiles", "front", "decisions")
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 
-def _study(
-    name: str,
-    families: tuple[ControllerFamily, ...],
-    scenarios: tuple[str, ...],
-    num_seeds: int,
-    seed_step: int = 0,
-) -> Suite:
-    """Return a suite of the study: families of controllers, and chance as the floor of every comparison."""
-    return Suite(
-        name=name,
-        controllers=(*controllers_of(families), "random"),
-        scenarios=scenarios,
-        num_seeds=num_seeds,
-        baseline="spsfa-tip",
-        first_seed=NEVER_USED,
-        seed_step=seed_step,
-        families=families,
-        tables=STUDY_TABLES,
-        figures=STUDY_FIGURES,
-        claims=claims_of(CLAIMS, name),
-    )
-
-
-def _beside(name: str, families: tuple[ControllerFamily, ...], num_seeds: int, baseline: str) -> Suite:
-    """Return a suite of the cases that only compares objectives, beside the study."""
-    return Suite(
-        name=name,
-        controllers=controllers_of(families),
-        scenarios=CASES,
-        num_seeds=num_seeds,
-        baseline=baseline,
-        first_seed=NEVER_USED,
-        families=families,
-        tables=("headline", "claims"),
-        figures=(),
-        claims=claims_of(CLAIMS, name),
-    )
-
+# Families of controllers, and chance as the floor of every comparison.
+_study = partial(
+    Suite.of,
+    others=("random",),
+    baseline="spsfa-tip",
+    first_seed=NEVER_USED,
+    tables=STUDY_TABLES,
+    figures=STUDY_FIGURES,
+)
+# Suites of the cases that only compare objectives, beside the study.
+_beside = partial(Suite.of, scenarios=CASES, first_seed=NEVER_USED, tables=("headline", "claims"), figures=())
 
 HEADLINE = _study("headline", CASE_FAMILIES, CASES, 200)
 # Each field has one seed, which no other field has.
@@ -130,7 +101,7 @@ SINGLE_CASE_FAMILIES = (
     ControllerFamily("all cases", training_seeds("learned:three-cases", 10, 1)),
     *(ControllerFamily(f"{case} alone", training_seeds(f"learned:{case}", 5, 1)) for case in CASES),
 )
-SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, 200, "open-loop:three-cases")
+SINGLE_CASES = _beside("single-cases", SINGLE_CASE_FAMILIES, num_seeds=200, baseline="open-loop:three-cases")
 
 # Policies that were trained alike but for what their name says; `data/presets/ablation-*.toml`.
 CHANGED = (
@@ -141,6 +112,6 @@ ABLATION_FAMILIES = (
     ControllerFamily("the base", ("open-loop:three-cases",), blind=True),
     *(ControllerFamily(name, training_seeds(f"learned:ablation-{name}", 5)) for name in ("all", *CHANGED)),
 )
-ABLATION = _beside("ablation", ABLATION_FAMILIES, 100, "learned:ablation-all/*")
+ABLATION = _beside("ablation", ABLATION_FAMILIES, num_seeds=100, baseline="learned:ablation-all/*")
 
 SUITES = (HEADLINE, GENERALISATION, OUT_OF_DISTRIBUTION, SINGLE_CASES, ABLATION)

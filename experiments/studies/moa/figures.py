@@ -3,15 +3,11 @@
 from functools import partial
 
 from experiments.plots.courses import draw_best_path_maps, draw_convergence
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker
 
-
-def map_figures(stored: Stored) -> Drawings:
-    """Return the figure of all maps with best paths, and one of convergence for each scenario."""
-    return {
+FIGURES: dict[str, FigureMaker] = {
+    "maps": lambda stored: {
         "best-path-maps": partial(draw_best_path_maps, stored.cases),
         **{f"convergence-{case.scenario.name}": partial(draw_convergence, case) for case in stored.cases},
     }
-
-
-FIGURES: dict[str, FigureMaker] = {"maps": map_figures}
+}

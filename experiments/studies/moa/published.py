@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 
 class PublishedTask(NamedTuple):
-    """Numbers of one method on one task of the MOA paper."""
+    """Numbers of one method on one task of the MOA paper; None where it prints none."""
 
-    length: float  # mean length of the feasible runs
-    feasible: float  # share of feasible runs
-    differs: bool | None  # from the shortest mean length, t-test at 5 %; None for the shortest itself
-    success: float  # share of runs shorter than the threshold
-    evaluations: float | None  # mean until success, or all if a run has none; None if no run has
+    length: float | None = None  # mean length of the feasible runs
+    feasible: float | None = None  # share of feasible runs
+    differs: bool | None = None  # from the shortest mean length, t-test at 5 %; None for the shortest itself
+    success: float | None = None  # share of runs shorter than the threshold
+    evaluations: float | None = None  # mean until success, or all if a run has none; None if no run has
 
 
 METHODS = ("elite-genetic", "particle-swarm", "generational-firefly", "multivariate")

@@ -4,9 +4,6 @@ The tasks of that paper are in a figure only. Ours stand in for them (`swarm_gym
 that lengths are alike, not equal.
 """
 
-from pathlib import Path
-
-from experiments.runs.claims import claims_of
 from experiments.runs.experiment import FRESH_SEEDS
 from experiments.runs.suite import Suite
 from experiments.studies.moa.published import METHODS
@@ -23,7 +20,6 @@ MOA_PAPER = Suite(
     first_seed=FRESH_SEEDS,
     options={"encoding": "bezier", "iterations": 449},
     tables=("claims", "moa"),
-    claims=claims_of(Path(__file__).parent / "claims.toml", "moa-paper"),
     figures=("maps",),
 )
 

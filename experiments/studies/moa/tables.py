@@ -1,114 +1,100 @@
 """The tables of the MOA paper, its numbers beside ours and the true optimum."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.stats import ttest_ind
 
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
-from experiments.runs.run import Run
+from experiments.runs.run import Run, feasible_lengths
 from experiments.runs.suite import Suite
-from experiments.studies.moa.published import PUBLISHED, THRESHOLDS
+from experiments.studies.moa.published import PUBLISHED, THRESHOLDS, PublishedTask
 from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.document import document_of_suite
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.comparing.entrants import entrant
-from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import GridScenario, make_scenario
 
 
 def moa_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return two tables: lengths and feasibility (table 1), success and evaluations until then (table 2)."""
-    lengths: list[tuple[Entry, ...]] = []
-    successes: list[tuple[Entry, ...]] = []
+    lengths: list[Row] = []
+    successes: list[Row] = []
     for scenario in suite.scenarios:
-        task = scenario.rpartition(":")[2]
         runs = {controller: outcomes.runs(controller, scenario) for controller in suite.controllers}
-        lengths += _length_rows(suite, scenario, task, runs)
-        successes += _success_rows(suite, task, runs)
+        task = scenario.rpartition(":")[2]
+        published = {
+            name: PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer), PublishedTask())
+            for name in runs
+        }
+        lengths += _length_rows(scenario, runs, published)
+        successes += _success_rows(task, runs, published)
     return [
-        Table(
+        Table.of(
             "moa-lengths",
             f"Table 1. Mean length of the best paths of the feasible runs of {suite.num_seeds}, above the "
             "shortest path at any angle; p of Welch's t-test against the shortest mean length; the paper's "
             "numbers are of other tasks of about these lengths, h says whether its t-test found a difference",
-            (
-                "task", "shortest path", "method", "feasible", "mean length", "above shortest", "p",
-                "paper feasible", "paper length", "paper h",
-            ),
             lengths,
         ),
-        Table(
+        Table.of(
             "moa-success",
             "Table 2. Share of runs whose path became shorter than the threshold, and mean evaluations until "
             "then, all of them where a run never succeeds",
-            (
-                "task", "threshold", "method", "success", "evaluations to success", "paper success",
-                "paper evaluations", "evaluations made", "seconds",
-            ),
             successes,
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _length_rows(
-    suite: Suite, scenario: str, task: str, runs: dict[str, list[Run]]
-) -> list[tuple[Entry, ...]]:
+    scenario: str, runs: Mapping[str, list[Run]], published: Mapping[str, PublishedTask]
+) -> list[Row]:
     problem = make_scenario(scenario)
     assert isinstance(problem, GridScenario)
     optimum, _ = shortest_path(problem)
-    lengths = {name: _feasible_lengths(found) for name, found in runs.items()}
+    lengths = {name: feasible_lengths(found) for name, found in runs.items()}
+    means = {name: own.mean() if own.size else np.nan for name, own in lengths.items()}
     reached = [name for name in runs if lengths[name].size]
-    shortest = min(reached, key=lambda name: lengths[name].mean()) if reached else None
-    rows: list[tuple[Entry, ...]] = []
-    for name, found in runs.items():
-        own = lengths[name]
-        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
-        mean = own.mean() if own.size else np.nan
-        rows.append(
-            (
-                task,
-                number(optimum),
-                label(name),
-                number(own.size / len(found), ".2f"),
-                number(mean),
-                share(mean / optimum - 1.0),
-                MISSING if shortest in (name, None) else _p_value(own, lengths[str(shortest)]),
-                number(published.feasible if published else None, ".2f"),
-                number(published.length if published else None),
-                number(published.differs if published else None, "d"),
-            )
-        )
-    return rows
+    shortest = min(reached, key=means.__getitem__) if reached else None
+    return [
+        {
+            "task": scenario.rpartition(":")[2],
+            "shortest path": number(optimum),
+            "method": label(name),
+            "feasible": number(lengths[name].size / len(found), ".2f"),
+            "mean length": number(means[name]),
+            "above shortest": share(means[name] / optimum - 1.0),
+            "p": MISSING if shortest in (name, None) else _p_value(lengths[name], lengths[str(shortest)]),
+            "paper feasible": number(published[name].feasible, ".2f"),
+            "paper length": number(published[name].length),
+            "paper h": number(published[name].differs, "d"),
+        }
+        for name, found in runs.items()
+    ]
 
 
 def _success_rows(
-    suite: Suite,
-    task: str,
-    runs: dict[str, list[Run]],
-) -> list[tuple[Entry, ...]]:
+    task: str, runs: Mapping[str, list[Run]], published: Mapping[str, PublishedTask]
+) -> list[Row]:
     threshold = THRESHOLDS[task]
-    rows: list[tuple[Entry, ...]] = []
-    for name, found in runs.items():
-        published = PUBLISHED.get((task, entrant(name, suite.optimizer).optimizer))
-        spent = np.array([evaluations_to(run, threshold) for run in found])
-        success = np.mean([run.course("best_fitness")[-1] < threshold for run in found])
-        rows.append(
-            (
-                task,
-                number(threshold, "g"),
-                label(name),
-                number(success, ".2f"),
-                number(spent.mean(), ",.0f"),
-                number(published.success if published else None, ".2f"),
-                number(published.evaluations if published else None, ",.0f"),
-                number(np.mean([run.evaluations for run in found]), ",.0f"),
-                number(np.mean([run.seconds for run in found]), ".3f"),
-            )
-        )
-    return rows
+    return [
+        {
+            "task": task,
+            "threshold": number(threshold, "g"),
+            "method": label(name),
+            "success": number(np.mean([run.course("best_fitness")[-1] < threshold for run in found]), ".2f"),
+            "evaluations to success": number(
+                np.mean([evaluations_to(run, threshold) for run in found]), ",.0f"
+            ),
+            "paper success": number(published[name].success, ".2f"),
+            "paper evaluations": number(published[name].evaluations, ",.0f"),
+            "evaluations made": number(np.mean([run.evaluations for run in found]), ",.0f"),
+            "seconds": number(np.mean([run.seconds for run in found]), ".3f"),
+        }
+        for name, found in runs.items()
+    ]
 
 
 def evaluations_to(run: Run, threshold: float) -> float:
@@ -118,11 +104,6 @@ def evaluations_to(run: Run, threshold: float) -> float:
     """
     below = np.flatnonzero(run.course("best_fitness") < threshold)
     return float(run.course("evaluations")[below[0] if below.size else -1])
-
-
-def _feasible_lengths(runs: Sequence[Run]) -> np.ndarray:
-    # The fitness of a feasible path is its length.
-    return np.array([run.final_fitness for run in runs if run.final_collision <= FEASIBILITY_TOLERANCE])
 
 
 def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:

@@ -11,9 +11,9 @@ from experiments.runs.database import Results
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
-from experiments.statistics import difference, interval, means
-from experiments.tables.cell import Entry, number, share_in
-from experiments.tables.table import Table
+from experiments.statistics import difference
+from experiments.tables.cell import number, share_in
+from experiments.tables.table import Row, Table
 
 FINE = ".2f"
 
@@ -25,37 +25,31 @@ def bends_table(outcomes: Mapping[str, Sequence[Outcomes]]) -> Table:
         outcomes: runs with each kind of bends by its name; of both kinds with the same controllers,
             scenarios and seeds.
     """
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     (one, ones), (other, others) = outcomes.items()
     for mine, theirs in zip(ones, others, strict=True):
-        for scenario_set in mine.sets:
-            for group in mine.groups:
-                first, second = mine.sample(group, scenario_set), theirs.sample(group, scenario_set)
-                # The same stream: both have the same scenarios and seeds, and one training seed.
-                found = difference(first.gap, second.gap, first.draws(), second.draws())
-                rows.append(
-                    (
-                        scenario_set,
-                        label(group),
-                        *(
-                            share_in(sample.gap.mean(), interval(means(sample.gap, sample.draws())), FINE)
-                            for sample in (first, second)
-                        ),
-                        share_in(found.difference, found.interval, "+.2f"),
-                        number(found.improvement, ".2f"),
-                        *(number(sample.evaluations.mean(), ",.0f") for sample in (first, second)),
-                    )
-                )
-    columns = (
-        "scenarios", "controller", one, other, f"{one} - {other}", "improvement",
-        f"evaluations, {one}", f"evaluations, {other}",
-    )  # fmt: skip
+        for scenario_set, group, first in mine.samples():
+            second = theirs.sample(group, scenario_set)
+            # The same stream: both have the same scenarios and seeds, and one training seed.
+            found = difference(first.gap, second.gap, first.draws(), second.draws())
+            rows.append(
+                {
+                    "scenarios": scenario_set,
+                    "controller": label(group),
+                    one: share_in(*first.mean(first.gap), FINE),
+                    other: share_in(*second.mean(second.gap), FINE),
+                    f"{one} - {other}": share_in(found.difference, found.interval, "+.2f"),
+                    "improvement": number(found.improvement, ".2f"),
+                    f"evaluations, {one}": number(first.evaluations.mean(), ",.0f"),
+                    f"evaluations, {other}": number(second.evaluations.mean(), ",.0f"),
+                }
+            )
     caption = (
         f"Mean gap with {one} and with {other} [95 % intervals], on validation seeds; their difference, "
         f"paired by scenario and seed (negative: {one} are better) [95 % interval]; share of pairs in which "
         f"{one} are better, ties count half; mean evaluations"
     )
-    return Table("newcomers-bends", caption, columns, rows)
+    return Table.of("newcomers-bends", caption, rows)
 
 
 def stored_outcomes(suite: Suite, folder: Path) -> Outcomes:

@@ -14,9 +14,8 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Floats, Outcomes
 from experiments.runs.run import Run
 from experiments.runs.suite import Suite
-from experiments.statistics import interval, means
-from experiments.tables.cell import MISSING, Entry, number, share, share_in
-from experiments.tables.table import Table
+from experiments.tables.cell import MISSING, number, share, share_in
+from experiments.tables.table import Row, Table
 from swarm_gym.corridors import Corridors, signatures
 from swarm_gym.problem import AnalyticProblem
 from swarm_gym.reference import known_optimum
@@ -106,56 +105,49 @@ def ends_of(scenario: str, outcomes: Outcomes) -> Ends:
 
 def corridor_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
     """Return a table of the shares of runs by corridor, and one of the corridors themselves."""
-    shares: list[tuple[Entry, ...]] = []
-    paths: list[tuple[Entry, ...]] = []
+    shares: list[Row] = []
+    paths: list[Row] = []
     for scenario in outcomes.scenarios:
         ends = ends_of(scenario, outcomes)
         names = [corridor.name for corridor in ends.corridors]
         for group, controllers in outcomes.groups.items():
-            optimal, *rest = (ends.shares(controllers, name) for name in (*names, OTHERS))
-            draws = outcomes.sample(group, scenario).draws()
-            cells = [share(found.mean()) for found in rest]
-            missing = [MISSING] * (MOST_NAMED - len(names))
+            ended = {name: ends.shares(controllers, name) for name in (*names, OTHERS)}
+            others = (*ascii_uppercase[1:MOST_NAMED], OTHERS)
             shares.append(
-                (
-                    scenario,
-                    label(group),
-                    share_in(optimal.mean(), interval(means(optimal, draws))),
-                    *cells[:-1],
-                    *missing,
-                    cells[-1],
-                )
+                {
+                    "scenarios": scenario,
+                    "controller": label(group),
+                    OPTIMAL: share_in(*outcomes.sample(group, scenario).mean(ended[OPTIMAL])),
+                    **{name: share(ended[name].mean()) if name in ended else MISSING for name in others},
+                }
             )
         total = sum(map(len, ends.names.values()))
         for corridor in ends.corridors:
             gaps = np.array([run.final_fitness / ends.optimum - 1.0 for run in corridor.runs])
             paths.append(
-                (
-                    scenario,
-                    corridor.name,
-                    share(len(gaps) / total),
-                    number(corridor.fitness, ".3f"),
-                    share(corridor.fitness / ends.optimum - 1.0, ".2f"),
-                    share(np.median(gaps) if len(gaps) else np.nan, ".2f"),
-                    number(ends.pooled, "d"),
-                )
+                {
+                    "scenarios": scenario,
+                    "corridor": corridor.name,
+                    "runs": share(len(gaps) / total),
+                    "best fitness": number(corridor.fitness, ".3f"),
+                    "best gap": share(corridor.fitness / ends.optimum - 1.0, ".2f"),
+                    "median gap": share(np.median(gaps) if len(gaps) else np.nan, ".2f"),
+                    "other corridors": number(ends.pooled, "d"),
+                }
             )
-    letters = tuple(ascii_uppercase[:MOST_NAMED])
     return [
-        Table(
+        Table.of(
             "corridors",
             "Share of the runs that end in each corridor. A is the corridor of the optimum [95 % interval]. "
             "The letters after it are ordered by the best path in them, on each scenario anew. Paths that "
             "still collide count, too",
-            ("scenarios", "controller", *letters, OTHERS),
             shares,
         ),
-        Table(
+        Table.of(
             "corridor-paths",
             "Corridors in which most runs of all controllers end: share of these runs, fitness and gap of "
             "the best path in the corridor, median gap of the runs that end there, and the number of "
             "corridors without a letter",
-            ("scenarios", "corridor", "runs", "best fitness", "best gap", "median gap", "other corridors"),
             paths,
         ),
     ]

@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from experiments.plots import map_plot
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker
 from experiments.plots.style import BLUE, GREEN, ORANGE, PINK, RED, new_figure
 from experiments.runs.run import Snapshot
 from experiments.studies.newcomers.corridors import Ends, ends_of
@@ -73,18 +73,11 @@ def draw_corridors(ends: Sequence[Ends]) -> Figure:
     return figure
 
 
-def population_figures(stored: Stored) -> Drawings:  # noqa: ARG001
-    """Return the figure of first populations, which needs no stored runs."""
-    return {"first-populations": draw_first_populations}
-
-
-def corridor_figures(stored: Stored) -> Drawings:
-    """Return the figure of the corridors in which runs end."""
-
-    def draw() -> Figure:
-        return draw_corridors([ends_of(name, stored.outcomes) for name in stored.suite.scenarios])
-
-    return {"corridors": draw}
-
-
-FIGURES: dict[str, FigureMaker] = {"first-populations": population_figures, "corridors": corridor_figures}
+FIGURES: dict[str, FigureMaker] = {
+    "first-populations": lambda _: {"first-populations": draw_first_populations},
+    "corridors": lambda stored: {
+        "corridors": lambda: draw_corridors(
+            [ends_of(name, stored.outcomes) for name in stored.suite.scenarios]
+        )
+    },
+}

@@ -3,15 +3,12 @@
 The second argument of `training_seeds` is the number of tuning or training seeds that ship.
 """
 
-from pathlib import Path
+from functools import partial
 
-from experiments.runs.claims import claims_of
-from experiments.runs.suite import ControllerFamily, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES, HEADLINE_EXTENDED, training_seeds
 from swarm_gym.runs.seeds import VALIDATION
 from swarm_gym.scenarios import expand_name
-
-CLAIMS = Path(__file__).parent / "claims.toml"
 
 # Test seeds of other studies end below; no controller was chosen by results of these.
 NEVER_USED = 20_000
@@ -53,12 +50,7 @@ LOOKED_INTO = (
 )
 
 
-def families(*found: ControllerFamily) -> tuple[ControllerFamily, ...]:
-    """Return those families that have controllers."""
-    return tuple(family for family in found if family.controllers)
-
-
-CASE_FAMILIES = families(
+CASE_FAMILIES = (
     ControllerFamily("printed", PRINTED),
     ControllerFamily("tuned schedule", TUNED_SCHEDULE),
     ControllerFamily("open loops (extended)", EXTENDED_LOOPS),
@@ -86,21 +78,19 @@ CASE_PAIRS = (
     ("learned:three-cases-sourced-ppo/*", "open-loop:three-cases-sourced/*@1"),
     ("tuned:three-cases-restart/*", "open-loop:three-cases-sourced/*@1"),
 )
-NEWCOMERS = Suite(
-    name="newcomers",
-    controllers=controllers_of(CASE_FAMILIES),
-    scenarios=CASES,
-    num_seeds=200,
+NEWCOMERS = Suite.of(
+    "newcomers",
+    CASE_FAMILIES,
+    CASES,
+    200,
     baseline=BASELINE,
     pairs=CASE_PAIRS,
     first_seed=NEVER_USED,
-    families=CASE_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "corridors", "claims"),
-    claims=claims_of(CLAIMS, "newcomers"),
     figures=("first-populations", "corridors", "front", "decisions", "profiles"),
 )
 
-FIELD_FAMILIES = families(
+FIELD_FAMILIES = (
     ControllerFamily("printed", ("fixed:60", "spsfa-tip")),
     ControllerFamily("tuned schedule", ("tuned:random-fields",)),
     ControllerFamily("open loops (extended)", ("open-loop:random-fields-extended",)),
@@ -128,41 +118,35 @@ FIELD_PAIRS = (
     ("learned:random-fields-sourced/*", "open-loop:random-fields-sourced/*@1"),
 )
 # Fields that no other suite runs; each has a seed of its own.
-FIELDS = Suite(
-    name="newcomers-fields",
-    controllers=controllers_of(FIELD_FAMILIES),
-    scenarios=expand_name("random-fields:test:200-399"),
-    num_seeds=1,
+FIELDS = Suite.of(
+    "newcomers-fields",
+    FIELD_FAMILIES,
+    expand_name("random-fields:test:200-399"),
+    1,
     baseline="open-loop:random-fields-extended",
     pairs=FIELD_PAIRS,
     first_seed=NEVER_USED,
     seed_step=1,
-    families=FIELD_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "duels", "front", "claims"),
-    claims=claims_of(CLAIMS, "newcomers-fields"),
     figures=("front", "profiles"),
 )
 
 # Open loops that were tuned alike, all of whose decisions are searched but those that the name takes away.
 ALL_DECISIONS = "all-decisions"
 TAKEN_AWAY = ("no-immigrants", "no-smooth-growth", "no-smooth-members", "only-smooth-members")
-ABLATION_FAMILIES = families(
-    *(
-        ControllerFamily(name.replace("-", " "), training_seeds(f"open-loop:ablation-{name}", 5, 1))
-        for name in (ALL_DECISIONS, *TAKEN_AWAY)
-    )
+ABLATION_FAMILIES = tuple(
+    ControllerFamily(name.replace("-", " "), training_seeds(f"open-loop:ablation-{name}", 5, 1))
+    for name in (ALL_DECISIONS, *TAKEN_AWAY)
 )
-ABLATION = Suite(
-    name="newcomers-ablation",
-    controllers=controllers_of(ABLATION_FAMILIES),
-    scenarios=CASES,
-    num_seeds=100,
+ABLATION = Suite.of(
+    "newcomers-ablation",
+    ABLATION_FAMILIES,
+    CASES,
+    100,
     baseline=f"open-loop:ablation-{ALL_DECISIONS}/*@1",
     first_seed=NEVER_USED,
-    families=ABLATION_FAMILIES,
     tables=("gaps", "near-optimum", "differences", "front", "claims"),
     figures=(),
-    claims=claims_of(CLAIMS, "newcomers-ablation"),
 )
 
 # Optimizers whose members are whole paths. A swarm of constant size needs new members for its first
@@ -196,30 +180,28 @@ BEND_CONTROLLERS = tuple(
 )
 
 
-def _bends(kind: str, name: str, scenarios: tuple[str, ...], num_seeds: int, seed_step: int = 0) -> Suite:
-    return Suite(
-        name=name,
-        controllers=BEND_CONTROLLERS,
-        scenarios=scenarios,
-        num_seeds=num_seeds,
-        baseline=BEND_CONTROLLERS[0],
-        options={"source": "smooth", "bends": kind},
-        first_seed=VALIDATION[0],
-        seed_step=seed_step,
-        tables=("gaps",),
-        figures=(),
-    )
-
-
 # By kind: the suite on the cases, and that on fields. They are two, since each field has one seed only.
+_bends = partial(
+    Suite,
+    controllers=BEND_CONTROLLERS,
+    baseline=BEND_CONTROLLERS[0],
+    first_seed=VALIDATION[0],
+    tables=("gaps",),
+    figures=(),
+)
 BEND_SUITES = {
     kind: (
-        _bends(kind, f"newcomers-{kind}", CASES, 64),
+        _bends(name=f"newcomers-{kind}", scenarios=CASES, num_seeds=64, options=options),
         _bends(
-            kind, f"newcomers-{kind}-fields", expand_name("random-fields:validation:0-63"), 1, seed_step=1
+            name=f"newcomers-{kind}-fields",
+            scenarios=expand_name("random-fields:validation:0-63"),
+            num_seeds=1,
+            seed_step=1,
+            options=options,
         ),
     )
     for kind in BENDS
+    for options in [{"source": "smooth", "bends": kind}]
 }
 
 SUITES = (

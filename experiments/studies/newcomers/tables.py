@@ -33,10 +33,10 @@ from experiments.tables.block_contents import (
     value_by_set,
     whole,
 )
-from experiments.tables.cell import Entry, number, share, share_in
+from experiments.tables.cell import number, share, share_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Block, Document, ResultsFolder
-from experiments.tables.table import Table, wrapped
+from experiments.tables.table import Row, Table, wrapped
 from swarm_gym.comparing.entrants import entrant
 
 FIGURES = "results/newcomers"  # seen from the document
@@ -137,37 +137,36 @@ FINE = ".2f"
 def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return a table of first populations, a row for each optimizer and set of scenarios."""
     optimizers = dict.fromkeys(entrant(name, suite.optimizer).optimizer for name in outcomes.controllers)
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for optimizer in optimizers:
-        uniform, smooth = (f"{optimizer}+{members}" for members in (UNIFORM_MEMBERS, SMOOTH_MEMBERS))
-        if not {uniform, smooth} <= set(outcomes.controllers):
+        names = [f"{optimizer}+{members}" for members in (UNIFORM_MEMBERS, SMOOTH_MEMBERS)]
+        if not set(names) <= set(outcomes.controllers):
             continue
         for scenario_set in outcomes.sets:
-            samples = [outcomes.sample(name, scenario_set) for name in (uniform, smooth)]
-            first, second = samples
-            found = difference(second.gap, first.gap, second.draws(), first.draws(RIVAL_STREAM))
+            uniform, smooth = (outcomes.sample(name, scenario_set) for name in names)
+            found = difference(smooth.gap, uniform.gap, smooth.draws(), uniform.draws(RIVAL_STREAM))
             rows.append(
-                (
-                    OPTIMIZER_LABELS.get(optimizer, optimizer),
-                    scenario_set,
-                    *(share(sample.gap.mean(), FINE) for sample in samples),
-                    share_in(found.difference, found.interval, "+.2f"),
-                    number(found.improvement, ".2f"),
-                    *(share((sample.gap <= NEAR).mean()) for sample in samples),
-                    number(samples[1].evaluations.mean() / samples[0].evaluations.mean(), ".2f"),
-                )
+                {
+                    "optimizer": OPTIMIZER_LABELS.get(optimizer, optimizer),
+                    "scenarios": scenario_set,
+                    "gap, uniform": share(uniform.gap.mean(), FINE),
+                    "gap, smooth": share(smooth.gap.mean(), FINE),
+                    "difference": share_in(found.difference, found.interval, "+.2f"),
+                    "improvement": number(found.improvement, ".2f"),
+                    "near, uniform": share((uniform.gap <= NEAR).mean()),
+                    "near, smooth": share((smooth.gap <= NEAR).mean()),
+                    "evaluations ratio": number(
+                        smooth.evaluations.mean() / uniform.evaluations.mean(), ".2f"
+                    ),
+                }
             )
-    columns = (
-        "optimizer", "scenarios", "gap, uniform", "gap, smooth", "difference", "improvement",
-        "near, uniform", "near, smooth", "evaluations ratio",
-    )  # fmt: skip
     caption = (
         "60 members all the time, by the source of the first population: mean gaps; their difference, smooth "
         "minus uniform, paired by scenario and seed (negative: smooth is better) [95 % interval]; share of "
         "pairs in which smooth is better, ties count half; shares of runs within "
         f"{100 * NEAR:.0f} % of the optimum; ratio of the mean evaluations, smooth over uniform"
     )
-    return [Table("newcomers-optimizers", caption, columns, rows)] if rows else []
+    return Table.if_any("newcomers-optimizers", caption, rows)
 
 
 TABLES = {

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from experiments.plots.decisions import load_courses
-from experiments.plots.stored import Drawings, FigureMaker, Stored
+from experiments.plots.stored import FigureMaker, Stored
 from experiments.plots.style import (
     BLACK,
     BLUE,
@@ -37,16 +37,6 @@ KINDS = {
 }
 COSTS = {"evaluations": "evaluations, mean", "seconds": "seconds of a run, mean"}
 ROWS = {"population_size": "population size", "repair_degree": "repair degree φ"}
-
-
-def front_figures(stored: Stored) -> Drawings:
-    """Return the figure of mean gap against mean evaluations and seconds, a colour for each optimizer."""
-    return {"fronts": partial(draw_fronts, stored.suite, stored.outcomes)}
-
-
-def decision_figures(stored: Stored) -> Drawings:
-    """Return the figure of sizes and phi that policies and blind schedules choose."""
-    return {"policies": partial(draw_policies, stored)}
 
 
 def draw_fronts(suite: Suite, outcomes: Outcomes) -> Figure:
@@ -114,4 +104,7 @@ def draw_policies(stored: Stored) -> Figure:
     return figure
 
 
-FIGURES: dict[str, FigureMaker] = {"fronts": front_figures, "policies": decision_figures}
+FIGURES: dict[str, FigureMaker] = {
+    "fronts": lambda stored: {"fronts": partial(draw_fronts, stored.suite, stored.outcomes)},
+    "policies": lambda stored: {"policies": partial(draw_policies, stored)},
+}

@@ -4,15 +4,12 @@ Each optimizer is a family: fixed sizes, the rules as printed and tuned, blind s
 the optimizer's own parameters, and policies by PPO that correct one of these schedules.
 """
 
-from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import Any
 
-from experiments.runs.claims import claims_of
-from experiments.runs.suite import ControllerFamily, Suite, controllers_of
+from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.controllers import CASES, training_seeds
 
-CLAIMS = Path(__file__).parent / "claims.toml"
 NEVER_USED = 70_000  # first test seed; no earlier table has used it or those after it
 LATER_SEEDS = 71_000  # first test seed of grid maps and of policies that drive other optimizers
 TRAINING_SEEDS = 5
@@ -87,28 +84,13 @@ FIREFLIES = ControllerFamily(
 )
 
 
-def _suite(
-    name: str,
-    families: tuple[ControllerFamily, ...],
-    scenarios: tuple[str, ...],
-    alone: tuple[str, ...] = (),
-    **changes: Any,
-) -> Suite:
-    """Return a suite of families; `alone` are entrants that belong to none of their fronts."""
-    standard = Suite(
-        name=name,
-        controllers=(*controllers_of(families), *alone),
-        scenarios=scenarios,
-        num_seeds=50,
-        baseline=f"{families[0].name}+{RULES}",
-        first_seed=NEVER_USED,
-        families=families,
-        reference=(1_000_000.0, 1.0),
-        tables=("optimizers", "gains", "budgets", "areas", "claims"),
-        figures=(),
-        claims=claims_of(CLAIMS, name),
-    )
-    return replace(standard, **changes)
+_suite = partial(
+    Suite.of,
+    first_seed=NEVER_USED,
+    reference=(1_000_000.0, 1.0),
+    tables=("optimizers", "gains", "budgets", "areas", "claims"),
+    figures=(),
+)
 
 
 def _blinded_of(optimizers: tuple[str, ...]) -> tuple[str, ...]:
@@ -134,7 +116,6 @@ def _transfer(
         first_seed=LATER_SEEDS,
         tables=("transfer", "one-for-all", "claims"),
         figures=(),
-        claims=claims_of(CLAIMS, name),
         **changes,
     )
 
@@ -142,12 +123,21 @@ def _transfer(
 _FAMILIES = (*(_family(name) for name in ON_CASES), FIREFLIES)
 ON_CELLS_ONLY: dict[str, Any] = {"optimizer": ON_CELLS[0], "options": {"encoding": "walk"}}
 
-ON_THE_CASES = _suite("optimizers", _FAMILIES, CASES, _blinded_of(ON_CASES), figures=("fronts", "policies"))
+ON_THE_CASES = _suite(
+    "optimizers",
+    _FAMILIES,
+    CASES,
+    50,
+    _blinded_of(ON_CASES),
+    baseline=f"{ON_CASES[0]}+{RULES}",
+    figures=("fronts", "policies"),
+)
 ON_THE_GRIDS = _suite(
     "optimizers-grids",
     _FAMILIES,
     GRIDS,
-    num_seeds=10,
+    10,
+    baseline=f"{ON_CASES[0]}+{RULES}",
     first_seed=LATER_SEEDS,
     options={"encoding": "bezier"},
 )
@@ -155,7 +145,9 @@ ON_THE_CELLS = _suite(
     "optimizers-cells",
     tuple(_family(name) for name in ON_CELLS),
     BLOCKS,
+    50,
     _blinded_of(ON_CELLS),
+    baseline=f"{ON_CELLS[0]}+{RULES}",
     **ON_CELLS_ONLY,
 )
 TRANSFER = _transfer("optimizers-transfer", DRIVEN, CASES, FOR_ALL_NAMED)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from experiments.runs.labels import label
-from experiments.runs.outcomes import Outcomes
+from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import ControllerFamily, Suite
 from experiments.studies.optimizers.suites import RULES, SIZES, base
 from experiments.studies.optimizers.transfer_tables import one_for_all_tables, transfer_tables
@@ -11,9 +11,10 @@ from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, per
 from experiments.tables.differences import PRICE, mean_objective, minus
 from experiments.tables.document import document_of_suite
 from experiments.tables.front import family_hypervolume
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, ControllerName
 
+OF_BUDGET = ("optimizer", "controller", "gap in per cent", "evaluations taken", "seconds of a run")
 BUDGETS = (2_000, 10_000, 50_000, 200_000)
 NAMES = {
     **{name: f"{ControllerName.parse(name).argument} members" for name in SIZES},
@@ -28,21 +29,19 @@ def optimizer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "seeds, scenarios and seeds. Tuned rules and blind schedules took as many steps as PPO; where no "
         "blind schedule did, the base that PPO corrects stands there"
     )
-    columns = ("scenarios", "optimizer", *NAMES.values(), "rules tuned", "blind schedule", "PPO")
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
             blind = seeds_of(family, outcomes, "open-loop") or _group(family, outcomes, base(family.name))
-            groups = (
-                *(_group(family, outcomes, name) for name in NAMES),
-                seeds_of(family, outcomes, "tuned"),
-                blind,
-                seeds_of(family, outcomes, "learned"),
-            )
-            rows.append(
-                (scenario_set, family.name, *(_cell(outcomes, group, scenario_set) for group in groups))
-            )
-    return [Table("optimizers", caption, columns, rows)]
+            groups = {
+                **{head: _group(family, outcomes, name) for name, head in NAMES.items()},
+                "rules tuned": seeds_of(family, outcomes, "tuned"),
+                "blind schedule": blind,
+                "PPO": seeds_of(family, outcomes, "learned"),
+            }
+            cells = {head: _cell(outcomes, group, scenario_set) for head, group in groups.items()}
+            rows.append({"scenarios": scenario_set, "optimizer": family.name, **cells})
+    return Table.if_any("optimizers", caption, rows)
 
 
 def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -54,10 +53,7 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "blinded: with every input but the clock replaced by its mean course [95 % interval over tuning and "
         "training seeds, scenarios and seeds]. Negative is a smaller objective"
     )
-    columns = ("scenarios", "optimizer", "PPO", "minus the best fixed size", "minus the rules",
-               "minus rules tuned", "minus the base", "minus blind schedules",
-               "minus itself blinded")  # fmt: skip
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         for family in suite.families:
             learned = seeds_of(family, outcomes, "learned")
@@ -66,27 +62,29 @@ def gain_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
                 continue
             mine = outcomes.sample(learned, scenario_set)
             best = min(sizes, key=lambda group: mean_objective(outcomes.sample(group, scenario_set)))
-            rivals = (
-                _group(family, outcomes, RULES),
-                seeds_of(family, outcomes, "tuned"),
-                _group(family, outcomes, base(family.name)),
-                seeds_of(family, outcomes, "open-loop"),
-                _blinded(learned, outcomes),
-            )
-            differences = [
-                MISSING if rival is None else minus(mine, outcomes.sample(rival, scenario_set))
-                for rival in rivals
-            ]
+            rivals = {
+                "the rules": _group(family, outcomes, RULES),
+                "rules tuned": seeds_of(family, outcomes, "tuned"),
+                "the base": _group(family, outcomes, base(family.name)),
+                "blind schedules": seeds_of(family, outcomes, "open-loop"),
+                "itself blinded": _blinded(learned, outcomes),
+            }
+            differences = {
+                f"minus {words}": minus(mine, outcomes.sample(rival, scenario_set)) if rival else MISSING
+                for words, rival in rivals.items()
+            }
             rows.append(
-                (
-                    scenario_set,
-                    family.name,
-                    number(mean_objective(mine), ".2f"),
-                    _with_words(minus(mine, outcomes.sample(best, scenario_set)), best),
-                    *differences,
-                )
+                {
+                    "scenarios": scenario_set,
+                    "optimizer": family.name,
+                    "PPO": number(mean_objective(mine), ".2f"),
+                    "minus the best fixed size": _with_words(
+                        minus(mine, outcomes.sample(best, scenario_set)), best
+                    ),
+                    **differences,
+                }
             )
-    return [Table("gains", caption, columns, rows)]
+    return Table.if_any("gains", caption, rows)
 
 
 def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -95,32 +93,30 @@ def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "The optimizer and controller with the smallest mean gap among those that take at most so many "
         "evaluations on average, over all training seeds, scenarios and seeds"
     )
-    columns = ("scenarios", "evaluations", "optimizer", "controller", "gap in per cent", "evaluations taken",
-               "seconds of a run")  # fmt: skip
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for scenario_set in outcomes.sets:
         ours = [group for family in suite.families for group in family.groups if group in outcomes.groups]
         samples = {group: outcomes.sample(group, scenario_set) for group in ours}
         for budget in BUDGETS:
             within = [group for group, sample in samples.items() if sample.evaluations.mean() <= budget]
-            if not within:
-                rows.append((scenario_set, f"{budget:,}", *[MISSING] * 5))
-                continue
-            best = min(within, key=lambda group: float(samples[group].gap.mean()))
-            name, sample = ControllerName.parse(best), samples[best]
-            controller = str(name.controller)
-            rows.append(
-                (
-                    scenario_set,
-                    f"{budget:,}",
-                    str(name.optimizer or suite.optimizer),
-                    NAMES.get(controller) or label(controller),
-                    number(100.0 * float(sample.gap.mean()), ".2f"),
-                    Cell("{value:,.0f}", {"value": float(sample.evaluations.mean())}),
-                    number(float(sample.seconds.mean()), ".3f"),
-                )
-            )
-    return [Table("budgets", caption, columns, rows)]
+            best = min(within, key=lambda group: float(samples[group].gap.mean()), default=None)
+            found = _described(best, samples[best], suite) if best else dict.fromkeys(OF_BUDGET, MISSING)
+            rows.append({"scenarios": scenario_set, "evaluations": f"{budget:,}", **found})
+    return [Table.of("budgets", caption, rows)]
+
+
+def _described(group: str, sample: Sample, suite: Suite) -> Row:
+    """Return the entries `OF_BUDGET` of a group."""
+    name = ControllerName.parse(group)
+    controller = str(name.controller)
+    cells: tuple[Entry, ...] = (
+        str(name.optimizer or suite.optimizer),
+        NAMES.get(controller) or label(controller),
+        number(100.0 * float(sample.gap.mean()), ".2f"),
+        number(sample.evaluations.mean(), ",.0f"),
+        number(float(sample.seconds.mean()), ".3f"),
+    )
+    return dict(zip(OF_BUDGET, cells, strict=True))
 
 
 def area_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -131,13 +127,15 @@ def area_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         f"interval], from the reference point of {evaluations:,.0f} evaluations and a gap of {percent(gap)}. "
         "A larger one covers more; what has a larger gap than the reference contributes nothing"
     )
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for family in suite.families:
-        if outcomes.groups.keys().isdisjoint(family.groups):
-            continue
-        found = [family_hypervolume(family, outcomes, name, suite.reference) for name in outcomes.sets]
-        rows.append((family.name, *(number_in(area, ends, ".3f") for area, ends in found)))
-    return [Table("areas", caption, ("optimizer", *outcomes.sets), rows)]
+        if not outcomes.groups.keys().isdisjoint(family.groups):
+            areas = {
+                name: number_in(*family_hypervolume(family, outcomes, name, suite.reference), ".3f")
+                for name in outcomes.sets
+            }
+            rows.append({"optimizer": family.name, **areas})
+    return Table.if_any("areas", caption, rows)
 
 
 def _group(family: ControllerFamily, outcomes: Outcomes, controller: str) -> str | None:

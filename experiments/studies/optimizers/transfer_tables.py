@@ -5,7 +5,7 @@ from experiments.runs.suite import Suite
 from experiments.studies.optimizers.suites import BASE_OF_SIZES, DRIVEN, RULES
 from experiments.tables.cell import MISSING, Entry, number, share
 from experiments.tables.differences import difference_of, mean_objective
-from experiments.tables.table import Table
+from experiments.tables.table import Row, Table
 from swarm_gym.controllers.names import ControllerName
 
 ALL, NAMED = "learned:optimizers-all/*@1", "learned:optimizers-all-named/*@1"
@@ -18,13 +18,14 @@ def transfer_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "members, which these policies correct. A column for each optimizer that they were trained on, a row "
         "for each that they drive; means over all training seeds, scenarios and seeds"
     )
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for optimizer in driven(suite):
         base = f"{optimizer}+{BASE_OF_SIZES}"
-        groups = [f"{optimizer}+learned:optimizers-{trained_on}-sizes/*@1" for trained_on in DRIVEN]
-        if base in outcomes.groups and outcomes.groups.keys() & set(groups):
-            rows.append((optimizer, *(_share_of(outcomes, group, base) for group in groups)))
-    return [Table("transfer", caption, ("optimizer", *DRIVEN), rows)]
+        groups = {name: f"{optimizer}+learned:optimizers-{name}-sizes/*@1" for name in DRIVEN}
+        if base in outcomes.groups and outcomes.groups.keys() & set(groups.values()):
+            shares = {name: _share_of(outcomes, group, base) for name, group in groups.items()}
+            rows.append({"optimizer": optimizer, **shares})
+    return Table.if_any("transfer", caption, rows)
 
 
 def one_for_all_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
@@ -35,28 +36,28 @@ def one_for_all_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         "such a policy that is told the name of the optimizer. Differences with 95 % intervals over training "
         "seeds, scenarios and seeds; negative is a smaller objective"
     )
-    columns = ("optimizer", "60 members", "rules", "own policy", "one for eight", "minus 60 members",
-               "minus own policy", "told the name", "minus not told")  # fmt: skip
     whole = list(outcomes.sets)[-1]  # their union, if there are several
-    rows: list[tuple[Entry, ...]] = []
+    rows: list[Row] = []
     for optimizer in driven(suite):
         base, rules, own, shared, named = (
             f"{optimizer}+{name}"
             for name in (BASE_OF_SIZES, RULES, f"learned:optimizers-{optimizer}-sizes/*@1", ALL, NAMED)
         )
-        if shared not in outcomes.groups:
-            continue
-        rows.append(
-            (
-                optimizer,
-                *(_objective(outcomes, group, whole) for group in (base, rules, own, shared)),
-                difference_of(outcomes, shared, base, whole),
-                difference_of(outcomes, shared, own, whole),
-                _objective(outcomes, named, whole),
-                difference_of(outcomes, named, shared, whole),
+        if shared in outcomes.groups:
+            rows.append(
+                {
+                    "optimizer": optimizer,
+                    "60 members": _objective(outcomes, base, whole),
+                    "rules": _objective(outcomes, rules, whole),
+                    "own policy": _objective(outcomes, own, whole),
+                    "one for eight": _objective(outcomes, shared, whole),
+                    "minus 60 members": difference_of(outcomes, shared, base, whole),
+                    "minus own policy": difference_of(outcomes, shared, own, whole),
+                    "told the name": _objective(outcomes, named, whole),
+                    "minus not told": difference_of(outcomes, named, shared, whole),
+                }
             )
-        )
-    return [Table("one-for-all", caption, columns, rows)]
+    return Table.if_any("one-for-all", caption, rows)
 
 
 def driven(suite: Suite) -> tuple[str, ...]:

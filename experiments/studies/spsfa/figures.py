@@ -108,7 +108,7 @@ PARAMETER_DRAWINGS: dict[str, Callable[[ParameterStudy, CaseRuns], Figure]] = {
 
 def _draw_quality(axes: Axes, runs: Runs, case: CaseRuns) -> None:
     values = np.array(list(runs))
-    samples = [_final_fitness(group) for group in runs.values()]
+    samples = [_values(group, "final_fitness") for group in runs.values()]
     spread = 0.15 * np.diff(values).min()
     number = max(map(len, samples))
     text = "a run" if number <= MOST_POINTS else f"a run, {MOST_POINTS} of {number}"
@@ -127,11 +127,14 @@ def _draw_quality(axes: Axes, runs: Runs, case: CaseRuns) -> None:
 def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     values, unit = list(runs), runs[study.printed]
     low, high = np.transpose(
-        [ratio_interval(_evaluations(group), _evaluations(unit)) for group in runs.values()]
+        [
+            ratio_interval(_values(group, "evaluations"), _values(unit, "evaluations"))
+            for group in runs.values()
+        ]
     )
     axes.fill_between(values, low, high, color=BLUE, alpha=2.0 * BAND, linewidth=0.0)
-    axes.plot(values, _ratios(runs, unit, _evaluations), color=BLUE, marker="o", label="our evaluations")
-    axes.plot(values, _ratios(runs, unit, _seconds), color=GREEN, linestyle="-.", marker="^",
+    axes.plot(values, _ratios(runs, unit, "evaluations"), color=BLUE, marker="o", label="our evaluations")
+    axes.plot(values, _ratios(runs, unit, "seconds"), color=GREEN, linestyle="-.", marker="^",
               label="our processor time")  # fmt: skip
     printed = {value: study.seconds[value] for value in values if value in study.seconds}
     if printed:
@@ -146,20 +149,13 @@ def _draw_cost(axes: Axes, study: ParameterStudy, runs: Runs) -> None:
     axes.set_ylabel("ratio to the printed setting")
 
 
-def _ratios(runs: Runs, unit: list[Run], measure: Callable[[list[Run]], Floats]) -> Floats:
-    return np.array([measure(group).mean() for group in runs.values()]) / measure(unit).mean()
+def _ratios(runs: Runs, unit: list[Run], name: str) -> Floats:
+    return np.array([_values(group, name).mean() for group in runs.values()]) / _values(unit, name).mean()
 
 
-def _final_fitness(runs: list[Run]) -> Floats:
-    return np.array([run.final_fitness for run in runs])
-
-
-def _evaluations(runs: list[Run]) -> Floats:
-    return np.array([run.evaluations for run in runs], dtype=np.float64)
-
-
-def _seconds(runs: list[Run]) -> Floats:
-    return np.array([run.seconds for run in runs])
+def _values(runs: list[Run], name: str) -> Floats:
+    """Return a number of every run, by the name of its attribute."""
+    return np.array([getattr(run, name) for run in runs], dtype=np.float64)
 
 
 def _of_study(study: ParameterStudy, case: CaseRuns) -> tuple[CaseRuns, Runs]:
@@ -179,24 +175,10 @@ def _text(study: ParameterStudy, value: float) -> str:
     return f"{study.symbol} = {value:g}{' (printed)' if value == study.printed else ''}"
 
 
-def snapshot_figures(stored: Stored) -> Drawings:
-    """Return the figure of populations at some iterations, if there are stored ones."""
-    return {"population-snapshots": partial(draw_snapshots, stored.snapshots)} if stored.snapshots else {}
-
-
 def collision_figures(stored: Stored) -> Drawings:
     """Return the figure of the population's degree of collision, if runs of its controllers are stored."""
     colliding = [case for case in stored.cases if not case.runs.keys().isdisjoint(COLLISION_CONTROLLERS)]
     return {"population-collision": partial(draw_collision, colliding)} if colliding else {}
-
-
-def case_figures(stored: Stored) -> Drawings:
-    """Return the figures of each scenario."""
-    return {
-        f"{kind}-{case.scenario.name}": partial(draw, case)
-        for case in stored.cases
-        for kind, draw in CASE_DRAWINGS.items()
-    }
 
 
 def parameter_figures(stored: Stored) -> Drawings:
@@ -212,8 +194,14 @@ def parameter_figures(stored: Stored) -> Drawings:
 
 
 FIGURES: dict[str, FigureMaker] = {
-    "snapshots": snapshot_figures,
+    "snapshots": lambda stored: (
+        {"population-snapshots": partial(draw_snapshots, stored.snapshots)} if stored.snapshots else {}
+    ),
     "collision": collision_figures,
-    "cases": case_figures,
+    "cases": lambda stored: {
+        f"{kind}-{case.scenario.name}": partial(draw, case)
+        for case in stored.cases
+        for kind, draw in CASE_DRAWINGS.items()
+    },
     "parameters": parameter_figures,
 }

@@ -10,8 +10,8 @@ from experiments.runs.outcomes import Outcomes, RunNumbers
 from experiments.runs.suite import Suite
 from experiments.statistics import ratio_interval, summarise
 from experiments.studies.spsfa.suites import PARAMETER_STUDIES, SCENARIO, ParameterStudy
-from experiments.tables.cell import MISSING, Cell, Entry, interval_cell, number, share
-from experiments.tables.table import Table
+from experiments.tables.cell import MISSING, Cell, interval_cell, number, share
+from experiments.tables.table import Row, Table
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 
 
@@ -29,40 +29,32 @@ def _table(study: ParameterStudy, runs: dict[float, RunNumbers]) -> Table:
     number = f"{study.table:02}-" if study.table else ""
     title = f"Table {study.table}. " if study.table else ""
     source = "" if study.seconds else "; the paper prints no numbers"
-    return Table(
+    return Table.of(
         f"table-{number}parameter-{study.parameter.replace('_', '-')}",
         f"{title}SPSFA-TIP on {SCENARIO} by {study.symbol} (`{study.parameter}`), {len(unit.fitness)} runs "
         f"each; ratios to the printed setting, {study.symbol} = {study.printed:g}{source}",
-        (
-            study.symbol, "mean fitness", "std", "95 % interval of the mean", "median", "feasible",
-            "median collision", "mean evaluations", "evaluations ratio", "95 % interval of the ratio",
-            "mean seconds", "seconds ratio", "paper seconds", "paper ratio",
-        ),
-        [(_value(study, value), *_cells(study, value, of, unit)) for value, of in runs.items()],
-    )  # fmt: skip
-
-
-def _value(study: ParameterStudy, value: float) -> Entry:
-    return Cell.of("**{value:g}**" if value == study.printed else "{value:g}", value=value)
-
-
-def _cells(study: ParameterStudy, value: float, runs: RunNumbers, unit: RunNumbers) -> tuple[Entry, ...]:
-    ours = summarise(runs.fitness)
-    feasible = np.mean(runs.collision <= FEASIBILITY_TOLERANCE)
-    ratio_ends = ratio_interval(runs.evaluations, unit.evaluations)
-    published = study.seconds.get(value)
-    return (
-        number(ours.mean),
-        number(ours.deviation),
-        interval_cell(ours.interval),
-        number(ours.median),
-        share(feasible, ".0f"),
-        number(np.median(runs.collision), ".2g"),
-        number(runs.evaluations.mean(), ",.0f"),
-        number(runs.evaluations.mean() / unit.evaluations.mean(), ".2f"),
-        MISSING if runs is unit else interval_cell(ratio_ends, ".2f"),
-        number(runs.seconds.mean(), ".4f"),
-        number(runs.seconds.mean() / unit.seconds.mean(), ".2f"),
-        number(published, ".4f"),
-        number(published / study.seconds[study.printed] if published else None, ".2f"),
+        [_row(study, value, of, unit) for value, of in runs.items()],
     )
+
+
+def _row(study: ParameterStudy, value: float, runs: RunNumbers, unit: RunNumbers) -> Row:
+    ours = summarise(runs.fitness)
+    printed = study.seconds.get(value)
+    return {
+        study.symbol: Cell.of("**{value:g}**" if value == study.printed else "{value:g}", value=value),
+        "mean fitness": number(ours.mean),
+        "std": number(ours.deviation),
+        "95 % interval of the mean": interval_cell(ours.interval),
+        "median": number(ours.median),
+        "feasible": share(np.mean(runs.collision <= FEASIBILITY_TOLERANCE), ".0f"),
+        "median collision": number(np.median(runs.collision), ".2g"),
+        "mean evaluations": number(runs.evaluations.mean(), ",.0f"),
+        "evaluations ratio": number(runs.evaluations.mean() / unit.evaluations.mean(), ".2f"),
+        "95 % interval of the ratio": MISSING
+        if runs is unit
+        else interval_cell(ratio_interval(runs.evaluations, unit.evaluations), ".2f"),
+        "mean seconds": number(runs.seconds.mean(), ".4f"),
+        "seconds ratio": number(runs.seconds.mean() / unit.seconds.mean(), ".2f"),
+        "paper seconds": number(printed, ".4f"),
+        "paper ratio": number(printed / study.seconds[study.printed] if printed else None, ".2f"),
+    }

@@ -6,9 +6,7 @@ In a parameter study, one parameter varies, and the others are as published. To 
 
 from collections.abc import Container
 from dataclasses import dataclass
-from pathlib import Path
 
-from experiments.runs.claims import claims_of
 from experiments.runs.suite import SPSFA_TABLES, Suite
 from experiments.studies.controllers import CASES, FIXED_SIZES
 from experiments.studies.spsfa.published import PARAMETER_SECONDS
@@ -75,7 +73,6 @@ PAPER = Suite(
     baseline="spsfa-tip",
     snapshots=(("spsfa-tip", "case1", 0, (0, 3, 10, 30, 60, 100)),),
     tables=(*SPSFA_TABLES, "claims"),
-    claims=claims_of(Path(__file__).parent / "claims.toml", "paper"),
     replayed=("spsfa-tip", "learned:three-cases/0@1", "fixed:80", "spsfa"),
 )
 

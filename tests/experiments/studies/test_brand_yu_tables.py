@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from experiments.catalogue import SUITES
 from experiments.documents.figures import plan
 from experiments.documents.suite_page import make_tables
 from experiments.runs.run import Snapshot
-from experiments.studies.brand_yu.suites import ANTS, DYNAMIC, FEW, GRIDS, STATIC, TABLE_1
+from experiments.studies.brand_yu.suites import ANTS, FEW, TABLE_1
 from helpers.stored_runs import cells_of, line, part_of, printed_rows, stored_run
 from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 
+STATIC, DYNAMIC, GRIDS = (SUITES[f"brand-yu-{name}"] for name in ("static", "dynamic", "grids"))
 TEN, NONE, ONE, MANY = (f"glowworm+fixed:{count}" for count in (10, 65, 11, 122))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from experiments.catalogue import SUITES
 from experiments.documents.figures import write_figures
 from experiments.documents.marked_blocks import block_names, replace_block
 from experiments.documents.suite_page import make_tables
@@ -23,7 +24,6 @@ from experiments.studies.iafsa.published import (
     Function,
 )
 from experiments.studies.iafsa.routes import make_route
-from experiments.studies.iafsa.suites import FUNCTIONS, ROUTES, SHIFTED
 from experiments.studies.iafsa.tables import iterations_to
 from experiments.tables.claim_tables import Claim, claims_table
 from helpers.public_maps import needed
@@ -31,6 +31,8 @@ from helpers.stored_runs import cells_of, part_of, printed_rows, stored_run
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.scenarios import make_scenario
 from swarm_gym.scenarios.papers.iafsa import SITES
+
+FUNCTIONS, SHIFTED, ROUTES = (SUITES[f"iafsa-{name}"] for name in ("functions", "shifted", "routes"))
 
 DOCS = Path(__file__).parents[3] / "docs"
 AFSA, IAFSA = "fish-swarm(200)+fixed:100", "improved-fish-swarm(200)+fixed:100"
