@@ -21,7 +21,7 @@ def as_actions(choices):
 
 
 def simulated_runtimes(num, scenario, decide, seed=0, **options):
-    """Return the evaluations of runs until all bits are set; `decide` has the choice by the number of ones."""
+    """Return the evaluations of runs until all bits are set; `decide` has the choice by its ones."""
     env = bit_env(num, scenario, **options)
     observations, _ = env.reset(seed=seed)
     ended = np.zeros(num, dtype=np.bool_)
