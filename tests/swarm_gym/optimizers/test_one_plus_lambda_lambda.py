@@ -14,7 +14,7 @@ from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.optimizers import ALL_OPTIMIZERS, OPTIMIZERS, SPECIAL_OPTIMIZERS, get_optimizer
 
 LEAST_P = 1e-4  # seeds are fixed: a test fails only if the code changes
-RUNS = 500
+RUNS = 300
 STEPS = 5000
 
 counted = pytest.mark.parametrize("counting", ["copies-free", "all"])
@@ -97,8 +97,8 @@ def test_mutants_alone_cost_what_their_number_says_where_all_children_are_copies
 @pytest.mark.parametrize(
     ("size", "decide", "counting"),
     [
-        (60, lambda _: paired(1), "copies-free"),
-        (50, lambda _: paired(2), "copies-free"),
+        (30, lambda _: paired(1), "copies-free"),
+        (40, lambda _: paired(2), "copies-free"),
         (40, lambda _: paired(8), "all"),
         (20, lambda _: paired(20), "copies-free"),
         (40, lambda _: Choice(4, 9, 0.5, 1.6), "copies-free"),
