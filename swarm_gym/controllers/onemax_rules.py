@@ -1,15 +1,15 @@
-"""Controllers of the (1 + (lambda, lambda)) genetic algorithm on OneMax, which see n and the number of ones f.
+"""Controllers of the (1 + (lambda, lambda)) genetic algorithm on OneMax, which see n and the ones f.
 
 | name | lambda_m | lambda_c | alpha | beta |
 |---|---|---|---|---|
 | `theory` | sqrt(n / (n - f)) | as many | 1 | 1 |
-| `one-fifth:factor=1.5` | divided by the factor after a gain, else times its fourth root | as many | above 1: the fraction | 1 |
+| `one-fifth:factor=1.5` | divided by the factor after a gain, else times its fourth root | as many | 1 | 1 |
 | `symbolic` | 1 up to f = 0.95 n, then as `theory` | 2 times `theory` | 0.001, then 1 | 1 |
 | `static:mutants=8,children=32,strength=1.5,bias=1` | constant | constant | constant | constant |
 | `optimal:onemax` | what is optimal, see `swarm_gym.reference.onemax.optima` | | | |
 
-Sources: B. Doerr, C. Doerr, F. Ebel, Theoretical Computer Science 567, 2015 (`theory`, `one-fifth`); T. Nguyen,
-P. Le, C. Doerr, N. Dang, FOGA 2025 (`symbolic`, from the code that they published).
+Sources: B. Doerr, C. Doerr, F. Ebel, Theoretical Computer Science 567, 2015 (`theory`, `one-fifth`); T.
+Nguyen, P. Le, C. Doerr, N. Dang, FOGA 2025 (`symbolic`, from the code that they published).
 """
 
 import math
@@ -200,7 +200,7 @@ class Optimal(OneMaxRule):
         return tuple(decided)
 
 
-RULES = {
+RULES: dict[str, type[OneMaxRule]] = {
     "theory": Theory,
     "one-fifth": OneFifth,
     "symbolic": Symbolic,
