@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from swarm_gym.arrays import as_numpy
 from swarm_gym.errors import SettingError
 from swarm_gym.kinds import kind_of, names_of_kinds, problem_of
-from swarm_gym.problem import MapProblem, Problem
+from swarm_gym.problem import MapProblem, OneMaxProblem, Problem
 from swarm_gym.problem.grid.problem import warn_of_winding
 from swarm_gym.problem.tables import put, stack
 from swarm_gym.reference import known_optimum, quick_optima
+from swarm_gym.reference.onemax.optima import COUNTINGS, least_evaluations
 from swarm_gym.scenarios import (
     AnyScenario,
     GridScenario,
@@ -152,7 +153,7 @@ class Worlds:
         self.gap_units = np.array([problem.gap_unit for problem in self.problems])
         self.targets = np.array([problem.target for problem in self.problems])
         self.counts_evaluations = problems[0].counts_evaluations
-        optima = [known_optimum(problem) for problem in problems]
+        optima = _known_optima(problems, settings)
         self.optima = np.array(optima + [np.nan] * num_spare)
         self._asked = False
         self.tables = stack([problem.table for problem in self.problems])
@@ -236,6 +237,17 @@ class Worlds:
         self.gap_units[number] = problem.gap_unit
         self.targets[number] = problem.target
         self.tables = put(self.tables, number, problem.table)
+
+
+def _known_optima(problems: Sequence[Problem], settings: Settings) -> list[float]:
+    """Return the optima that are known, else NaN; of bit strings, the least expected evaluations."""
+    counting = str(settings.knobs.get("counting", COUNTINGS[0]))
+    return [
+        least_evaluations(problem.scenario, counting)
+        if isinstance(problem, OneMaxProblem)
+        else known_optimum(problem)
+        for problem in problems
+    ]
 
 
 def _refuse_for_robots(settings: Settings) -> None:

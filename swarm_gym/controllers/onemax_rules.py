@@ -16,6 +16,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import ClassVar, Self
 
 import numpy as np
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.parameters import Range, parse_parameters
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.onemax.optima import CHOICES, Decisions, packaged
 
 Floats = NDArray[np.float64]
@@ -64,6 +66,7 @@ class OneMaxRule(Controller):
         """Return actions (B, 2) or (B, 5), by (B, 2) lengths and numbers of ones; see `action`."""
         lengths, ones = observations[:, 0], np.minimum(observations[:, 1], observations[:, 0] - 1.0)
         size, *others = self._decide(lengths, ones)
+        others = [np.clip(each, *span) for each, span in zip(others, _spans(), strict=False)]
         return np.stack([np.clip(size, 1.0, LARGEST), np.zeros(len(ones)), *others], axis=1)
 
     def identity(self) -> object:
@@ -73,6 +76,13 @@ class OneMaxRule(Controller):
     @abstractmethod
     def _decide(self, lengths: Floats, ones: Floats) -> tuple[Floats, ...]:
         """Return the size, and in the layout `extended` children, strength and bias, (B,) each."""
+
+
+@cache
+def _spans() -> list[tuple[float, float]]:
+    """Return the least and the largest value of children, strength and bias in an action."""
+    parameters = get_optimizer(OPTIMIZER).decided_parameters().values()
+    return [parameter.decided for parameter in parameters if parameter.decided is not None]
 
 
 def sizes_of_theory(lengths: Floats, ones: Floats) -> Floats:
@@ -106,12 +116,13 @@ class OneFifth(OneMaxRule):
     def reset(self, num_swarms: int, seed: int = 0) -> None:  # noqa: ARG002
         """Forget sizes and numbers of ones."""
         self._sizes, self._ones = np.ones(num_swarms), np.full(num_swarms, np.inf)
+        self._lengths = np.zeros(num_swarms)
 
     def _decide(self, lengths: Floats, ones: Floats) -> tuple[Floats, ...]:
-        begins, gains = ones < self._ones, ones > self._ones
+        begins, gains = (ones < self._ones) | (lengths != self._lengths), ones > self._ones
         grown = np.minimum(self._sizes * math.sqrt(math.sqrt(self.factor)), lengths)
         sizes = np.where(gains, np.maximum(self._sizes / self.factor, 1.0), grown)
-        self._sizes, self._ones = np.where(begins, 1.0, sizes), ones.copy()
+        self._sizes, self._ones, self._lengths = np.where(begins, 1.0, sizes), ones.copy(), lengths.copy()
         whole = np.minimum(np.floor(self._sizes), LARGEST)
         return whole, whole, self._sizes / whole, np.ones(len(whole))
 
@@ -139,9 +150,9 @@ class Static(OneMaxRule):
     bias: float = 1.0
     ranges: ClassVar[Mapping[str, Range]] = {
         "mutants": Range(1, LARGEST, integer=True),
-        "children": Range(1, LARGEST, integer=True),
+        "children": Range(1, 256, integer=True),
         "strength": Range(0.001, 32.0),
-        "bias": Range(0.001, 32.0),
+        "bias": Range(0.1, 4.0),
     }
 
     def _decide(self, lengths: Floats, ones: Floats) -> tuple[Floats, ...]:  # noqa: ARG002

@@ -118,7 +118,7 @@ def decisions():
     shipped = {
         "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(packaged_policies()),
         "open-loop": of_each_recipe(packaged_open_loops()), "reacting-loop": packaged_open_loops()[::20],
-        "tuned": of_each_recipe(packaged_tuned()),
+        "tuned": of_each_recipe(packaged_tuned()), "optimal": ["onemax", "onemax-four"],
     }  # fmt: skip
     for family in CONTROLLERS:
         for argument in shipped.get(family, [""]):
@@ -130,9 +130,12 @@ def decisions():
             made = []
             for iteration in (0, 1, 20, 70):
                 observations = generator.random((NUM_SWARMS, width))
-                observations[:, 3] = (
-                    iteration if controller.observation.startswith("paper") else iteration / 100
-                )
+                if controller.observation == "theory":  # length and number of ones
+                    observations = np.floor(100.0 * np.maximum(observations, [1.0, 0.0]))
+                else:
+                    observations[:, 3] = (
+                        iteration if controller.observation.startswith("paper") else iteration / 100
+                    )
                 made.append(np.asarray(controller.act(observations), dtype=np.float64))
             yield name, np.stack(made)
             identity = json.dumps(controller.identity(), sort_keys=True).encode()

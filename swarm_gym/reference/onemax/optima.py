@@ -6,6 +6,7 @@ optimal among named choices, from n / 2 ones on, where runs begin.
 
 import argparse
 import json
+import math
 from functools import cache
 from importlib import resources
 from itertools import groupby
@@ -19,6 +20,7 @@ from swarm_gym.checks import look_up
 from swarm_gym.errors import ScenarioError
 from swarm_gym.files import write_atomically
 from swarm_gym.reference.onemax.runtimes import Choices, Decisions, optimal_control
+from swarm_gym.scenarios import OneMaxScenario
 
 FILE = "optima.json"
 SIZES = (50, 100, 150, 200, 300, 400, 500, 1000, 1500, 2000)
@@ -91,6 +93,20 @@ def packaged(size: int, choices: str, counting: str = "copies-free") -> Optimum:
             "swarm_gym.reference.onemax.optima.compute computes others"
         )
     return found
+
+
+def least_evaluations(scenario: OneMaxScenario, counting: str) -> float:
+    """Return the expected evaluations of the optimal control of lambda up to 64; NaN where none ships.
+
+    Optima ship for runs that begin with half of the ones.
+
+    Args:
+        scenario: length and start of a run.
+        counting: a name in `COUNTINGS`.
+    """
+    if scenario.start != scenario.size // 2 or not is_packaged(scenario.size, "onemax", counting):
+        return math.nan
+    return packaged(scenario.size, "onemax", counting).evaluations
 
 
 def is_packaged(size: int, choices: str, counting: str = "copies-free") -> bool:

@@ -16,6 +16,7 @@ from swarm_gym.controllers.learned.policy_file import (
     load_policy,
     packaged_policies,
 )
+from swarm_gym.controllers.onemax_rules import RULES
 from swarm_gym.controllers.open_loop import OpenLoopFileError, packaged_open_loops
 from swarm_gym.controllers.packaged import Packaged
 from swarm_gym.controllers.registry import load_learned
@@ -38,9 +39,11 @@ ARGUMENTS = {
     "tuned": packaged_tuned(),
     "spsfa-tip": ["", "decay=0.5,low_deviation=100,repair_factor=9"],
 }
+# Rules of bit strings observe no iteration, and their sizes begin at 1: test_onemax_rules.py has what holds.
 NAMES = [
     f"{family}:{argument}" if argument else family
     for family in CONTROLLERS
+    if family not in RULES
     for argument in ARGUMENTS.get(family, [""])
 ]
 # Names of one recipe, by its name, so that a test of all controllers is a few dozen tests, not hundreds.

@@ -23,6 +23,7 @@ FORMS = {
         "function:bbob-15-10-1-15",
     ),
     "ioh": ("ioh:bbob-8-5-1", "ioh:sbox-8-5-1-3", "ioh:cec2022-1001-10-1"),
+    "onemax": ("onemax:100", "onemax:100-103", "onemax:500-start:400"),
     "block": ("block:500",),
     "open": ("open:500",),
     "routes": ("routes:turtlebot3", "routes:playground-A-C"),
