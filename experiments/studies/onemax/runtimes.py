@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from swarm_gym.comparing.onemax import OPTIMIZER, decisions_on
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.reference.onemax.optima import CHOICES, is_packaged, packaged
 from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 from swarm_gym.rollout import run_episodes
@@ -19,7 +20,6 @@ Floats = NDArray[np.float64]
 
 SIZES = (100, 200, 500, 1000, 2000)
 LARGE = (5000, 10_000, 20_000, 40_000)
-SEEDS = range(10)  # training seeds of each recipe
 SIMULATED = TEST[90_000:91_000]
 SIDE_BY_SIDE = 250
 
@@ -40,7 +40,12 @@ def expected(name: str, size: int, copies_free: bool = True) -> float:
 
 def expected_of_seeds(recipe: str, size: int, copies_free: bool = True) -> Floats:
     """Return the expected evaluations of the policies of all training seeds of a recipe."""
-    return np.array([expected(f"learned:{recipe}/{seed}", size, copies_free) for seed in SEEDS])
+    return np.array([expected(name, size, copies_free) for name in policies_of(recipe)])
+
+
+def policies_of(recipe: str) -> list[str]:
+    """Return the names of the policies of all training seeds of a recipe."""
+    return [f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/")]
 
 
 def optimum(choices: str, size: int, counting: str = "copies-free") -> float:

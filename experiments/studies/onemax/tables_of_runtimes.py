@@ -16,6 +16,7 @@ from experiments.studies.onemax.runtimes import (
     expected_of_seeds,
     one_step,
     optimum,
+    policies_of,
     simulated,
 )
 from experiments.tables import Table
@@ -55,7 +56,7 @@ def one_parameter() -> Table:
     ]
     caption = (
         "Control of lambda: expected evaluations, and how far they are above the optimum over 1, 2, 4, ..., "
-        "64. Of PPO, the mean over ten training seeds and the worst of them"
+        "64. Of PPO, the mean over training seeds, whose number is given, and the worst of them"
     )
     return Table("one-parameter", caption, ("controller", *_heads(SIZES)), rows)
 
@@ -208,8 +209,9 @@ def _of(value: float | None, size: int, best: Callable[[int], float] = _portfoli
 def _of_recipe(label: str, recipe: str, best: Callable[[int], float] = _portfolio) -> list[Row]:
     """Return the rows of the mean over training seeds and of the worst of them."""
     by_size = [expected_of_seeds(recipe, size) for size in SIZES]
+    seeds = f"{label}, {len(policies_of(recipe))} seeds"
     return [
-        (label, *(_of(float(found.mean()), size, best) for found, size in zip(by_size, SIZES, strict=True))),
+        (seeds, *(_of(float(found.mean()), size, best) for found, size in zip(by_size, SIZES, strict=True))),
         (
             f"{label}, worst seed",
             *(_of(float(found.max()), size, best) for found, size in zip(by_size, SIZES, strict=True)),
