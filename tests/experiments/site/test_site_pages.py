@@ -21,7 +21,7 @@ from helpers.loops import looped
 from swarm_gym.action import ACTIONS
 from swarm_gym.controllers import CONTROLLERS
 from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, OPTIMIZERS, get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import REWARDS
 from swarm_gym.scenarios import FAMILIES, SCENARIOS
@@ -54,7 +54,7 @@ def test_every_registered_environment_has_a_page(pages):
     registered = {name for name in gymnasium.registry if name.startswith("swarm_gym/")}
     titles = {
         pages[f"environments/{name}.md"].partition("\n")[0].removeprefix("# ").strip("`")
-        for name in OPTIMIZERS
+        for name in ALL_OPTIMIZERS
     }
     assert titles == registered
     assert first_cells(pages["environments/index.md"]) == registered
@@ -127,7 +127,7 @@ def test_a_version_without_a_line_is_an_error(monkeypatch):
     [
         ("all-controllers", CONTROLLERS),
         ("all-scenarios", (*SCENARIOS, *FAMILIES)),
-        ("all-layouts", (*OPTIMIZERS, *ACTIONS, *OBSERVATIONS, *REWARDS)),
+        ("all-layouts", (*ALL_OPTIMIZERS, *ACTIONS, *OBSERVATIONS, *REWARDS)),
         ("all-presets", preset_names()),
         ("all-suites", (*SUITES, *COLLECTIONS)),
     ],

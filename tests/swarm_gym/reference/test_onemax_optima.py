@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from swarm_gym.errors import ScenarioError, UnknownNameError
+from swarm_gym.reference.onemax import optima
 from swarm_gym.reference.onemax.optima import (
     CHOICES,
     COUNTINGS,
-    SIZES,
     compute,
     is_packaged,
     packaged,
@@ -18,19 +18,15 @@ from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 KNOWN = {100: 541.4, 200: 1132.8, 500: 2973.8, 1000: 6084.7, 2000: 12387.7}
 
 SHIPPED = [
-    pytest.param(size, choices, counting, marks=pytest.mark.slow if size > 500 else ())
-    for size in SIZES
-    for choices in CHOICES
-    for counting in COUNTINGS
-    if is_packaged(size, choices, counting)
+    pytest.param(size, *key, marks=pytest.mark.slow if size > 500 else ())
+    for key, sizes in optima.SHIPPED.items()
+    for size in sizes
 ]
 
 
-def test_optima_ship_for_all_choices_and_countings_of_a_length():
-    lengths = [size for size in SIZES if is_packaged(size, "onemax")]
-    assert {50, 100, 200} <= set(lengths)
-    for size in lengths[:4]:
-        assert all(is_packaged(size, choices, counting) for choices in CHOICES for counting in COUNTINGS)
+def test_optima_ship_for_the_lengths_that_are_named():
+    named = {(size, *key) for key, sizes in optima.SHIPPED.items() for size in sizes}
+    assert named == {(size, choices, counting) for choices, counting, size in optima._packaged()}
     assert not is_packaged(51, "onemax")
 
 
