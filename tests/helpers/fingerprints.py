@@ -108,15 +108,15 @@ def of_each_recipe(names):
 
 def decisions():
     """Yield identity and decisions of a controller of each family, and of one file of each recipe."""
+    from helpers.shipped import policies_on_maps
     from swarm_gym.controllers.distilled import packaged_rules
-    from swarm_gym.controllers.learned.policy_file import packaged_policies
     from swarm_gym.controllers.open_loop import packaged_open_loops
     from swarm_gym.controllers.registry import CONTROLLERS, make_controller
     from swarm_gym.controllers.tuned import packaged_tuned
     from swarm_gym.observation import make_observation
 
     shipped = {
-        "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(packaged_policies()),
+        "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(policies_on_maps()),
         "open-loop": of_each_recipe(packaged_open_loops()), "reacting-loop": packaged_open_loops()[::20],
         "tuned": of_each_recipe(packaged_tuned()), "optimal": ["onemax", "onemax-four"],
     }  # fmt: skip

@@ -23,7 +23,7 @@ from experiments.tables import Table
 from experiments.tables.cell import MISSING, Cell, Entry
 from swarm_gym.controllers import make_controller
 
-LAMBDA, FOUR, CHOICES, NORMAL = "onemax-lambda", "onemax-four", "onemax-choices", "onemax-normal"
+LAMBDA, FOUR, NORMAL = "onemax-lambda", "onemax-four", "onemax-normal"
 # Lengths at which the schedule over iterations is tuned.
 SCHEDULED = (100, 500)
 
@@ -46,7 +46,6 @@ def one_parameter() -> Table:
         ("optimum, any lambda up to 64", *(_number(optimum("onemax", size)) for size in SIZES)),
         ("optimum, lambda in 1, 2, 4, ..., 64", *(_of(_portfolio(size), size) for size in SIZES)),
         *_of_recipe("PPO", LAMBDA),
-        *_of_recipe("PPO without a base", CHOICES),
         *_of_recipe("PPO with normal noise, from scratch", NORMAL),
         ("DDQN, published", *(_of(published.DDQN_LAMBDA[size][0], size) for size in SIZES)),
         ("theory", *(_of(expected("theory", size), size) for size in SIZES)),

@@ -18,8 +18,8 @@ from experiments.scoring.score import ScoreRow
 from experiments.scoring.submission import digest_of
 from experiments.scoring.suites import SCORED
 from experiments.scoring.verdicts import Verdict, overall
+from helpers.shipped import policies_on_maps
 from helpers.stored_runs import cells_of, make_database
-from swarm_gym.controllers.learned.policy_file import packaged_policies
 
 ROOT = Path(__file__).parents[3]
 SCORES = ROOT / "scores"
@@ -42,7 +42,7 @@ def made_up(controller, gap, evaluations, num_runs=2):
 
 def test_every_packaged_policy_is_scored():
     scored = {policy for suite in SCORED.values() for policy in suite.policies}
-    assert set(packaged_policies()) - scored == set(), "no pattern in experiments/scoring/suites.py fits"
+    assert set(policies_on_maps()) - scored == set(), "no pattern in experiments/scoring/suites.py fits"
 
 
 @pytest.mark.parametrize("name", SCORED)
@@ -56,7 +56,7 @@ def test_every_controller_that_ships_has_its_rows_with_its_digest(name):
 
 def test_stored_rows_are_claims_of_the_suites_as_they_are():
     cases = packaged_cases([*SCORED.values()], StoredScores(SCORES))
-    assert len(cases) >= len(packaged_policies())
+    assert len(cases) >= len(policies_on_maps())
     assert {path.name for path in SCORES.iterdir()} == {f"{name}.csv" for name in SCORED}
 
 

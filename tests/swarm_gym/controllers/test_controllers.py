@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from agents import CONTROLLERS, Controller, SizeLimits, make_controller
+from helpers.shipped import policies_on_maps
 from helpers.trainings import assert_decides_alike_at_any_width, make_policy, random_observations
 from swarm_gym.action import make_action
 from swarm_gym.controllers.distilled import packaged_rules
@@ -33,7 +34,7 @@ ARGUMENTS = {
     "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
     "linear-reduction": ["", "start=120,smallest=20"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
-    "learned": packaged_policies(),
+    "learned": policies_on_maps(),
     "reacting-loop": ["three-cases", "three-cases-sourced/0@1"],
     "spsfa": ["", "growth=500,smallest=20"],
     "tuned": packaged_tuned(),
