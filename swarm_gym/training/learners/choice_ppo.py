@@ -1,7 +1,7 @@
 """Proximal policy optimization of a policy that chooses from a grid of decisions.
 
 A categorical distribution can weigh choices far apart against each other. A normal distribution moves by
-small steps, and stays where the steps beside it are worse, as on OneMax (docs/known-optimum.md).
+small steps, and stays where the next values are worse, as on OneMax (docs/known-optimum.md).
 """
 
 from typing import Any
