@@ -114,7 +114,7 @@ class Simulation:
         self.rows = self.place(np.arange(num_swarms))
         self.running = self.place(np.zeros(num_swarms, dtype=np.bool_))
         self.columns = columns_of(optimizer, settings)
-        self.history = self.place(np.full((num_swarms, settings.iterations + 1, len(self.columns)), np.nan))
+        self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
 
     def full(self, value: float) -> Floats:
         """Return (B,) this value for each swarm."""
@@ -185,7 +185,8 @@ class Simulation:
             swarms.positions[rows, :size, : self.dimension] = place(given)
         swarms.source[rows, :KIND_OF_BENDS] = place(np.array(source.decisions, dtype=self.number))
         # Only what the last episode has written: the record of a long one is large.
-        written = int(self.iteration[rows].max(initial=0)) + 1 if self.xp is np else None
+        has_begun = self.xp is np and bool((self.swarms.size[rows] > 0).all())
+        written = int(self.iteration[rows].max(initial=0)) + 1 if has_begun else None
         self.history[rows, :written] = np.nan
         self.iteration[rows] = 0
         if self.robots is not None:

@@ -100,4 +100,4 @@ def _require(where: str, what: str, value: object, valid: range) -> None:
         )
 
 
-FAMILY = Family(USAGE, (f"{NAME}:100",), expand, make)
+FAMILY = Family(USAGE, (), expand, make)

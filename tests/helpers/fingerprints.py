@@ -106,9 +106,17 @@ def of_each_recipe(names):
     return sorted({name.partition("/")[0]: name for name in reversed(names)}.values())
 
 
+def _policies_on_maps():
+    """Return the policies that ship, without those of bit strings, which observe no iteration."""
+    from swarm_gym.controllers.learned.policy_file import load_policy, packaged_policies, resolve
+    from swarm_gym.optimizers import OPTIMIZERS
+
+    named = packaged_policies()
+    return [name for name in named if load_policy(resolve(name))[1]["optimizer"] in OPTIMIZERS]
+
+
 def decisions():
     """Yield identity and decisions of a controller of each family, and of one file of each recipe."""
-    from helpers.shipped import policies_on_maps
     from swarm_gym.controllers.distilled import packaged_rules
     from swarm_gym.controllers.open_loop import packaged_open_loops
     from swarm_gym.controllers.registry import CONTROLLERS, make_controller
@@ -116,7 +124,7 @@ def decisions():
     from swarm_gym.observation import make_observation
 
     shipped = {
-        "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(policies_on_maps()),
+        "fixed": ["60"], "distilled": packaged_rules(), "learned": of_each_recipe(_policies_on_maps()),
         "open-loop": of_each_recipe(packaged_open_loops()), "reacting-loop": packaged_open_loops()[::20],
         "tuned": of_each_recipe(packaged_tuned()), "optimal": ["onemax", "onemax-four"],
     }  # fmt: skip

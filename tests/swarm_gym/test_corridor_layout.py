@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_dynamic_environments import BUSY, BUSY_GRID
 
+from helpers.layouts import OF_SWARMS
 from helpers.refusals import refused
 from oracles import naive_corridors
 from swarm_gym.corridors import obstacle_posts, posts_of
@@ -70,7 +71,7 @@ def test_the_layout_has_seven_numbers_with_unique_names():
     assert space.high[4:].tolist() == [4.0, 1.0, 1.0]
 
 
-@pytest.mark.parametrize("name", [*OBSERVATIONS, "rich+corridors", "corridors+paper", "paper+rich"])
+@pytest.mark.parametrize("name", [*OF_SWARMS, "rich+corridors", "corridors+paper", "paper+rich"])
 def test_newcomers_are_recorded_for_this_layout_only(name):
     window = RECENT if "corridors" in name else 0
     assert make_observation(name).arrival_window == window

@@ -12,6 +12,7 @@ from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
 import swarm_gym  # noqa: F401
 from helpers.builders import is_walker
+from helpers.layouts import OF_SWARMS
 from helpers.loops import looped
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
@@ -64,7 +65,7 @@ def combinations():
     """
     return [
         (name, action, observation)
-        for name, action, observation in product(IDS, ACTIONS, OBSERVATIONS)
+        for name, action, observation in product(IDS, ACTIONS, OF_SWARMS)
         if ("/Firefly" in name or action == "natural" or observation == "paper") and can_have(name, action)
         if observation != "corridors" or name not in WALKING
     ]

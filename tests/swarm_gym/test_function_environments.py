@@ -11,9 +11,9 @@ from gymnasium.vector import AutoresetMode
 from test_dynamic_environments import copied
 
 from agents import make_controller
+from helpers.layouts import OF_SWARMS
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
-from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.scenarios.function_scenario import FUNCTIONS
 from swarm_gym.tuning.config import TuneConfig
 from swarm_gym.tuning.side_by_side import SideBySide
@@ -27,7 +27,7 @@ def small(scenario="function:rastrigin-3-shifted:1", optimizer="firefly", **opti
     return SwarmEnv(optimizer, scenario=scenario, **{**SMALL, **options})
 
 
-@pytest.mark.parametrize("observation", sorted(set(OBSERVATIONS) - {"corridors"}))
+@pytest.mark.parametrize("observation", sorted(set(OF_SWARMS) - {"corridors"}))
 def test_gymnasium_checker_passes(observation):
     env = gymnasium.make(
         "swarm_gym/Firefly-v0", scenario=NAMES, action="normalised", observation=observation, **SMALL

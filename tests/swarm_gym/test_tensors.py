@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import torch
 
+from helpers.layouts import OF_SWARMS, REWARDS_OF_SWARMS
 from helpers.refusals import refused
 from helpers.tensors import Follower, Questions, TensorSimulation
 from swarm_gym.action import ACTIONS
 from swarm_gym.arrays import Constant, applied, tensors, with_columns
 from swarm_gym.batch import SwarmBatch
 from swarm_gym.errors import ActionError, MissingExtraError, SettingError, StepOrderError
-from swarm_gym.observation import OBSERVATIONS
-from swarm_gym.reward import NEED_ROBOTS, REWARDS
+from swarm_gym.reward import NEED_ROBOTS
 from swarm_gym.scenarios import Appear, Circle, DynamicScenario, Polygon, make_scenario
 from swarm_gym.simulation import Simulation
 
@@ -90,7 +90,7 @@ def episodes(ours, theirs, seed=0):
         yield ours.observe(), theirs.observe(), mine, other
 
 
-@pytest.mark.parametrize("layout", [*sorted(set(OBSERVATIONS) - {"corridors"}), "paper+rich"])
+@pytest.mark.parametrize("layout", [*sorted(set(OF_SWARMS) - {"corridors"}), "paper+rich"])
 def test_every_layout_sees_the_same_on_tensors(layout):
     ours, theirs = pair(observation=layout)
     assert ours.observation_space == theirs.observation_space
@@ -123,7 +123,7 @@ def test_every_layout_decides_the_same_on_tensors(layout):
     np.testing.assert_array_equal(ours.simulation.sources.numpy(), before[1])
 
 
-@pytest.mark.parametrize("reward", [name for name in REWARDS if name not in NEED_ROBOTS])
+@pytest.mark.parametrize("reward", [name for name in REWARDS_OF_SWARMS if name not in NEED_ROBOTS])
 def test_every_reward_pays_the_same_on_tensors(reward):
     # The optima of the paper's cases with 31 waypoints come with the package.
     ours, theirs = pair(reward=reward, scenario=["case1", "case2"], num_waypoints=31)

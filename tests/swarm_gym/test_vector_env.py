@@ -6,9 +6,9 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import swarm_gym  # noqa: F401
+from helpers.layouts import OF_SWARMS
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, StepOrderError, UnknownNameError
-from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.vector_env import SwarmVectorEnv
 
 OPTIONS = {
@@ -155,7 +155,7 @@ def test_bad_arguments_of_reset_are_refused(seed, options, message):
         env.reset(seed=seed, options=options)
 
 
-@pytest.mark.parametrize("layout", sorted(OBSERVATIONS))
+@pytest.mark.parametrize("layout", sorted(OF_SWARMS))
 def test_swarms_that_have_not_begun_are_observed_without_warnings(layout):
     env = SwarmVectorEnv(2, observation=layout, **OPTIONS)
     first = np.array([True, False])

@@ -82,7 +82,11 @@ def compute(size: int, choices: str, counting: str = "copies-free") -> Optimum:
     look_up("counting", counting, dict.fromkeys(COUNTINGS))
     start = size // 2
     later, found = optimal_control(
-        size, look_up("choices", choices, CHOICES), start, counting == COUNTINGS[0]
+        size,
+        look_up("choices", choices, CHOICES),
+        start,
+        counting == COUNTINGS[0],
+        size / 2.0,  # a mutant with more flips comes near the complement, which is no way to gain
     )
     columns = (found.mutants, found.children, found.strength, found.bias)
     for column in columns:

@@ -9,6 +9,7 @@ since nothing but f carries over. Source of the recursion: N. Buskulic, C. Doerr
 optimal for solving OneMax", Evolutionary Computation 29(4), 2021, for one phase instead of two.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,7 +84,7 @@ def expected_runtimes(decisions: Decisions, start: int = 0, copies_free: bool = 
 
 
 def optimal_control(
-    size: int, choices: Choices, start: int = 0, copies_free: bool = True
+    size: int, choices: Choices, start: int = 0, copies_free: bool = True, most_flips: float = math.inf
 ) -> tuple[Floats, Decisions]:
     """Return the least expected evaluations that remain, (n + 1,), and the decisions that reach them.
 
@@ -94,6 +95,8 @@ def optimal_control(
         choices: values that the decisions may take.
         start: least number of ones that matters.
         copies_free: see `expected_runtimes`.
+        most_flips: bits that a mutant may flip, expected, at most; other pairs of lambda_m and alpha are left
+            out, where there are four parameters.
     """
     if not choices.children:
         mutants = children = np.array(choices.mutants)
@@ -101,9 +104,8 @@ def optimal_control(
         later, chosen, _ = _optimise(size, start, mutants, strength, children, bias, True, copies_free)
         return later, Decisions.of_size(mutants[chosen])
     mutants, strength = map(np.ravel, np.meshgrid(choices.mutants, choices.strength, indexing="ij"))
-    # A mutant that flips more than half of the bits comes near the complement, which is no way to gain.
-    sensible = (mutants * strength <= size / 2.0) | (mutants == min(choices.mutants))
-    mutants, strength = mutants[sensible], strength[sensible]
+    few = mutants * strength <= most_flips
+    mutants, strength = mutants[few], strength[few]
     children, bias = map(np.ravel, np.meshgrid(choices.children, choices.bias, indexing="ij"))
     later, first, second = _optimise(
         size, start, mutants, strength.astype(float), children, bias.astype(float), False, copies_free

@@ -8,6 +8,7 @@ from agents.evaluation.masking import CLOCKS, Masked, clock_columns, input_names
 from agents.evaluation.observers import decision_names, watch
 from experiments.analysis.sensitivity import ALL_BUT_ITERATION, ITERATION, Sensitivity, analyse
 from experiments.analysis.sensitivity_report import draw_sensitivity, paired, sensitivity_tables, write_report
+from helpers.layouts import OF_SWARMS
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.observation import OBSERVATIONS
@@ -148,7 +149,7 @@ def test_means_are_of_episodes_that_were_running():
 
 
 def test_every_layout_says_which_inputs_are_the_iteration():
-    for name in OBSERVATIONS:
+    for name in OF_SWARMS:
         controller = Partial()
         controller.observation = name
         assert 3 in clock_columns(controller)

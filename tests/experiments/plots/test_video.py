@@ -13,7 +13,7 @@ from experiments import video
 from experiments.plots.video_files import LAST
 from experiments.video import VideoConfig, write_video
 from swarm_gym.errors import SettingError, UnknownNameError
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import ALL_OPTIMIZERS, OPTIMIZERS
 from swarm_gym.registration import environment_id
 
 pytest.importorskip("pygame")
@@ -84,7 +84,7 @@ def test_when_filming_fails_no_file_is_left(tmp_path, monkeypatch):
         ({"fps": 0}, SettingError, r"fps must lie in \[1, 50\], got 0"),
         ({"seed": -1}, SettingError, "seed must lie in .*, got -1"),
         ({"iterations": 0}, SettingError, "iterations must lie in .*, got 0"),
-        ({"controller": "nobody"}, UnknownNameError, "unknown controller 'nobody'; valid: .*fixed"),
+        ({"controller": "nobody"}, UnknownNameError, "unknown controller 'nobody'; valid: .*21 in all"),
         ({"controller": "fixed:none"}, ValueError, "expected a population size"),
         ({"scenario": "nowhere"}, UnknownNameError, "unknown scenario 'nowhere'; valid: .*docs/scenarios.md"),
     ],
@@ -129,4 +129,4 @@ def test_record_video_films_every_environment(tmp_path, optimizer):
 
 def test_the_test_above_lists_all_that_is_registered():
     ours = {name for name in gymnasium.registry if name.startswith("swarm_gym/")}
-    assert ours == {environment_id(name) for name in OPTIMIZERS}
+    assert ours == {environment_id(name) for name in ALL_OPTIMIZERS}

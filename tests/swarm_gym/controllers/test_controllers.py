@@ -98,7 +98,7 @@ def test_random_covers_the_action_space_and_is_seeded():
 @pytest.mark.parametrize(
     ("name", "error", "message"),
     [
-        ("spfsa", UnknownNameError, "spfsa.*distilled.*fixed.*learned.*linear-reduction.*spsfa-tip.*tuned"),
+        ("spfsa", UnknownNameError, "spfsa.*valid: spsfa, spsfa-tip.*in all"),
         ("", UnknownNameError, "''"),
         ("fixed", ValueError, "population size, e.g. fixed:60"),
         ("fixed:sixty", ValueError, "fixed:sixty"),

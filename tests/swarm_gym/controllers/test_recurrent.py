@@ -7,6 +7,7 @@ from gymnasium.vector import AutoresetMode
 from sb3_contrib.ppo_recurrent import MlpLstmPolicy
 
 from agents import make_controller
+from helpers.layouts import OF_SWARMS
 from helpers.trainings import (
     STEPS,
     add_memory,
@@ -20,7 +21,7 @@ from helpers.trainings import (
 from swarm_gym.controllers.learned.networks import NETWORKS, FeedforwardController, RecurrentController
 from swarm_gym.controllers.learned.policy_file import PolicyFileError, load_policy
 from swarm_gym.controllers.registry import load_learned
-from swarm_gym.observation import ITERATION, OBSERVATIONS
+from swarm_gym.observation import ITERATION
 from swarm_gym.training.imitation import _cut, demonstrate, imitate
 from swarm_gym.training.learners import make_learner
 from swarm_gym.training.learners.recurrent import SequencePolicy
@@ -87,7 +88,7 @@ def test_it_remembers_within_an_episode_and_forgets_between_two(policy):
     np.testing.assert_array_equal(controller.act(second), fresh)
 
 
-@pytest.mark.parametrize("layout", OBSERVATIONS)
+@pytest.mark.parametrize("layout", OF_SWARMS)
 def test_every_layout_tells_the_beginning_of_an_episode(layout):
     env = SwarmVectorEnv(2, observation=layout, initial_population_size=4, iterations=3)
     observations, _ = env.reset(seed=0)

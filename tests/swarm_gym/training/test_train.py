@@ -169,7 +169,7 @@ def test_a_stored_configuration_that_is_unreadable_or_another_is_not_resumed(tmp
         ({"base": "spsfa", "warm_start": "none", "corrected_from": 100}, "corrected_from.*100"),
         ({**OTHER_LENGTH, "base": "spsfa", "corrected_from": 20}, r"corrected_from must lie in \[0, 19\]"),
         ({**OTHER_LENGTH, "base": "distilled:three-cases", "corrected_from": 3}, "share of 100.*got 20"),
-        ({"reward": "paired", "reference": "none"}, "none.*spsfa"),
+        ({"reward": "paired", "reference": "none"}, "none.*in all"),
         ({"reward": "paired"}, "'spsfa-tip' begins with 12 members, but the policy with 4: .*equal starts"),
         (
             {"reward": "paired", "reference": "fixed:4,smooth_share=1"},
