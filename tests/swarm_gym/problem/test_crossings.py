@@ -81,6 +81,14 @@ def maps_and_points(draw, count):
     return blocked, np.array(points, dtype=np.float64)
 
 
+def test_a_piece_without_length_in_a_blocked_cell_has_a_blocked_length_of_zero():
+    blocked = np.zeros((6, 10), dtype=np.bool_)
+    blocked[2, 2] = True
+    at = 1.5804458185525354  # rounding leaves a rest between what lies before it and after it
+    found = compiled(crossings.segment)(problem_on(blocked).table, at, at, 0.0, 0.0)
+    assert found == (0.0, False)
+
+
 @settings(deadline=None)
 @given(maps_and_points(2))
 def test_a_segment_is_blocked_as_by_the_traversal_unless_it_is_in_doubt(drawn):
