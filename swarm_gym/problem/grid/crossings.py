@@ -167,9 +167,7 @@ def _in_bands(
             upto_high = after_last - (after_last - runs[begin + last]) * (last + 0.5 - high)
             blocked += max(upto_high - upto_low, 0.0)
         enters = leaves
-    if (
-        blocked == 0.0 or change == 0.0
-    ):  # a piece without length is only a point, and rounding may leave a rest
+    if blocked == 0.0 or change == 0.0:  # of a piece without length, rounding may leave a rest
         at_corner = max(_beside(across), _beside(along)) < DOUBT
         at_corner = at_corner or max(_beside(across + rise), _beside(along + change)) < DOUBT
         return 0.0, in_doubt or at_corner
