@@ -7,6 +7,7 @@ import numpy as np
 
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
+from swarm_gym.controllers.onemax_rules import OPTIMIZER
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
@@ -14,8 +15,6 @@ from swarm_gym.optimizers.one_plus_lambda_lambda import OnePlusLambdaLambdaParam
 from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 from swarm_gym.rollout import swarms_for
 from swarm_gym.scenarios.onemax import OneMaxScenario
-
-OPTIMIZER = "one-plus-lambda-lambda"
 
 
 def expected_runtime(

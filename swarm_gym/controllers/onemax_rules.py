@@ -103,7 +103,7 @@ class OneFifth(OneMaxRule):
     """The one-fifth success rule for a real lambda, which never learns n or f.
 
     Mutants and children are its whole part, and a mutant flips each bit with probability lambda / n. Of
-    eleven ways to round, this one has the published runtimes (docs/readings.md).
+    eleven ways to round, this one comes nearest to the published runtimes (docs/readings.md).
 
     Attributes:
         factor: F; lambda is divided by it after a gain, and grows by its fourth root otherwise.
@@ -141,7 +141,7 @@ class Symbolic(OneMaxRule):
 
 @dataclass
 class Static(OneMaxRule):
-    """Constant values of all four parameters; the defaults are the best constants at n = 500."""
+    """Constant values of all four parameters."""
 
     action: str = field(init=False, default="extended")
     mutants: int = 8

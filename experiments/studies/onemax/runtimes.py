@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.comparing.onemax import OPTIMIZER, decisions_on
+from swarm_gym.comparing.onemax import expected_runtime
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.learned.policy_file import packaged_policies
+from swarm_gym.controllers.onemax_rules import OPTIMIZER
 from swarm_gym.reference.onemax.optima import CHOICES, is_packaged, packaged
 from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 from swarm_gym.rollout import run_episodes
@@ -34,8 +35,7 @@ class Sample(NamedTuple):
 @cache
 def expected(name: str, size: int, copies_free: bool = True) -> float:
     """Return the expected evaluations of a controller from half of the ones, the first string included."""
-    found = decisions_on(make_controller(name), size)
-    return float(expected_runtimes(found, size // 2, copies_free)[size // 2]) + 1.0
+    return expected_runtime(make_controller(name), size, copies_free=copies_free)
 
 
 def expected_of_seeds(recipe: str, size: int, copies_free: bool = True) -> Floats:

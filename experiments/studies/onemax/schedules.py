@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from tqdm import trange
 
 from experiments.studies.onemax.runtimes import Floats
-from swarm_gym.comparing.onemax import OPTIMIZER
 from swarm_gym.controllers.controller import Controller, SizeLimits
+from swarm_gym.controllers.onemax_rules import OPTIMIZER
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import TRAINING_START
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from experiments.tables import Table
 from experiments.tables.cell import Cell
-from swarm_gym.comparing.onemax import OPTIMIZER
-from swarm_gym.controllers.onemax_rules import sizes_of_theory
+from swarm_gym.controllers.onemax_rules import OPTIMIZER, sizes_of_theory
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.vector_env import SwarmVectorEnv
 

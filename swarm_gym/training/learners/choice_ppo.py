@@ -25,7 +25,8 @@ class ChoicePPOLearner(PPOLearner):
 
     def __init__(self, config: TrainConfig, options: ChoicePPO):
         numbers = {"size_choices": options.size_choices, "degree_choices": options.degree_choices}
-        numbers |= {f"further_choices {text!r}": _numbers(text) for text in options.further_choices}
+        further = enumerate(options.further_choices, 1)
+        numbers |= {f"further_choices {place}, {text!r},": _numbers(text) for place, text in further}
         require_choices(numbers)
         self.choices = make_choices(*numbers.values())
         super().__init__(config, options)
