@@ -2,8 +2,9 @@
 
 PPO of stable-baselines3 saved the zip: an `MlpPolicy` with tanh, on the observations and actions of this
 project's environments. The command reads only its weights, as tensors, and the part of its `data` that is
-plain JSON. It does not unpickle anything, so that no code of the zip runs. The layouts and sizes, which are
-pickled, have to be given as options.
+plain JSON. It does not unpickle anything, so that no code of the zip runs. Layouts and sizes are in that JSON
+where the model was trained in an environment of `swarm_gym.sb3.make_vec`; options override them. For a model
+of another environment, the layouts have to be given.
 
 Weights that PyTorch cannot read that way are refused. With `--trust-pickle` they are unpickled instead, which
 runs any code in the zip with the rights of the user.
@@ -15,7 +16,7 @@ import math
 import pickle
 import re
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,9 +34,16 @@ from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS, make_observation
 from swarm_gym.runs.provenance import provenance
+from swarm_gym.sb3 import SIGNATURE
 
 # Largest unpacked size of a zip in bytes: actor, critic, and the optimizer's two moments of both.
 MAX_UNPACKED = 8 * MAX_FILE
+
+# What a training has where neither options nor the zip say; layouts have to be known.
+USUAL = {
+    "observation": None, "action": None, "optimizer": "firefly", "initial_population_size": 80,
+    "min_population_size": 2, "max_population_size": 200, "max_evaluations": 0,
+}  # fmt: skip
 
 _HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
 
@@ -48,20 +56,21 @@ class ImportOptions:
     """Zip that stable-baselines3 saved, e.g. ppo.zip."""
     output: tyro.conf.Positional[Path]
     """Policy file to write, e.g. runs/mine.safetensors."""
-    observation: str = "extended"
-    """Observation layout that the policy was trained with; layouts with a price cannot be imported."""
-    action: str = "normalised"
-    """Action layout that the policy was trained with, one that is scaled to [-1, 1]."""
-    optimizer: str = "firefly"
-    """Optimizer that the policy controls."""
-    initial_population_size: int = 80
-    """Population size at the start of an episode, PS(0)."""
-    min_population_size: int = 2
-    """Smallest population size that the policy can choose."""
-    max_population_size: int = 200
-    """Largest population size that the policy can choose."""
-    max_evaluations: int = 0
-    """Evaluation budget of an episode in the training; 0 is no budget."""
+    observation: str | None = None
+    """Observation layout of the training, e.g. extended; layouts with a price cannot be imported. By default
+    the one in the zip, as with all options below."""
+    action: str | None = None
+    """Action layout of the training, one that is scaled to [-1, 1], e.g. centred."""
+    optimizer: str | None = None
+    """Optimizer that the policy controls; firefly where the zip does not say."""
+    initial_population_size: int | None = None
+    """Population size at the start of an episode, PS(0); 80 where the zip does not say."""
+    min_population_size: int | None = None
+    """Smallest population size that the policy can choose; 2 where the zip does not say."""
+    max_population_size: int | None = None
+    """Largest population size that the policy can choose; 200 where the zip does not say."""
+    max_evaluations: int | None = None
+    """Evaluation budget of an episode in the training; 0, the default where the zip does not say, is none."""
     trust_pickle: bool = False
     """Unpickle weights that cannot be read as tensors alone. THIS RUNS CODE FROM THE ZIP."""
 
@@ -74,29 +83,34 @@ def import_sb3(options: ImportOptions) -> None:
             fit it.
     """
     path = options.zip
-    weights = _actor(path, _read_state(path, options.trust_pickle))
+    data, content = _members(path)
+    _require_tanh(path, data)
+    weights = _actor(path, _read_state(path, content, options.trust_pickle))
+    inputs = weights["0.weight"].shape[1]
+    trained = _trained_on(options, data)
+    _require_layouts(path, trained, inputs)
     try:
-        features = [feature.name for feature in make_observation(options.observation).features]
+        features = [feature.name for feature in make_observation(trained["observation"]).features]
     except UnknownNameError as error:
         raise PolicyFileError(f"{path}: {error}") from error
-    _require_inputs(path, weights["0.weight"].shape[1], options.observation, len(features))
+    _require_inputs(path, inputs, trained["observation"], len(features))
     manifest = {
-        "action": options.action,
+        "action": trained["action"],
         "base": "none",
         "config": {},
         "corrected_from": 0,
         "features": features,
         "hidden_layers": [len(weights[f"{number}.bias"]) for number in range(len(weights) // 2 - 1)],
         "imported_from": path.name,
-        "initial_population_size": options.initial_population_size,
+        "initial_population_size": trained["initial_population_size"],
         "lstm_size": None,
-        "max_evaluations": options.max_evaluations or None,
-        "max_population_size": options.max_population_size,
-        "min_population_size": options.min_population_size,
+        "max_evaluations": trained["max_evaluations"] or None,
+        "max_population_size": trained["max_population_size"],
+        "min_population_size": trained["min_population_size"],
         "network": FEEDFORWARD,
         "num_decisions": len(weights[f"{len(weights) // 2 - 1}.bias"]),
-        "observation": options.observation,
-        "optimizer": options.optimizer,
+        "observation": trained["observation"],
+        "optimizer": trained["optimizer"],
         "price": None,
         "provenance": provenance("numpy", "torch"),
     }
@@ -105,7 +119,7 @@ def import_sb3(options: ImportOptions) -> None:
         options.output.with_name(f"{options.output.name}.draft"), encode_policy(weights, manifest)
     )
     try:
-        load_learned(draft, SizeLimits(options.min_population_size, options.max_population_size))
+        load_learned(draft, SizeLimits(trained["min_population_size"], trained["max_population_size"]))
         draft.replace(options.output)
     except ValueError as error:
         raise PolicyFileError(f"{path}: does not fit these options: {error}") from error
@@ -113,15 +127,44 @@ def import_sb3(options: ImportOptions) -> None:
         draft.unlink(missing_ok=True)
 
 
+def _trained_on(options: ImportOptions, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return layouts and sizes of the training: those given, else those in the zip, else the usual ones."""
+    space = data.get("action_space")
+    stored = space.get(SIGNATURE) if isinstance(space, dict) else None
+    trained = {**USUAL, **(stored if isinstance(stored, dict) else {})}
+    given = {name: getattr(options, name) for name in USUAL}
+    return {name: trained[name] if value is None else value for name, value in given.items()}
+
+
+def _require_layouts(path: Path, trained: Mapping[str, Any], inputs: int) -> None:
+    """Raise an error if the layouts or sizes of the training are unknown, or are no names and numbers."""
+    for name in ("observation", "action"):
+        if trained[name] is None:
+            fitting = f"; {_layouts_with(inputs)} has {inputs} inputs" if name == "observation" else ""
+            raise PolicyFileError(
+                f"{path}: the zip does not say with which {name} layout the model was trained, since its "
+                f"environment was not made by swarm_gym.sb3.make_vec; name it with --{name}{fitting}"
+            )
+    for name, usual in USUAL.items():
+        kind = int if isinstance(usual, int) else str
+        if not isinstance(trained[name], kind) and (name, trained[name]) != ("max_evaluations", None):
+            raise PolicyFileError(
+                f"{path}: {name} must be of type {kind.__name__}, got {trained[name]!r:.80}"
+            )
+
+
+def _layouts_with(inputs: int) -> str:
+    """Return the names of the observation layouts with so many features."""
+    return " or ".join(n for n in OBSERVATIONS if len(OBSERVATIONS[n].features) == inputs) or "no layout"
+
+
 def _require_inputs(path: Path, inputs: int, observation: str, features: int) -> None:
     """Raise an error if a network has another number of inputs than the observation has features."""
     if inputs == features:
         return
-    fitting = [name for name in OBSERVATIONS if len(OBSERVATIONS[name].features) == inputs]
-    known = f"; {' or '.join(fitting)} has as many" if fitting else ""
     raise PolicyFileError(
         f"{path}: the policy has {inputs} inputs, but observation {observation!r} has {features} features; "
-        f"name the one of its training with --observation{known}"
+        f"name the one of its training with --observation; {_layouts_with(inputs)} has {inputs}"
     )
 
 
@@ -133,18 +176,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(f"wrote {options.output}; use it as controller {ControllerName.of('learned', str(options.output))}")
 
 
-def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
-    """Return the tensors of the policy by name."""
-    import torch
-
+def _members(path: Path) -> tuple[dict[str, Any], bytes]:
+    """Return the plain JSON of a zip, and the file of its weights."""
     try:
         with _opened(read_bytes(path, MAX_FILE)) as archive:
-            _require_tanh(path, json.loads(archive.read("data")))
-            content = archive.read("policy.pth")
+            data, content = json.loads(archive.read("data")), archive.read("policy.pth")
         if zipfile.is_zipfile(io.BytesIO(content)):
             _opened(content).close()
-    except PolicyFileError:
-        raise
     except (
         OSError,
         KeyError,
@@ -155,6 +193,13 @@ def _read_state(path: Path, trust_pickle: bool) -> dict[str, Any]:
         zipfile.BadZipFile,
     ) as error:
         raise PolicyFileError(f"{path}: not a zip of stable-baselines3 ({error})") from error
+    return data if isinstance(data, dict) else {}, content
+
+
+def _read_state(path: Path, content: bytes, trust_pickle: bool) -> dict[str, Any]:
+    """Return the tensors of the policy by name."""
+    import torch
+
     try:
         state = torch.load(io.BytesIO(content), map_location="cpu", weights_only=not trust_pickle)
     except pickle.UnpicklingError as error:
@@ -178,9 +223,9 @@ def _opened(content: bytes) -> zipfile.ZipFile:
     return archive
 
 
-def _require_tanh(path: Path, data: Any) -> None:
+def _require_tanh(path: Path, data: Mapping[str, Any]) -> None:
     """Raise an error for another activation function than tanh, by the plain JSON in `data`."""
-    options = data.get("policy_kwargs", {}) if isinstance(data, dict) else None
+    options = data.get("policy_kwargs")
     activation = options.get("activation_fn", "Tanh") if isinstance(options, dict) else None
     if not isinstance(activation, str) or not activation.rstrip("'>").endswith("Tanh"):
         raise PolicyFileError(f"{path}: expected a policy with activation_fn Tanh, got {activation!r:.80}")

@@ -15,11 +15,12 @@ import tyro
 from agents.backends import Backend, BackendError, BackendOptions
 from experiments.catalogue import COLLECTIONS, SUITES
 from experiments.choice import Choice
-from experiments.documents.suite_page import make_tables, write_collection_page, write_page
+from experiments.documents.suite_page import make_tables, outcomes_of, write_collection_page, write_page
 from experiments.runs.configuration import configuration, environment_configuration
 from experiments.runs.database import Results, ResultsError
 from experiments.runs.runner import refuse_missing, run_missing
 from experiments.runs.suite import Suite
+from experiments.tables.headline import objectives_as_text
 from swarm_gym.command import command
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.errors import MissingExtraError
@@ -88,6 +89,7 @@ def evaluate(config: EvaluateConfig) -> Path:
         folder = config.output / suite.name
         print(f"writing tables and figures to {folder}", flush=True)
         tables = make_tables(suite, results)
+        print(objectives_as_text(suite, outcomes_of(suite, results)), flush=True)
         figures = _figures(suite, results, folder) if config.figures else []
         made_with = results.provenances(suite.controllers, suite.seeds)
         page = write_page(suite, tables, figures, folder, made_with)

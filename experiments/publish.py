@@ -21,6 +21,7 @@ from experiments.runs.database import ResultsError
 from experiments.runs.labels import label
 from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
 from experiments.scoring.suites import SCORED
+from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.tables.document import Block, Document, ResultsFolder
@@ -101,6 +102,8 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
+    "layouts": (Document(Path("docs/layouts.md"), "", "", blocks=LAYOUT_BLOCKS),),
+    "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
     "known-optimum": (Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),

@@ -1,31 +1,5 @@
-"""Actions: the numbers by which a controller decides population size, repair degree and more.
+"""Actions: what the numbers of a controller ask for, in one of the layouts of `swarm_gym.action_layouts`."""
 
-A layout is a list of decisions, each one number of the action:
-
-| layout | dtype | population size | repair degree phi | parameters of the optimizer |
-|---|---|---|---|---|
-| `natural` | float64 | members | in [0, 1] | fixed |
-| `normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | fixed |
-| `paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | fixed |
-| `extended` | float64 | members | in [0, 1] | in their own units |
-| `extended-normalised` | float32 | logarithm, scaled to [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
-| `extended-paced` | float32 | relative to the budget, in [-1, 1] | scaled to [-1, 1] | logarithms, scaled |
-
-Extended layouts have one number for each parameter of the optimizer that may change at every iteration. A
-paced size asks for 6^a times the population size at which `max_evaluations` would just last, for a in [-1,
-1].
-
-The layouts `sourced`, `sourced-normalised` and `sourced-paced` are the extended ones and then three numbers
-about new members (see `swarm_gym.sources`):
-
-| number | natural unit | scaled |
-|---|---|---|
-| smooth share: probability that a new member is a smooth bend | in [0, 1] | linear |
-| amplitude: largest offset of bends as a share of the workspace's width | in [0.01, 1] | logarithm |
-| immigrants: share of the members that are replaced in this iteration, the worst first | in [0, 1] | linear |
-"""
-
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn
 
@@ -33,6 +7,16 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from swarm_gym.action_layouts import (
+    ACTIONS,
+    Layout,
+    includes,
+    layout_of,
+    scale_of_parameter,
+    scale_of_repair,
+    scale_of_size,
+    scale_of_source,
+)
 from swarm_gym.arrays import (
     Constant,
     as_numpy,
@@ -45,11 +29,12 @@ from swarm_gym.arrays import (
 from swarm_gym.errors import ActionError, SettingError, shown
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
-from swarm_gym.own_code import find
-from swarm_gym.scales import AsItIs, Linear, Logarithmic, Paced, Scale, WithoutEffect
+from swarm_gym.scales import Scale
 from swarm_gym.settings import Settings
 from swarm_gym.simulation import Decisions, Simulation
 from swarm_gym.sources import SOURCE_DECISIONS, SOURCE_RANGES
+
+__all__ = ["ACTIONS", "Action", "Layout", "includes", "layout_of", "make_action", "require_same_decisions"]
 
 Floats = NDArray[np.float64]
 
@@ -237,50 +222,6 @@ class Action:
         return xp.asarray(given, device=simulation.device)
 
 
-@dataclass(frozen=True)
-class Layout:
-    """The parts of a layout of actions; `make_action` fills in the settings.
-
-    Attributes:
-        size: scale of the population size: `natural` (members), `logarithmic` or `paced` (both in [-1, 1]).
-        extended: whether the action decides parameters of the optimizer, too.
-        sourced: whether it decides the source of new members, too.
-    """
-
-    size: str
-    extended: bool
-    sourced: bool = False
-
-
-ACTIONS: dict[str, Layout] = {
-    "natural": Layout("natural", False),
-    "normalised": Layout("logarithmic", False),
-    "paced": Layout("paced", False),
-    "extended": Layout("natural", True),
-    "extended-normalised": Layout("logarithmic", True),
-    "extended-paced": Layout("paced", True),
-    "sourced": Layout("natural", True, True),
-    "sourced-normalised": Layout("logarithmic", True, True),
-    "sourced-paced": Layout("paced", True, True),
-}
-
-
-def layout_of(name: str) -> Layout:
-    """Return the parts of the layout of a name.
-
-    Raises:
-        UnknownNameError: if there is no layout of that name.
-        OwnCodeError: if own code cannot be imported, or is no layout.
-    """
-    return find("action layout", name, ACTIONS, lambda found: isinstance(found, Layout), "a Layout")
-
-
-def includes(name: str, natural: str) -> bool:
-    """Return whether a layout has all decisions of a layout in natural units, such as `extended`."""
-    layout, part = layout_of(name), layout_of(natural)
-    return part.size == "natural" and layout.extended >= part.extended and layout.sourced >= part.sourced
-
-
 def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     """Return the layout of actions that the settings name, for an optimizer.
 
@@ -294,16 +235,9 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
     require_same_decisions(settings.made_for, settings.action, optimizer)
     if layout.size == "paced" and settings.max_evaluations is None:
         raise SettingError(f"action {settings.action!r} needs an evaluation budget: set max_evaluations")
-    natural = layout.size == "natural"
-    smallest, largest = settings.min_population_size, settings.max_population_size
-    sizes: dict[str, Scale] = {
-        "natural": AsItIs(smallest, largest),
-        "logarithmic": Logarithmic(smallest, largest),
-        "paced": Paced(),
-    }
     scales = {
-        "population size": sizes[layout.size],
-        "repair degree": _scale_of_repair(optimizer, natural),
+        "population size": scale_of_size(layout, settings),
+        "repair degree": scale_of_repair(layout, optimizer),
     }
     decided = optimizer.decided_parameters() if layout.extended else {}
     if layout.extended and not layout.sourced and not decided:
@@ -313,25 +247,17 @@ def make_action(settings: Settings, optimizer: type[Optimizer]) -> Action:
         )
     for name, parameter in decided.items():
         if parameter.decided is not None:
-            scales[name] = AsItIs(*parameter.decided) if natural else Logarithmic(*parameter.decided)
+            scales[name] = scale_of_parameter(layout, *parameter.decided, parameter.default)
     sources: tuple[float, ...] = ()
     if layout.sourced:
         settings.require_sources(f"action {settings.action!r}")
         sources = settings.new_members.decisions
-        for name, (low, high) in SOURCE_RANGES.items():
-            scaled = Logarithmic if low > 0.0 else Linear
-            scales[name.replace("_", " ")] = AsItIs(low, high) if natural else scaled(low, high)
-    dtype = np.float64 if natural else np.float32
+        for name, span in SOURCE_RANGES.items():
+            scales[name.replace("_", " ")] = scale_of_source(layout, *span)
+    dtype = np.float64 if layout.size == "natural" else np.float32
     values = optimizer.parameter_values(settings.knobs)
     parameters = {name: getattr(values, name) for name in decided}
     return Action(settings.action, settings, scales, parameters, sources, dtype, optimizer)
-
-
-def _scale_of_repair(optimizer: type[Optimizer], natural: bool) -> Scale:
-    """Return the scale of phi; where repair has no meaning, it is 0, and a scaled number has no effect."""
-    if not optimizer.repairs:
-        return AsItIs(0.0, 0.0) if natural else WithoutEffect()
-    return AsItIs(0.0, 1.0) if natural else Linear(0.0, 1.0)
 
 
 def require_same_decisions(made_for: str | None, action: str, optimizer: type[Optimizer]) -> None:

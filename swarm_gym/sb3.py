@@ -19,14 +19,25 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
+from swarm_gym.checks import require_integer
 from swarm_gym.errors import MissingExtraError, SettingError, shown
+from swarm_gym.learner_options import learner_options, warn_of_unscaled
+from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+    from swarm_gym.choice_vec_env import ChoiceVecEnv, make_choices
 except ImportError as error:
     raise MissingExtraError("swarm_gym.sb3", "stable-baselines3", "train") from error
+
+
+SIGNATURE = "made_for"  # attribute of action spaces, by which `agents.import_sb3` knows the environment
+MOST_CHOICES = 100  # values of a decision
+# Options of a vector environment that are none of the swarms in it.
+OF_VECTORS = ("device", "precision", "render_mode", "max_episode_steps")
 
 
 def make_vec(
@@ -35,8 +46,9 @@ def make_vec(
     *,
     seed: int | None = None,
     num_threads: int | None = None,
+    choices: Sequence[int] | None = None,
     **options: object,
-) -> "NativeVecEnv":
+) -> VecEnv:
     """Return a vector of swarms as a `VecEnv`; `VecMonitor` and `VecNormalize` may wrap it.
 
     Args:
@@ -44,28 +56,55 @@ def make_vec(
         num_envs: number of swarms.
         seed: seed of the first swarm's first episode, from which those of the others count up.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
+        choices: number of evenly spaced values of each decision, for learners that choose, such as DQN: the
+            action is then the number of one of all combinations. None is no choice.
         options: options of `SwarmVectorEnv`, such as `device`, of `swarm_gym.settings.Settings` and
-            parameters of the optimizer, by name. By default observations are `scaled` and actions
-            `normalised`, as policies of neural networks expect.
+            parameters of the optimizer, by name. Those that are not given are chosen for learners, see
+            `swarm_gym.learner_options`.
 
     Raises:
         UnknownNameError: for an option, optimizer, scenario, layout or reward that does not exist.
         SettingError: for a value that an option cannot have.
     """
-    chosen: dict[str, Any] = {"observation": "scaled", "action": "normalised", **options}
+    of_swarms = {name: value for name, value in options.items() if name not in OF_VECTORS}
+    chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
+    warn_of_unscaled(chosen)
     mode = AutoresetMode.SAME_STEP
     env = SwarmVectorEnv(num_envs, optimizer, autoreset_mode=mode, num_threads=num_threads, **chosen)
     made = NativeVecEnv(env)
     made.seed(seed)
-    return made
+    _sign(made.action_space, optimizer, env.settings)
+    return made if choices is None else ChoiceVecEnv(made, _combinations(choices, made.action_space))
+
+
+def _combinations(numbers: Sequence[int], space: Any) -> NDArray[np.float32]:
+    """Return all actions with so many evenly spaced values of each decision, (n, k).
+
+    Raises:
+        SettingError: for a layout that is not scaled, or numbers that do not fit it.
+    """
+    if not (space.low == -1.0).all() or not (space.high == 1.0).all():
+        raise SettingError("choices need an action layout that is scaled to [-1, 1], such as 'centred'")
+    if len(numbers) != space.shape[0]:
+        raise SettingError(f"choices needs {space.shape[0]} numbers, one for each decision, got {numbers!r}")
+    for number in numbers:
+        require_integer("choices", number, 2, MOST_CHOICES)
+    return make_choices(*(tuple(np.linspace(-1.0, 1.0, number).tolist()) for number in numbers))
+
+
+def _sign(space: Any, optimizer: str, settings: Settings) -> None:
+    """Write into an action space what it stands for; models of the library store it in their zip as text."""
+    sizes = "initial_population_size", "min_population_size", "max_population_size", "max_evaluations"
+    layouts = {"observation": settings.observation, "action": settings.action}
+    setattr(space, SIGNATURE, {"optimizer": optimizer, **layouts, **{n: getattr(settings, n) for n in sizes}})
 
 
 class NativeVecEnv(VecEnv):
     """A native vector of swarms as stable-baselines3 takes it.
 
     The info of an episode that ended has its sum of rewards, its length, its last observation, the best
-    fitness and the evaluations; that of an episode under way is empty. `reset_infos` has the infos with which
-    the episodes under way began.
+    fitness, the evaluations and, where the optimum is known, the optimality gap; that of an episode under
+    way is empty. `reset_infos` has the infos with which the episodes under way began.
 
     Args:
         env: environment with the autoreset mode of this class, `SAME_STEP`.
@@ -147,6 +186,7 @@ class NativeVecEnv(VecEnv):
         self._lengths += 1
         by_env: list[dict[str, object]] = [{} for _ in range(self.num_envs)]
         last: Any = as_numpy(infos["final_obs"]) if dones.any() else None
+        known = np.flatnonzero(infos.get("final_info", {}).get("_optimality_gap", ()))
         for row in np.flatnonzero(dones):
             final = infos["final_info"]
             self._began[row] = infos
@@ -155,6 +195,7 @@ class NativeVecEnv(VecEnv):
                 last[row],
                 final["best_fitness"][row],
                 final["evaluations"][row],
+                final["optimality_gap"][row] if row in known else None,
                 truncated=bool(truncated[row] and not terminated[row]),
             )
         self._returns[dones] = 0.0
@@ -196,7 +237,14 @@ class NativeVecEnv(VecEnv):
         return observation
 
     def _ended(
-        self, row: int, last: NDArray, best_fitness: float, evaluations: int, *, truncated: bool = False
+        self,
+        row: int,
+        last: NDArray,
+        best_fitness: float,
+        evaluations: int,
+        optimality_gap: float | None = None,
+        *,
+        truncated: bool = False,
     ) -> dict[str, object]:
         """Return the info of an episode that ended with an observation, of the swarm in that row."""
         return {
@@ -205,6 +253,7 @@ class NativeVecEnv(VecEnv):
             "episode": {"r": float(self._returns[row]), "l": int(self._lengths[row]), "t": 0.0},
             "best_fitness": float(best_fitness),
             "evaluations": int(evaluations),
+            **({} if optimality_gap is None else {"optimality_gap": float(optimality_gap)}),
         }
 
     def _rows(self, indices: VecEnvIndices) -> list[int]:

@@ -114,6 +114,64 @@ class Logarithmic(Scale):
 
 
 @dataclass(frozen=True)
+class Centred(Scale):
+    """The scale that maps the logarithm of [smallest, largest], both positive, to [-1, 1], and centre to 0.
+
+    It is linear on either side of 0. Networks begin with outputs near 0, and so with values near the centre.
+
+    Raises:
+        SettingError: if the centre is not between the other two.
+    """
+
+    smallest: float
+    centre: float
+    largest: float
+    low: float = -1.0
+    high: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.smallest <= self.centre <= self.largest:
+            raise SettingError(
+                f"a centred scale needs 0 < smallest <= centre <= largest, got {self.smallest:g}, "
+                f"{self.centre:g}, {self.largest:g}"
+            )
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        below, above = self._spreads
+        distances = log(np.maximum(values, self.smallest) / self.centre)
+        return np.where(distances < 0.0, distances / max(below, 1e-9), distances / max(above, 1e-9))
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: D102
+        below, above = self._spreads
+        xp = simulation.xp
+        return self.centre * exp(xp.where(numbers < 0.0, below * numbers, above * numbers), xp)
+
+    @cached_property
+    def _spreads(self) -> tuple[float, float]:
+        """The logarithms of centre over smallest, and of largest over centre."""
+        below, above = log([self.centre / self.smallest, self.largest / self.centre]).tolist()
+        return below, above
+
+
+@dataclass(frozen=True)
+class FourthPower(Scale):
+    """The scale on which a number a in [-1, 1] asks for ((a + 1) / 2)^4, so that 0 asks for 1 / 16.
+
+    It is for shares such as phi, most values of which ruin a swarm that is not ready for them.
+    """
+
+    low: float = -1.0
+    high: float = 1.0
+
+    def encode(self, values: Floats, simulation: Simulation | None) -> Floats:  # noqa: ARG002, D102
+        return 2.0 * np.sqrt(np.sqrt(values)) - 1.0
+
+    def decode(self, numbers: Floats, simulation: Simulation) -> Floats:  # noqa: ARG002, D102
+        root = (numbers + 1.0) / 2.0
+        return (root * root) * (root * root)
+
+
+@dataclass(frozen=True)
 class Paced(Scale):
     """The scale of population sizes relative to the one at which the evaluation budget would just last.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from experiments.catalogue import SUITES, TABLES
 from experiments.runs.database import Results
+from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
 from experiments.tables.document import MADE_WITH
 from experiments.tables.table import Table, write_tables_page
@@ -22,8 +23,17 @@ def make_tables(suite: Suite, results: Results) -> list[Table]:
         UnknownNameError: if the suite names a table that no study has.
     """
     makers = [look_up("table", name, TABLES) for name in suite.tables]
-    outcomes = results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
+    outcomes = outcomes_of(suite, results)
     return [table for make in makers for table in make(suite, outcomes)]
+
+
+def outcomes_of(suite: Suite, results: Results) -> Outcomes:
+    """Return the numbers of all runs of a suite.
+
+    Raises:
+        ResultsError: if a run of the suite is missing.
+    """
+    return results.outcomes(suite.controllers, suite.seeds, suite.options, suite.alone)
 
 
 def write_page(

@@ -221,7 +221,7 @@ def _actions(optimizer: str) -> str:
         action = make_action(env.settings, get_optimizer(optimizer))
         space = action.space
         numbers = zip(action.labels, space.low, space.high, strict=True)
-        text = "; ".join(f"{label} in {_range(low, high)}" for label, low, high in numbers)
+        text = "; ".join(f"{label} in {range_of(low, high)}" for label, low, high in numbers)
         rows.append((code(name), str(space.dtype), str(space.shape), text))
     return table(("layout", "dtype", "shape", "numbers"), rows)
 
@@ -236,15 +236,15 @@ def _observations(optimizer: str) -> str:
             continue
         space: Any = env.observation_space
         numbers = list(zip(layout.features, space.low, space.high, strict=True))
-        base = _base(name)
+        base = base_of(name)
         if base:
             numbers = numbers[len(OBSERVATIONS[base].features) :]
-        text = "; ".join(f"{feature.name} in {_range(low, high)}" for feature, low, high in numbers)
+        text = "; ".join(f"{feature.name} in {range_of(low, high)}" for feature, low, high in numbers)
         rows.append((code(name), space.dtype, space.shape, f"those of `{base}`; {text}" if base else text))
     return table(("layout", "dtype", "shape", "numbers"), rows)
 
 
-def _base(name: str) -> str:
+def base_of(name: str) -> str:
     """Return the longest other layout whose features a layout begins with; empty if there is none."""
     features = OBSERVATIONS[name].features
     begun = [
@@ -255,7 +255,8 @@ def _base(name: str) -> str:
     return max(begun, key=lambda other: len(OBSERVATIONS[other].features), default="")
 
 
-def _range(low: float, high: float) -> str:
+def range_of(low: float, high: float) -> str:
+    """Return the interval of two bounds."""
     return f"[{low:.4g}, {high:.4g}]"
 
 

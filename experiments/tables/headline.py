@@ -10,7 +10,9 @@ from experiments.statistics import mean_difference
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Row, Table
+from swarm_gym.comparing.compared_runs import aligned
 from swarm_gym.controllers.names import BLINDED, ControllerName
+from swarm_gym.errors import ScenarioError
 
 CAPTION = (
     "Objective: mean gap in per cent plus price times evaluations / 100,000, over all training and tuning "
@@ -48,6 +50,21 @@ def headline_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             }
         )
     return Table.if_any("headline", CAPTION, rows)
+
+
+def objectives_as_text(suite: Suite, outcomes: Outcomes) -> str:
+    """Return what the headline table says of each group by itself, as aligned text for a terminal.
+
+    It is empty where an optimum is unknown, so that there is no objective.
+    """
+    try:
+        tables = headline_tables(suite, outcomes)
+    except ScenarioError:
+        return ""
+    kept = [k for k, head in enumerate(tables[0].columns) if not head.startswith("minus")]
+    lines = [tables[0].columns, *tables[0].rows]
+    said = "objective: mean gap in % plus price times evaluations / 100,000 [95 % interval]"
+    return "\n".join([said, *aligned([[str(line[k]) for k in kept] for line in lines])])
 
 
 def price_of(group: str) -> float:

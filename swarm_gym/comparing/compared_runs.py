@@ -106,7 +106,7 @@ class ComparedRuns:
                     *(self._of_set(k, name, known) for name in names),
                 )
             )
-        return "\n".join(_aligned(rows))
+        return "\n".join(aligned(rows))
 
     def as_csv(self) -> str:
         """Return all runs as CSV, one in each line, with the columns `COLUMNS`."""
@@ -177,7 +177,7 @@ def _in_interval(mean: float, ends: Interval, form: str) -> str:
     return f"{mean:{form}} [{low:{form}}, {high:{form}}]"
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> Iterable[str]:
+def aligned(rows: Sequence[Sequence[str]]) -> Iterable[str]:
     """Yield the rows of a table as lines; the first column is aligned to the left, others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for first, *others in rows:

@@ -14,6 +14,7 @@ from gymnasium.spaces import Box
 from agents.import_sb3 import main
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
+from swarm_gym.sb3 import make_vec
 
 torch = pytest.importorskip("torch")
 stable_baselines3 = pytest.importorskip("stable_baselines3")
@@ -44,10 +45,13 @@ class Malicious:
         return exec, (f"open({self.path!r}, 'w').close()",)
 
 
-def saved(folder, **options):
+LAYOUTS = ["--observation", "extended", "--action", "normalised"]
+
+
+def saved(folder, env=None, **options):
     """A model of random weights, saved."""
     model = stable_baselines3.PPO(
-        "MlpPolicy", Nothing(), n_steps=8, batch_size=8, seed=0, device="cpu", policy_kwargs=options
+        "MlpPolicy", env or Nothing(), n_steps=8, batch_size=8, seed=0, device="cpu", policy_kwargs=options
     )
     model.save(folder / "some.zip")
     return model, folder / "some.zip"
@@ -77,7 +81,7 @@ def data_of(path):
 def test_the_policy_decides_as_the_model(tmp_path, net_arch):
     model, path = saved(tmp_path, **({} if net_arch is None else {"net_arch": net_arch}))
     output = tmp_path / "some.safetensors"
-    main([str(path), str(output)])
+    main([str(path), str(output), *LAYOUTS])
     seen = np.random.default_rng(0).normal(size=(50, FEATURES)).astype(np.float32)
     expected = model.predict(seen, deterministic=True)[0]
     np.testing.assert_allclose(load_learned(output).act(seen), expected, rtol=0, atol=1e-6)
@@ -87,10 +91,47 @@ def test_the_policy_decides_as_the_model(tmp_path, net_arch):
     assert sorted(tmp_path.iterdir()) == [output, path]
 
 
+def test_layouts_and_sizes_are_those_of_the_environment(tmp_path):
+    sizes = {"initial_population_size": 6, "min_population_size": 3, "max_population_size": 12}
+    _, path = saved(tmp_path, make_vec(num_envs=2, action="extended-centred", max_evaluations=900, **sizes))
+    main([str(path), str(tmp_path / "a.safetensors")])
+    expected = {"observation": "extended", "action": "extended-centred", "optimizer": "firefly"}
+    manifest = load_policy(tmp_path / "a.safetensors")[1]
+    assert {**expected, **sizes, "max_evaluations": 900}.items() <= manifest.items()
+    main([str(path), str(tmp_path / "b.safetensors"), "--initial-population-size", "7"])
+    assert load_policy(tmp_path / "b.safetensors")[1]["initial_population_size"] == 7
+
+
+@pytest.mark.parametrize(
+    ("made_for", "message"),
+    [
+        (None, "does not say with which observation layout .*--observation; extended has 9 inputs"),
+        ({"observation": "extended"}, "does not say with which action layout .*--action"),
+        ({"observation": 3, "action": "centred"}, "observation must be .* str, got 3"),
+        (
+            {"observation": "extended", "action": "centred", "min_population_size": "2"},
+            "type int, got '2'",
+        ),
+        (
+            {"observation": "extended", "action": ["centred"]},
+            r"action must be .* str, got \['centred'\]",
+        ),
+    ],
+)
+def test_what_a_zip_says_of_its_environment_is_checked(zipped, made_for, message):
+    data = data_of(zipped)
+    data["action_space"]["made_for"] = made_for
+    rewritten(zipped, data=json.dumps(data).encode())
+    output = zipped.with_name("refused.safetensors")
+    with pytest.raises(SystemExit, match=message):
+        main([str(zipped), str(output)])
+    assert not output.exists()
+
+
 def refused(path, message, *options):
     output = path.with_name("refused.safetensors")
     with pytest.raises(SystemExit, match=message):
-        main([str(path), str(output), *options])
+        main([str(path), str(output), *LAYOUTS, *options])
     assert list(path.parent.glob("refused*")) == []
 
 
@@ -99,7 +140,7 @@ def refused(path, message, *options):
     [
         (
             ["--observation", "rich"],
-            "the policy has 9 inputs, but observation 'rich' has 13 features; .*--observation; extended has",
+            "the policy has 9 inputs, but 'rich' has 13 features; .*--observation; extended has 9",
         ),
         (["--observation", "everything"], "unknown observation layout 'everything'"),
         (["--action", "natural"], "action must be one of .*normalised.*'natural'"),
@@ -124,7 +165,7 @@ def test_pickles_beside_the_weights_are_left_alone(zipped, tmp_path):
         if isinstance(entry, dict) and ":serialized:" in entry:
             entry[":serialized:"] = base64.b64encode(pickle.dumps(Malicious(mark))).decode()
     rewritten(zipped, data=json.dumps(data).encode())
-    main([str(zipped), str(tmp_path / "some.safetensors")])
+    main([str(zipped), str(tmp_path / "some.safetensors"), *LAYOUTS])
     assert not mark.exists()
     load_learned(tmp_path / "some.safetensors")
 
@@ -138,7 +179,7 @@ def test_weights_that_hold_code_run_it_only_where_that_is_asked_for(zipped, tmp_
     rewritten(zipped, policy=content.getvalue())
     refused(zipped, "may run code from the zip.*--trust-pickle")
     assert not mark.exists()
-    main([str(zipped), str(tmp_path / "some.safetensors"), "--trust-pickle"])
+    main([str(zipped), str(tmp_path / "some.safetensors"), *LAYOUTS, "--trust-pickle"])
     assert mark.exists()  # the marker would tell
 
 

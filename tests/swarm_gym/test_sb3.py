@@ -6,12 +6,12 @@ import pytest
 pytest.importorskip("stable_baselines3", reason="needs the extra `study`")
 
 from gymnasium.vector import AutoresetMode
-from stable_baselines3 import PPO
+from stable_baselines3 import DQN, PPO
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import SubprocVecEnv, VecMonitor, VecNormalize
 
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import UnknownNameError
+from swarm_gym.errors import SettingError, UnknownNameError
 from swarm_gym.sb3 import NativeVecEnv, make_vec
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -24,8 +24,10 @@ def test_it_is_the_native_vector_with_the_layouts_of_networks():
         3,
         "particle-swarm",
         autoreset_mode=AutoresetMode.SAME_STEP,
-        observation="scaled",
-        action="normalised",
+        observation="extended",
+        action="centred",
+        reward="optimality",
+        price=1.0,
         **OPTIONS,
     )
     np.testing.assert_array_equal(made.reset(), native.reset(seed=7)[0])
@@ -40,7 +42,11 @@ def test_it_is_the_native_vector_with_the_layouts_of_networks():
 
 
 def test_options_replace_the_default_layouts():
-    made = make_vec(num_envs=2, observation="paper", action="natural", **OPTIONS)
+    with pytest.warns(UserWarning, match="natural units") as warned:
+        made = make_vec(num_envs=2, observation="paper", action="natural", **OPTIONS)
+    said = [str(one.message) for one in warned]
+    assert ["choose observation='scaled'" in one for one in said] == [True, False]
+    assert ["choose action='centred'" in one for one in said] == [False, True]
     assert made.observation_space == SwarmVectorEnv(2, **OPTIONS).single_observation_space
     assert made.action_space == SwarmVectorEnv(2, **OPTIONS).single_action_space
 
@@ -61,6 +67,64 @@ def test_plain_ppo_trains_in_it_under_the_wrappers_of_the_library(tmp_path):
     assert all((weights[name] == again[name]).all() for name in weights)
     model.save(tmp_path / "plain")
     assert PPO.load(tmp_path / "plain").predict(model.env.reset(), deterministic=True)[0].shape == (4, 2)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "expected"),
+    [
+        ("case1", ("extended", "optimality", 1.0)),
+        ("function:bbob-1-3-1", ("extended", "optimality", 1.0)),
+        ("dynamic:case1-gate@3-drive@2,every=1,distance=60", ("extended", "detour", 1.0)),
+    ],
+)
+def test_defaults_fit_the_kind_of_scenario(scenario, expected):
+    settings = make_vec(num_envs=1, scenario=scenario, **OPTIONS).env.settings
+    assert (settings.observation, settings.reward, settings.price) == expected
+    assert settings.action == "centred"
+
+
+def test_defaults_on_bit_strings_are_those_of_runtimes():
+    settings = make_vec("one-plus-lambda-lambda", 1, scenario="onemax:20").env.settings
+    assert (settings.observation, settings.reward, settings.action) == ("theory-scaled", "runtime", "centred")
+
+
+def test_infos_of_ended_episodes_have_the_optimality_gap():
+    made = make_vec(num_envs=3, seed=0, scenario=["case1", "case3"], **OPTIONS)
+    made.reset()
+    for _ in range(4):
+        infos = made.step(np.zeros((3, 2)))[3]
+        assert infos == [{}] * 3
+    infos = made.step(np.zeros((3, 2)))[3]
+    # The first population is given: nothing decided its size.
+    costs = [(info["evaluations"] - OPTIONS["initial_population_size"]) / 100_000 for info in infos]
+    paid = [info["episode"]["r"] for info in infos]
+    expected = [-100 * info["optimality_gap"] - cost for info, cost in zip(infos, costs, strict=True)]
+    np.testing.assert_allclose(paid, expected, rtol=1e-12)
+
+
+def test_learners_that_choose_have_all_combinations():
+    made = make_vec(num_envs=2, seed=1, choices=(3, 2), **OPTIONS)
+    assert made.action_space.n == 6
+    plain = make_vec(num_envs=2, seed=1, **OPTIONS)
+    np.testing.assert_array_equal(made.reset(), plain.reset())
+    chosen = made.step(np.array([2, 5]))[0]
+    np.testing.assert_array_equal(chosen, plain.step(np.array([[0.0, -1.0], [1.0, 1.0]]))[0])
+    model = DQN("MlpPolicy", made, learning_starts=4, buffer_size=100, seed=0, device="cpu")
+    assert model.learn(24).num_timesteps == 24
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"choices": (3,)}, "choices needs 2 numbers, one for each decision"),
+        ({"choices": (3, 1)}, "choices must .*1"),
+        ({"choices": (3, 3), "action": "natural"}, "scaled to .*'centred'"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:action='natural'")
+def test_choices_that_cannot_be_are_refused(options, error):
+    with pytest.raises(SettingError, match=error):
+        make_vec(num_envs=2, **options, **OPTIONS)
 
 
 def test_what_only_single_environments_have_is_refused():
@@ -140,7 +204,7 @@ def test_infos_of_resets_are_those_of_the_library():
         SwarmEnv,
         3,
         seed=2,
-        env_kwargs={"scenario": SCENARIOS, "observation": "scaled", "action": "normalised", **OPTIONS},
+        env_kwargs={"scenario": SCENARIOS, "observation": "extended", "action": "centred", **OPTIONS},
     )
     assert made.reset_infos == [{}] * 3
     made.reset(), single.reset()

@@ -49,9 +49,7 @@ def summary_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
         for controller in suite.controllers
     ]
     optima = {name: number(known_optimum(make_problem(name))) for name in suite.scenarios}
-    caption = (
-        f"Mean final fitness (95 % interval) at mean evaluations, {suite.num_seeds} seeds never trained on"
-    )
+    caption = f"Mean final fitness (95 % interval) at mean evaluations, {suite.num_seeds} test seeds"
     return [Table.of("summary", caption, [*rows, {"controller": "true optimum", **optima}])]
 
 

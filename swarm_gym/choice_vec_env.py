@@ -5,10 +5,8 @@ from itertools import product
 import numpy as np
 from gymnasium.spaces import Discrete
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnvWrapper
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
-
-from swarm_gym.training.sb3_vec_env import SB3VecEnv
 
 
 def make_choices(*numbers: tuple[float, ...]) -> NDArray[np.float32]:
@@ -24,7 +22,7 @@ class ChoiceVecEnv(VecEnvWrapper):
         choices: (n, k) the actions that can be chosen.
     """
 
-    def __init__(self, env: SB3VecEnv, choices: NDArray):
+    def __init__(self, env: VecEnv, choices: NDArray):
         super().__init__(env, action_space=Discrete(len(choices)))
         self.choices = choices
 

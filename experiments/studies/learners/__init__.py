@@ -1,0 +1,1 @@
+"""The study of what plain learners of other libraries reach."""

@@ -1,0 +1,85 @@
+"""Recipes of plain learners: an algorithm, its options, and the environment that it learns in.
+
+To add a learner, enter a recipe in `RECIPES`. Options that a recipe does not name are those of the library.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sb3_contrib
+import stable_baselines3
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.vec_env import VecEnv
+
+from experiments.studies.controllers import CASES
+from swarm_gym.sb3 import make_vec
+
+NUM_SWARMS = 16
+CONTINUOUS: dict[str, type[BaseAlgorithm]] = {
+    "PPO": stable_baselines3.PPO,
+    "RecurrentPPO": sb3_contrib.RecurrentPPO,
+    "SAC": stable_baselines3.SAC,
+    "TD3": stable_baselines3.TD3,
+    "TQC": sb3_contrib.TQC,
+}
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {**CONTINUOUS, "DQN": stable_baselines3.DQN}
+
+# An episode is paid at its end, so nothing is discounted. Found on validation seeds, see docs/learners.md.
+ON_POLICY: dict[str, Any] = {"n_steps": 100, "gamma": 1.0}
+# Returns of whole episodes: with those of one step, the reward of the end does not reach the first decisions.
+OFF_POLICY: dict[str, Any] = {"gamma": 1.0, "n_steps": 100, "learning_starts": 6400, "gradient_steps": 4}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A learner and what it learns in.
+
+    Attributes:
+        algorithm: a key of `ALGORITHMS`.
+        options: options of the algorithm that differ from the library's.
+        env: options of `make_vec` that differ from its own.
+        kind: how it learns: "from scratch", "residual" or "with sources".
+    """
+
+    algorithm: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    env: Mapping[str, Any] = field(default_factory=dict)
+    kind: str = "from scratch"
+
+    def swarms(self, number: int, seed: int, scenario: object = CASES) -> VecEnv:
+        """Return swarms to learn in, or to evaluate on, whose seeds count up from this one."""
+        return make_vec("firefly", number, seed=seed, num_threads=1, scenario=scenario, **self.env)
+
+    def model(self, swarms: VecEnv, seed: int) -> BaseAlgorithm:
+        """Return the learner before its first step."""
+        policy = "MlpLstmPolicy" if self.algorithm == "RecurrentPPO" else "MlpPolicy"
+        options = dict(self.options)
+        if self.algorithm == "TD3" and swarms.action_space.shape:
+            # Without noise it explores nothing; the library's documentation has this kind of noise.
+            numbers = swarms.action_space.shape[0]
+            options["action_noise"] = NormalActionNoise(np.zeros(numbers), np.full(numbers, NOISE_OF_TD3))
+        return ALGORITHMS[self.algorithm](policy, swarms, seed=seed, device="cpu", **options)
+
+
+NOISE_OF_TD3 = 0.2
+SOURCED = {"action": "sourced-normalised"}
+RESIDUAL = {"base": "open-loop:three-cases", "action": "normalised"}
+
+RECIPES: dict[str, Recipe] = {
+    "ppo": Recipe("PPO", ON_POLICY),
+    "ppo-library": Recipe("PPO", {"gamma": 1.0}),
+    "ppo-residual": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
+    "ppo-sourced": Recipe("PPO", ON_POLICY, SOURCED, "with sources"),
+    "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
+    "sac": Recipe("SAC", OFF_POLICY),
+    "sac-library": Recipe("SAC", {"gamma": 1.0}),
+    "sac-residual": Recipe("SAC", OFF_POLICY, RESIDUAL, "residual"),
+    "sac-sourced": Recipe("SAC", OFF_POLICY, SOURCED, "with sources"),
+    "td3": Recipe("TD3", OFF_POLICY),
+    "tqc": Recipe("TQC", OFF_POLICY),
+    "dqn": Recipe("DQN", {**OFF_POLICY, "learning_rate": 1e-3}, {"choices": (7, 5)}),
+    "ppo-normalised": Recipe("PPO", ON_POLICY, {"action": "normalised"}),
+}

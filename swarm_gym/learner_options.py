@@ -1,0 +1,59 @@
+"""Options of environments with which plain learners of other libraries learn best.
+
+`swarm_gym.sb3.make_vec` begins with them. Other learners get the same environments from Gymnasium:
+
+    options = learner_options("firefly", scenario=["case1", "case2", "case3"])
+    envs = gymnasium.make_vec("swarm_gym/Firefly-v0", num_envs=64, **options)
+
+The reward is paid for what an episode has found at its end, so use a discount of 1 with these options.
+"""
+
+import warnings
+from collections.abc import Mapping
+
+from swarm_gym.optimizers import get_optimizer
+from swarm_gym.scenarios import OneMaxScenario, drive_of, worlds_of
+from swarm_gym.settings import Settings
+
+# Layouts in natural units, and those for networks that observe or decide the same.
+FOR_NETWORKS: Mapping[str, Mapping[str, str]] = {
+    "observation": {"paper": "scaled", "theory": "theory-scaled"},
+    "action": {"natural": "centred", "extended": "extended-centred", "sourced": "sourced-normalised"},
+}
+
+
+def learner_options(optimizer: str = "firefly", **given: object) -> dict[str, object]:
+    """Return the options of an environment for a learner: those given, and defaults that suit networks.
+
+    Observations are `extended`, actions `centred`, and the reward is `optimality` at a price of 1. On bit
+    strings observations are `theory-scaled` and the reward is `runtime`; where robots drive, the reward is
+    `detour`.
+
+    Args:
+        optimizer: a name in `swarm_gym.optimizers.ALL_OPTIMIZERS`.
+        given: options of `swarm_gym.settings.Settings` and parameters of the optimizer, which are kept.
+
+    Raises:
+        UnknownNameError: for an option, optimizer or scenario that does not exist.
+        SettingError: for a value that an option cannot have.
+    """
+    first = Settings.from_options(get_optimizer(optimizer), given).scenarios[0]
+    if isinstance(worlds_of(first)[0].scenario, OneMaxScenario):
+        suited: dict[str, object] = {"observation": "theory-scaled", "reward": "runtime"}
+    else:
+        reward = "optimality" if drive_of(first) is None else "detour"
+        suited = {"observation": "extended", "reward": reward, "price": 1.0}
+    return {"action": "centred", **suited, **given}
+
+
+def warn_of_unscaled(options: Mapping[str, object]) -> None:
+    """Warn of layouts in natural units, whose numbers networks learn badly, and name the scaled ones."""
+    for option, scaled in FOR_NETWORKS.items():
+        name = options.get(option)
+        if isinstance(name, str) and name in scaled:
+            warnings.warn(
+                f"{option}={name!r} is in natural units, which networks learn badly: population sizes stick "
+                f"at a bound; choose {option}={scaled[name]!r}, or scale the numbers yourself",
+                UserWarning,
+                stacklevel=3,
+            )
