@@ -19,6 +19,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
+from swarm_gym.controllers import Controller
 from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -33,6 +34,7 @@ def make_vec(
     optimizer: str = "firefly",
     num_envs: int = 64,
     *,
+    base: str | Controller | None = None,
     seed: int | None = None,
     num_threads: int | None = None,
     **options: object,
@@ -42,6 +44,8 @@ def make_vec(
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
         num_envs: number of swarms.
+        base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct;
+            None for actions that are decisions. A policy whose output is zero then is the base.
         seed: seed of the first swarm's first episode, from which those of the others count up.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
         options: options of `SwarmVectorEnv`, such as `device`, of `swarm_gym.settings.Settings` and
@@ -52,9 +56,14 @@ def make_vec(
         UnknownNameError: for an option, optimizer, scenario, layout or reward that does not exist.
         SettingError: for a value that an option cannot have.
     """
-    chosen: dict[str, Any] = {"observation": "scaled", "action": "normalised", **options}
+    layouts = {"observation": "scaled", "action": "normalised"}
+    if base is not None:
+        del layouts["action"]  # the base's decisions are its default
+    chosen: dict[str, Any] = {**layouts, **options}
     mode = AutoresetMode.SAME_STEP
-    env = SwarmVectorEnv(num_envs, optimizer, autoreset_mode=mode, num_threads=num_threads, **chosen)
+    env = SwarmVectorEnv(
+        num_envs, optimizer, base=base, autoreset_mode=mode, num_threads=num_threads, **chosen
+    )
     made = NativeVecEnv(env)
     made.seed(seed)
     return made

@@ -10,8 +10,10 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import AnyArray, as_numpy, copy_of
-from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
+from swarm_gym.batch import SOMETIMES, is_there
 from swarm_gym.checks import refuse_negative_seed
+from swarm_gym.controllers import Controller
+from swarm_gym.corrected_batch import CorrectedBatch, make_batch
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
 from swarm_gym.settings import Settings
@@ -47,6 +49,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     Args:
         num_envs: number of swarms B.
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
+        base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct, see
+            `swarm_gym.corrected_batch`; None for actions that are decisions. Not on a GPU.
         autoreset_mode: an `AutoresetMode` or its value; it decides when a swarm begins the next episode after
             its episode ended.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
@@ -69,6 +73,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         num_envs: int = 1,
         optimizer: str = "firefly",
         *,
+        base: str | Controller | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
         device: str = "cpu",
@@ -91,7 +96,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         except ValueError as error:
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
-        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads, _simulation_on(device, precision))
+        simulation_class = _simulation_on(device, precision)
+        self._batch = make_batch(base, optimizer, options, num_envs, num_threads, simulation_class)
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
@@ -146,11 +152,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)
         # All seeds are checked before one is used.
+        seeds = self._read_seeds(seed)
         generators = [
             _make_generator(one) if one is not None and chosen[row] else self._generators[row]
-            for row, one in enumerate(self._read_seeds(seed))
+            for row, one in enumerate(seeds)
         ]
         self._generators = generators
+        if isinstance(self._batch, CorrectedBatch) and chosen.all():
+            self._batch.reset_base(seeds[0])
         self._batch.reset(chosen, self._generators, options)
         self._ended &= self.simulation.place(~chosen)
 
@@ -188,7 +197,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
     def _final_infos(self, terminated: Flags) -> Infos:
         """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
-        final, rows = self._batch.observe(), as_numpy(terminated).copy()
+        final, rows = self._batch.observe_last(), as_numpy(terminated).copy()
         if isinstance(final, np.ndarray):
             by_swarm = np.full(self.num_envs, None, dtype=object).view(ObjectArray)
             for row in np.flatnonzero(rows):
@@ -237,7 +246,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         Returns:
             Observations, shape (B, k).
         """
-        self.simulation.copy_rows(rows)
+        self._batch.copy_rows(rows)
         self._ended = self._ended[self.simulation.place(as_numpy(rows))]
         return self._batch.observe()
 
