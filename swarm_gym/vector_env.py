@@ -1,7 +1,7 @@
 """The environment of many swarms, for `gymnasium.make_vec`; all advance in one compiled call."""
 
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -97,6 +97,13 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
         simulation_class = _simulation_on(device, precision)
+        self._made_from = {
+            **options,
+            "optimizer": optimizer,
+            "num_threads": num_threads,
+            "device": device,
+            "precision": precision,
+        }
         self._batch = make_batch(base, optimizer, options, num_envs, num_threads, simulation_class)
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
@@ -116,6 +123,16 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     def simulation(self) -> Simulation:
         """The `Simulation` in this environment: populations, histories and problems."""
         return self._batch.simulation
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether actions are corrections of a base, so that zeros let it decide."""
+        return isinstance(self._batch, CorrectedBatch)
+
+    def twin(self, **changes: object) -> "SwarmVectorEnv":
+        """Return another vector of as many swarms, without a base, whose options differ by these changes."""
+        options: dict[str, Any] = {**self._made_from, **changes}
+        return SwarmVectorEnv(self.num_envs, autoreset_mode=self._autoreset_mode, **options)
 
     def reset(
         self,
@@ -144,7 +161,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         chosen = self._read_mask(mask)
         let_wrappers_keep_objects()
         self.begin(chosen, seed, options)
-        return self._batch.observe(), self._infos(chosen)
+        return self._batch.observe(), self.infos(chosen)
 
     def begin(
         self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, object] | None
@@ -188,14 +205,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos: Infos = {}
         if self._autoreset_mode == AutoresetMode.SAME_STEP and terminated.any():
             restarting = terminated
-            infos = self._final_infos(terminated)
+            infos = self.final_infos(terminated)
         if restarting.any():
             self._batch.reset(as_numpy(restarting), self._generators, None)
         self._ended = ~self.simulation.running
-        infos = {**self._infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
+        infos = {**self.infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
         return self._batch.observe(), rewards, terminated, nobody, infos
 
-    def _final_infos(self, terminated: Flags) -> Infos:
+    def final_infos(self, terminated: Flags) -> Infos:
         """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
         final, rows = self._batch.observe_last(), as_numpy(terminated).copy()
         if isinstance(final, np.ndarray):
@@ -250,7 +267,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         self._ended = self._ended[self.simulation.place(as_numpy(rows))]
         return self._batch.observe()
 
-    def _infos(self, rows: Flags) -> Infos:
+    def infos(self, rows: Flags) -> Infos:
         """Return the infos of these swarms, on a GPU only those that are numbers of its memory."""
         if self.simulation.xp is np:
             return self._whole_infos(rows)

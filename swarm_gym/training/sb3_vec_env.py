@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.controllers.learned.residual import Base, Proposal
 from swarm_gym.sb3 import NativeVecEnv
-from swarm_gym.training.paired_reward import Reference
+from swarm_gym.wrappers.paired_reward import Reference
 
 
 class SB3VecEnv(NativeVecEnv):

@@ -7,8 +7,8 @@ from gymnasium.vector import AutoresetMode
 
 from swarm_gym.action import make_action
 from swarm_gym.controllers import make_controller
-from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.controllers.fixed import Fixed
+from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.corrected_batch import make_batch
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import ActionError, SettingError, UnknownNameError
@@ -53,7 +53,8 @@ def test_the_action_of_zeros_is_the_base(name, action):
     earned = np.array([envs.step(zeros(envs))[1] for _ in range(12)])
     assert np.array_equal(earned, own)
     mine, theirs = envs.simulation.swarms, alone.simulation.swarms
-    assert np.array_equal(mine.size, theirs.size) and np.array_equal(mine.evaluations, theirs.evaluations)
+    assert np.array_equal(mine.size, theirs.size)
+    assert np.array_equal(mine.evaluations, theirs.evaluations)
     for row, size in enumerate(mine.size):
         assert np.array_equal(mine.positions[row, :size], theirs.positions[row, :size])
     shared = len(HISTORY)
@@ -74,8 +75,10 @@ def test_a_vector_equals_single_environments_through_several_episodes():
             actions = rng.uniform(-0.3, 0.3, envs.action_space.shape).astype(np.float32)
             seen, rewards, ended, _, _ = envs.step(actions)
             alone, reward, stopped, _, _ = single.step(actions[1])
-            assert np.array_equal(seen[1], alone) and rewards[1] == reward and ended[1] == stopped
-        assert stopped and not alone[-2:].any()  # an episode that has ended has no proposal
+            assert np.array_equal(seen[1], alone)
+            assert (rewards[1], ended[1]) == (reward, stopped)
+        assert stopped
+        assert not alone[-2:].any()  # an episode that has ended has no proposal
         seen = envs.step(zeros(envs))[0]  # begins the next one
         alone, _ = single.reset()
 
@@ -102,7 +105,8 @@ def test_corrections_are_those_of_residual_policies(name):
         actions = rng.normal(0.0, 0.5, (3, 2)).clip(-1.0, 1.0).astype(np.float32)
         expected, paid, dones, infos = trained.step(actions)
         found, rewards, ended, _, further = mine.step(actions)
-        assert np.array_equal(rewards, paid) and np.array_equal(ended, dones)
+        assert np.array_equal(rewards, paid)
+        assert np.array_equal(ended, dones)
         for row in np.flatnonzero(dones):
             assert np.array_equal(further["final_obs"][row], infos[row]["terminal_observation"])
     assert mine.single_observation_space == trained.observation_space
@@ -150,7 +154,8 @@ def test_swarms_that_begin_later_leave_the_others_as_they_are():
 
 def test_a_controller_may_be_given_itself_and_options_override_what_it_needs():
     env = SwarmEnv(base=make_controller("spsfa-tip"), initial_population_size=33, **SHORT)
-    assert env.settings.initial_population_size == 33 and env.settings.action == "normalised"
+    assert env.settings.initial_population_size == 33
+    assert env.settings.action == "normalised"
     env.reset(seed=0)
     assert env.step(np.zeros(2, dtype=np.float32))[-1]["population_size"] == 80
 
@@ -201,5 +206,5 @@ def test_a_base_that_decides_what_no_action_is_is_named():
             return np.zeros((len(observations), 2))
 
     env = SwarmEnv(base=TooFew(20), **SHORT)
-    with pytest.raises(ActionError, match="base .*TooFew.*population size must lie in"):
+    with pytest.raises(ActionError, match=r"base .*TooFew.*population size must lie in"):
         env.reset(seed=0)
