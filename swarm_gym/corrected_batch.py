@@ -87,8 +87,10 @@ class CorrectedBatch(SwarmBatch):
         ends = (np.concatenate([each, np.full(number, one)]) for each, one in ((box.low, -1), (box.high, 1)))
         low, high = (each.astype(np.float32) for each in ends)
         self.observation_space = Box(low, high, dtype=np.float32)
-        self._decided = np.zeros((num_swarms, number))  # by the base, in natural units
-        self._asked = np.zeros((num_swarms, number), dtype=np.float32)  # the same in the layout's numbers
+        self._decided: NDArray = np.zeros((num_swarms, number))  # by the base, in natural units
+        self._asked: NDArray = np.zeros(
+            (num_swarms, number), dtype=np.float32
+        )  # the same in the layout's numbers
         self._stale: Flags = np.ones(num_swarms, dtype=np.bool_)  # swarms whose base has not decided yet
         # The base may have a memory. Where copies of swarms, or swarms that waited, have a wrong one, it sees
         # their observations again: those of an episode are never more than these.
@@ -136,9 +138,7 @@ class CorrectedBatch(SwarmBatch):
         """Make swarm i, for every i, a copy of swarm rows[i], as the base sees it, too."""
         self._propose()
         super().copy_rows(rows)
-        self._decided, self._asked, self._stale = (
-            array[rows] for array in (self._decided, self._asked, self._stale)
-        )
+        self._decided, self._asked, self._stale = self._decided[rows], self._asked[rows], self._stale[rows]
         self._past = deque((seen[rows] for seen in self._past), maxlen=self._past.maxlen)
         self._wrong = self._wrong[rows] | (rows != np.arange(len(rows)))
 

@@ -36,12 +36,23 @@ class Reference:
             raise ValueError(f"expected autoreset mode SAME_STEP, got {env.metadata.get('autoreset_mode')}")
         self.controller = controller
         self.env = env
+        self.has_begun = False
 
     def reset(self, seed: int | list[int | None]) -> None:
         """Begin the first episodes of this seed, or of these seeds."""
-        self._observations, _ = self.env.reset(seed=seed)
+        # Native vectors take lists of seeds, too.
+        self._observations, _ = self.env.reset(seed=seed)  # type: ignore[arg-type]
         first = seed if isinstance(seed, int | np.integer) else seed[0]
         self.controller.reset(self.env.num_envs, first or 0)
+        self._forget()
+
+    def begin_next(self) -> None:
+        """Begin the next episodes of all swarms, although the last ones were perhaps not run."""
+        self._observations, _ = self.env.reset()
+        self._forget()
+
+    def _forget(self) -> None:
+        self.has_begun = True
         self._returns = np.zeros(self.env.num_envs)
         self._waiting: list[deque[float]] = [deque() for _ in range(self.env.num_envs)]
 
@@ -82,6 +93,7 @@ class PairedReward(VectorWrapper):
     def __init__(self, env: VectorEnv, reference: str | Controller):
         swarms = require_native("PairedReward", env, AutoresetMode.SAME_STEP)
         super().__init__(env)
+        self._swarms = swarms
         settings, name = swarms.settings, shown(reference)
         limits = SizeLimits(settings.min_population_size, settings.max_population_size)
         controller = make_controller(reference, limits) if isinstance(reference, str) else reference
@@ -121,7 +133,7 @@ class PairedReward(VectorWrapper):
             raise SettingError("PairedReward needs a seed, so that both begin the same episodes; give seed")
         if options:
             raise SettingError(f"options of reset must be None for paired rewards, got {shown(options)}")
-        found = self.env.reset(seed=seed)
+        found = self._swarms.reset(seed=seed)
         assert seed is not None
         self._reference.reset(seed)
         return found
