@@ -118,7 +118,7 @@ class Simulation:
 
     @property
     def may_end_early(self) -> bool:
-        """Whether an episode can end before its last iteration: by a budget, an arrival or an optimum."""
+        """True if an episode can end before its last iteration: by a budget, an arrival or an optimum."""
         return self.settings.max_evaluations is not None or self._may_arrive or self.robots is not None
 
     def full(self, value: float) -> Floats:

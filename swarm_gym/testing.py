@@ -28,9 +28,9 @@ from swarm_gym.vector_env import SwarmVectorEnv
 NUM_SWARMS, ITERATIONS, SEED, BUDGET = 5, 12, 7, 70
 
 # A controller gets a hint if its mean best fitness is above that of a constant population by this factor.
-CONSTANT, WORSE = "fixed:60", 1.1
+_CONSTANT, _WORSE = "fixed:60", 1.1
 # Mean phi of the first iterations that counts as early repair, and the median of sizes that counts as few.
-EARLY, EARLY_DEGREE, FEW = 20, 0.05, 5
+_EARLY, _EARLY_DEGREE, _FEW = 20, 0.05, 5
 
 
 class ContractError(SwarmGymError, AssertionError):
@@ -125,18 +125,18 @@ def _hint(name: str, controller: Controller, scenario: str, optimizer: str) -> N
     """Warn if a controller ends worse than a constant population, and say what may be the reason."""
     seeds = range(SEED, SEED + NUM_SWARMS)
     own, constant = (
-        run_episodes(one, scenario, seeds, optimizer) for one in (controller, make_controller(CONSTANT))
+        run_episodes(one, scenario, seeds, optimizer) for one in (controller, make_controller(_CONSTANT))
     )
     mine, theirs = (float(episodes.final_fitness.mean()) for episodes in (own, constant))
-    if mine <= WORSE * theirs:
+    if mine <= _WORSE * theirs:
         return
     reasons = []
-    if (degree := float(np.nanmean(own.repair_degrees[:, :EARLY]))) > EARLY_DEGREE:
+    if (degree := float(np.nanmean(own.repair_degrees[:, :_EARLY]))) > _EARLY_DEGREE:
         reasons.append(
-            f"it repairs early: phi is {degree:.2f} on average in the first {EARLY} iterations, and repaired "
+            f"it repairs early: phi is {degree:.2f} on average in the first {_EARLY} iterations, and repaired "
             "members leave too little variety to search with; keep phi at 0 until the population has settled"
         )
-    if (size := float(np.nanmedian(own.sizes))) <= FEW:
+    if (size := float(np.nanmedian(own.sizes))) <= _FEW:
         reasons.append(
             f"it keeps {size:g} members in most iterations, too few to search with; decide sizes between 20 "
             "and 100"

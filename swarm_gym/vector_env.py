@@ -126,7 +126,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
 
     @property
     def is_corrected(self) -> bool:
-        """Whether actions are corrections of a base, so that zeros let it decide."""
+        """True if actions are corrections of a base, so that zeros let it decide."""
         return isinstance(self._batch, CorrectedBatch)
 
     def twin(self, **changes: object) -> "SwarmVectorEnv":

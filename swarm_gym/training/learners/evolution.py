@@ -63,7 +63,7 @@ class EvolutionLearner(Learner):
 
     @property
     def in_chunk(self) -> bool:
-        """Whether some generations of the chunk are done."""
+        """True if some generations of the chunk are done."""
         return bool(self._earned)
 
     def begin(self) -> None:

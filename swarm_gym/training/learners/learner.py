@@ -47,7 +47,7 @@ class Learner(ABC):
 
     @property
     def in_chunk(self) -> bool:
-        """Whether `learn` goes on within a chunk, after a rollout that it was stopped at."""
+        """True if `learn` goes on within a chunk, after a rollout that it was stopped at."""
         return False
 
     def shape(self) -> dict[str, int]:

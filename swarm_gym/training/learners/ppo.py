@@ -105,7 +105,7 @@ class PPOLearner(Learner):
 
     @property
     def in_chunk(self) -> bool:
-        """Whether some rollouts of the chunk are done."""
+        """True if some rollouts of the chunk are done."""
         return self._stopped is not None
 
     def begin(self) -> None:
@@ -193,7 +193,7 @@ class PPOLearner(Learner):
 
     @property
     def _stops_between_rollouts(self) -> bool:
-        """Whether each rollout is one whole episode of every swarm, and begins without the policy."""
+        """True if each rollout is one whole episode of every swarm, and begins without the policy."""
         if self.options.rollout_steps or self.options.branches:
             return False
         simulations: list[Any] = self.env.get_attr("simulation")
