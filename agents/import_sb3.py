@@ -23,26 +23,30 @@ from typing import Any
 
 import tyro
 
+from swarm_gym.action import make_action
 from swarm_gym.command import command
+from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.learned.manifest import FEEDFORWARD, MAX_LAYERS, PolicyFileError
 from swarm_gym.controllers.learned.policy_file import MAX_FILE, Weights, encode_policy
+from swarm_gym.controllers.learned.residual import Base
 from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.packaged import read_bytes
 from swarm_gym.controllers.registry import load_learned
-from swarm_gym.errors import UnknownNameError
 from swarm_gym.files import write_atomically
 from swarm_gym.observation import OBSERVATIONS, make_observation
+from swarm_gym.optimizers import get_optimizer
 from swarm_gym.runs.provenance import provenance
 from swarm_gym.sb3 import SIGNATURE
+from swarm_gym.settings import Settings
 
 # Largest unpacked size of a zip in bytes: actor, critic, and the optimizer's two moments of both.
 MAX_UNPACKED = 8 * MAX_FILE
 
 # What a training has where neither options nor the zip say; layouts have to be known.
 USUAL = {
-    "observation": None, "action": None, "optimizer": "firefly", "initial_population_size": 80,
-    "min_population_size": 2, "max_population_size": 200, "max_evaluations": 0,
+    "observation": None, "action": None, "optimizer": "firefly", "base": "none",
+    "initial_population_size": 80, "min_population_size": 2, "max_population_size": 200, "max_evaluations": 0,
 }  # fmt: skip
 
 _HIDDEN = re.compile(r"mlp_extractor\.policy_net\.([0-9]{1,4})\.weight")
@@ -63,6 +67,8 @@ class ImportOptions:
     """Action layout of the training, one that is scaled to [-1, 1], e.g. centred."""
     optimizer: str | None = None
     """Optimizer that the policy controls; firefly where the zip does not say."""
+    base: str | None = None
+    """Controller that the policy corrects, e.g. open-loop:three-cases; none where the zip does not say."""
     initial_population_size: int | None = None
     """Population size at the start of an episode, PS(0); 80 where the zip does not say."""
     min_population_size: int | None = None
@@ -90,13 +96,13 @@ def import_sb3(options: ImportOptions) -> None:
     trained = _trained_on(options, data)
     _require_layouts(path, trained, inputs)
     try:
-        features = [feature.name for feature in make_observation(trained["observation"]).features]
-    except UnknownNameError as error:
+        features = _features(trained)
+    except ValueError as error:
         raise PolicyFileError(f"{path}: {error}") from error
     _require_inputs(path, inputs, trained["observation"], len(features))
     manifest = {
         "action": trained["action"],
-        "base": "none",
+        "base": trained["base"],
         "config": {},
         "corrected_from": 0,
         "features": features,
@@ -125,6 +131,21 @@ def import_sb3(options: ImportOptions) -> None:
         raise PolicyFileError(f"{path}: does not fit these options: {error}") from error
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _features(trained: Mapping[str, Any]) -> list[str]:
+    """Return the names of what the policy observes: those of its layout, then what a base proposes.
+
+    Raises:
+        UnknownNameError: if there is no such layout, optimizer or controller.
+        ValueError: for a base that cannot be corrected in the action layout.
+    """
+    if trained["base"] == "none":
+        return [feature.name for feature in make_observation(trained["observation"]).features]
+    options = {"action": trained["action"], "max_evaluations": trained["max_evaluations"] or None}
+    layout = make_action(Settings(**options), get_optimizer(trained["optimizer"]))
+    base = Base(make_controller(trained["base"]), layout, 0, options["max_evaluations"])
+    return base.features(trained["observation"])
 
 
 def _trained_on(options: ImportOptions, data: Mapping[str, Any]) -> dict[str, Any]:

@@ -106,13 +106,18 @@ class Action:
                 f"got {decided.shape[1]} decisions, but the action layout {self.name!r} has only "
                 f"{len(self.scales)} numbers ({', '.join(self.labels)})"
             )
-        kept = self._defaults[len(self._defaults) - missing :]
-        wanted = np.concatenate([decided, np.tile(kept, (len(decided), 1))], axis=1)
+        wanted = self.completed(decided)
         numbers = [
             scale.encode(values, simulation) for scale, values in zip(self.scales, wanted.T, strict=True)
         ]
         space = self.space
         return np.clip(np.stack(numbers, axis=1), space.low, space.high).astype(self._dtype)
+
+    def completed(self, decided: Floats) -> Floats:
+        """Return decisions (B, k) in natural units, given the first ones; the others keep their defaults."""
+        missing = len(self.scales) - decided.shape[1]
+        kept = self._defaults[len(self._defaults) - missing :]
+        return np.concatenate([decided, np.tile(kept, (len(decided), 1))], axis=1)
 
     def decode(self, actions: object, chosen: NDArray[np.bool_], simulation: Simulation) -> Decisions:
         """Return the decisions that actions (B, k) ask for; sizes are rounded to the nearest integer.
@@ -175,11 +180,19 @@ class Action:
 
         Rows that are not chosen may hold anything.
         """
-        xp, device = simulation.xp, simulation.device
-        values = xp.where(chosen[:, None], numbers, self._low.on(xp, device))
-        decided = [
-            scale.decode(column, simulation) for scale, column in zip(self.scales, values.T, strict=True)
+        xp = simulation.xp
+        values = xp.where(chosen[:, None], numbers, self._low.on(xp, simulation.device))
+        return self.carry_out(self.values(values, simulation), simulation)
+
+    def values(self, numbers: Floats, simulation: Simulation) -> list[Floats]:
+        """Return what numbers of actions, (B, k), ask for: k arrays (B,) in natural units, not rounded."""
+        return [
+            scale.decode(column, simulation) for scale, column in zip(self.scales, numbers.T, strict=True)
         ]
+
+    def carry_out(self, decided: list[Floats], simulation: Simulation) -> Decisions:
+        """Return decisions within their bounds, given k arrays (B,) of values in natural units."""
+        xp, device = simulation.xp, simulation.device
         within = at_most(xp, at_least(xp, decided[0], self._smallest), self._largest)
         parameters, sources = simulation.parameters, simulation.sources
         first_source = 2 + len(self._parameters)

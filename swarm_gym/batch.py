@@ -35,7 +35,7 @@ from swarm_gym.reward import (
 )
 from swarm_gym.robots import require_drives
 from swarm_gym.settings import Settings
-from swarm_gym.simulation import Simulation
+from swarm_gym.simulation import Decisions, Simulation
 
 # Entries of info that a swarm does not always have.
 SOMETIMES = (
@@ -49,6 +49,15 @@ Floats = NDArray[np.float64]
 
 class SwarmBatch:
     """A batch of B swarms behind the action, observation and reward that the settings name.
+
+    Args:
+        optimizer: name of the optimizer.
+        options: options of `Settings` and parameters of the optimizer, by name.
+        num_swarms: number of swarms B.
+        num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
+        simulation_class: class of the simulation, which says where its arrays are.
+        arrival_window: number of iterations whose new members are recorded, at least those that the
+            observation needs.
 
     Attributes:
         settings: options of the environment.
@@ -64,6 +73,7 @@ class SwarmBatch:
         num_swarms: int,
         num_threads: int | None = None,
         simulation_class: type[Simulation] = Simulation,
+        arrival_window: int = 0,
     ):
         optimizer_class = get_optimizer(optimizer)
         self._optimizer = optimizer
@@ -72,9 +82,8 @@ class SwarmBatch:
         self._observation = make_observation(self.settings.observation)
         self._reward = make_reward(self.settings.reward)
         self._reward_check = None if self.settings.reward in REWARDS else RewardCheck(self.settings.reward)
-        self.simulation = simulation_class(
-            optimizer_class, self.settings, num_swarms, num_threads, self._observation.arrival_window
-        )
+        recorded = max(arrival_window, self._observation.arrival_window)
+        self.simulation = simulation_class(optimizer_class, self.settings, num_swarms, num_threads, recorded)
         if self.settings.reward in NEED_AN_OPTIMUM:
             self.simulation.worlds.require_optima(f"reward {self.settings.reward!r}")
         if self.settings.reward in NEED_BITS + NEED_AN_OPTIMUM:
@@ -129,7 +138,7 @@ class SwarmBatch:
         if refused.any():  # one question for both reasons, since the answer waits for a GPU
             self._refuse_idle(chosen)
             self._action.refuse(numbers, refused)
-        decisions = self._action.decide(numbers, chosen, simulation)
+        decisions = self._decide(numbers, chosen)
         evaluations = copy_of(xp, simulation.swarms.evaluations)
         gap_before = simulation.gaps.now()
         gap_after = simulation.step(chosen, decisions)
@@ -156,6 +165,10 @@ class SwarmBatch:
         paid = xp.where(chosen, reward, 0.0)
         self._reward_check.check_numbers(paid, simulation.iteration, xp)
         return paid, ended
+
+    def _decide(self, numbers: Floats, chosen: Flags) -> Decisions:
+        """Return the decisions that numbers of actions, (B, k), ask for in the chosen swarms, (B,)."""
+        return self._action.decide(numbers, chosen, self.simulation)
 
     def _require_kind_of_reward(self) -> None:
         """Raise an error if the reward counts what the scenarios do not have.
@@ -191,6 +204,14 @@ class SwarmBatch:
         xp, device = simulation.xp, simulation.device
         found = self._observation.observe(simulation)
         return xp.minimum(xp.maximum(found, self._low.on(xp, device)), self._high.on(xp, device))
+
+    def observe_last(self) -> NDArray:
+        """Return the observations (B, k) of episodes that have just ended, before new ones begin."""
+        return self.observe()
+
+    def copy_rows(self, rows: NDArray[np.int64]) -> None:
+        """Make swarm i, for every i, a copy of swarm rows[i]."""
+        self.simulation.copy_rows(rows)
 
     def numbers(self) -> dict[str, NDArray]:
         """Return the infos on all swarms that are plain numbers of the state: new arrays (B,).

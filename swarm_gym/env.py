@@ -6,8 +6,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
+from swarm_gym.batch import SOMETIMES, is_there
 from swarm_gym.checks import refuse_negative_seed, require_integer
+from swarm_gym.controllers import Controller
+from swarm_gym.corrected_batch import CorrectedBatch, make_batch
 from swarm_gym.errors import UnknownNameError
 from swarm_gym.rendering import DESIGN, HEIGHTS, WIDTHS, Renderer, Scene
 from swarm_gym.settings import Settings
@@ -61,7 +63,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
     | layout `extended`: each parameter of the optimizer that may change at every iteration | low | high |
     | layout `sourced`: those, then smooth share, amplitude and immigrants (see `swarm_gym.action`) | 0 | 1 |
 
-    Other layouts have numbers in [-1, 1], float32, for networks; see `swarm_gym.action`.
+    Other layouts have numbers in [-1, 1], float32, for networks; see `swarm_gym.action`. With the option
+    `base`, they are corrections of a controller's decisions, and zeros are that controller, bit for bit.
 
     **Observation**, layout `paper`: float64, shape (4,), the numbers that the schedule of the SPSFA paper
     uses; E(P) is its eq. 7.
@@ -114,6 +117,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
 
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
+        base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct, see
+            `swarm_gym.corrected_batch`; None for actions that are decisions.
         render_mode: None, "human" (a window, whose title explains its keys) or "rgb_array".
         render_width: width of rendered frames in pixels, within `swarm_gym.rendering.WIDTHS`.
         render_height: height of rendered frames in pixels, within `swarm_gym.rendering.HEIGHTS`.
@@ -131,6 +136,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         self,
         optimizer: str = "firefly",
         *,
+        base: str | Controller | None = None,
         render_mode: str | None = None,
         render_width: int = DESIGN[0],
         render_height: int = DESIGN[1],
@@ -142,7 +148,7 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         require_integer("render_height", render_height, *HEIGHTS)
         self.render_mode = render_mode
         self.render_width, self.render_height = int(render_width), int(render_height)
-        self._batch = SwarmBatch(optimizer, options, num_swarms=1)
+        self._batch = make_batch(base, optimizer, options, num_swarms=1)
         self._renderer: Renderer | None = None
         self.action_space = self._batch.action_space
         self.observation_space = self._batch.observation_space
@@ -178,6 +184,8 @@ class SwarmEnv(gymnasium.Env[NDArray, NDArray]):
         self._batch.simulation.read_options(options)  # raises errors before a random number is drawn
         refuse_negative_seed(seed)
         super().reset(seed=seed)
+        if isinstance(self._batch, CorrectedBatch):
+            self._batch.reset_base(seed)
         self._batch.reset(ALL, [self.np_random], options)
         self._show()
         return self._batch.observe()[0], self._info()

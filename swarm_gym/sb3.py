@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
 from swarm_gym.checks import require_integer
+from swarm_gym.controllers import Controller
 from swarm_gym.errors import MissingExtraError, SettingError, shown
 from swarm_gym.learner_options import learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
@@ -44,6 +45,7 @@ def make_vec(
     optimizer: str = "firefly",
     num_envs: int = 64,
     *,
+    base: str | Controller | None = None,
     seed: int | None = None,
     num_threads: int | None = None,
     choices: Sequence[int] | None = None,
@@ -54,6 +56,8 @@ def make_vec(
     Args:
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
         num_envs: number of swarms.
+        base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct;
+            None for actions that are decisions. A policy whose output is zero then is the base.
         seed: seed of the first swarm's first episode, from which those of the others count up.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
         choices: number of evenly spaced values of each decision, for learners that choose, such as DQN: the
@@ -68,12 +72,16 @@ def make_vec(
     """
     of_swarms = {name: value for name, value in options.items() if name not in OF_VECTORS}
     chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
+    if base is not None and "action" not in options:
+        del chosen["action"]  # the base's decisions are its default
     warn_of_unscaled(chosen)
     mode = AutoresetMode.SAME_STEP
-    env = SwarmVectorEnv(num_envs, optimizer, autoreset_mode=mode, num_threads=num_threads, **chosen)
+    env = SwarmVectorEnv(
+        num_envs, optimizer, base=base, autoreset_mode=mode, num_threads=num_threads, **chosen
+    )
     made = NativeVecEnv(env)
     made.seed(seed)
-    _sign(made.action_space, optimizer, env.settings)
+    _sign(made.action_space, optimizer, env.settings, base)
     return made if choices is None else ChoiceVecEnv(made, _combinations(choices, made.action_space))
 
 
@@ -92,11 +100,13 @@ def _combinations(numbers: Sequence[int], space: Any) -> NDArray[np.float32]:
     return make_choices(*(tuple(np.linspace(-1.0, 1.0, number).tolist()) for number in numbers))
 
 
-def _sign(space: Any, optimizer: str, settings: Settings) -> None:
+def _sign(space: Any, optimizer: str, settings: Settings, base: str | Controller | None) -> None:
     """Write into an action space what it stands for; models of the library store it in their zip as text."""
     sizes = "initial_population_size", "min_population_size", "max_population_size", "max_evaluations"
-    layouts = {"observation": settings.observation, "action": settings.action}
-    setattr(space, SIGNATURE, {"optimizer": optimizer, **layouts, **{n: getattr(settings, n) for n in sizes}})
+    names = {"optimizer": optimizer, "observation": settings.observation, "action": settings.action}
+    corrected = "none" if base is None else base if isinstance(base, str) else shown(base)
+    numbers = {name: getattr(settings, name) for name in sizes}
+    setattr(space, SIGNATURE, {**names, "base": corrected, **numbers})
 
 
 class NativeVecEnv(VecEnv):

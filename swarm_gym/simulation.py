@@ -116,6 +116,11 @@ class Simulation:
         self.columns = columns_of(optimizer, settings)
         self.history = self.place(np.zeros((num_swarms, settings.iterations + 1, len(self.columns))))
 
+    @property
+    def may_end_early(self) -> bool:
+        """True if an episode can end before its last iteration: by a budget, an arrival or an optimum."""
+        return self.settings.max_evaluations is not None or self._may_arrive or self.robots is not None
+
     def full(self, value: float) -> Floats:
         """Return (B,) this value for each swarm."""
         return self.xp.full(self.num_swarms, value, dtype=self.xp.float64, device=self.device)

@@ -21,18 +21,31 @@ from swarm_gym.observation import ITERATION, make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reference.shortest import shortest_path
 from swarm_gym.registration import environment_id
+from swarm_gym.rollout import run_episodes
 from swarm_gym.scenarios import DynamicScenario, FunctionScenario, make_scenario
 from swarm_gym.vector_env import SwarmVectorEnv
 
 NUM_SWARMS, ITERATIONS, SEED, BUDGET = 5, 12, 7, 70
+
+# A controller gets a hint if its mean best fitness is above that of a constant population by this factor.
+_CONSTANT, _WORSE = "fixed:60", 1.1
+# Mean phi of the first iterations that counts as early repair, and the median of sizes that counts as few.
+_EARLY, _EARLY_DEGREE, _FEW = 20, 0.05, 5
 
 
 class ContractError(SwarmGymError, AssertionError):
     """A contract that is not kept; the message names it, what was found and what was expected."""
 
 
+class ControllerHint(UserWarning):
+    """A controller that keeps its contract, but ends worse than a constant population; the text says why."""
+
+
 def check_controller(name: str, scenario: str = "case3") -> None:
     """Check that a controller decides in its layouts, alike for any number of swarms, and through episodes.
+
+    A controller that ends worse than 60 constant members on five seeds gets a `ControllerHint`, a warning
+    with both results and the likely reasons.
 
     Raises:
         OwnCodeError: if the name cannot be imported, or is no controller that decides.
@@ -52,6 +65,7 @@ def check_controller(name: str, scenario: str = "case3") -> None:
     for _ in range(ITERATIONS):
         # The environment refuses an action outside of its space, and names the swarm.
         observations, _, _, _, _ = envs.step(controller.act(observations))
+    _hint(name, make_controller(name), scenario, optimizer)
 
 
 def check_optimizer(name: str, scenario: str = "case3") -> None:
@@ -104,6 +118,36 @@ def check_scenario(name: str, optimizer: str = "firefly") -> None:
     _require(
         bool(np.isfinite(info["best_fitness"])),
         f"scenario {name}: the best fitness of an episode is {info['best_fitness']}",
+    )
+
+
+def _hint(name: str, controller: Controller, scenario: str, optimizer: str) -> None:
+    """Warn if a controller ends worse than a constant population, and say what may be the reason."""
+    seeds = range(SEED, SEED + NUM_SWARMS)
+    own, constant = (
+        run_episodes(one, scenario, seeds, optimizer) for one in (controller, make_controller(_CONSTANT))
+    )
+    mine, theirs = (float(episodes.final_fitness.mean()) for episodes in (own, constant))
+    if mine <= _WORSE * theirs:
+        return
+    reasons = []
+    if (degree := float(np.nanmean(own.repair_degrees[:, :_EARLY]))) > _EARLY_DEGREE:
+        reasons.append(
+            f"it repairs early: phi is {degree:.2f} on average in the first {_EARLY} iterations, and "
+            "repaired members leave too little variety to search with; keep phi at 0 until the population "
+            "has settled"
+        )
+    if (size := float(np.nanmedian(own.sizes))) <= _FEW:
+        reasons.append(
+            f"it keeps {size:g} members in most iterations, too few to search with; decide sizes between 20 "
+            "and 100"
+        )
+    reason = f" ({'; '.join(reasons)})" if reasons else ""
+    warnings.warn(
+        f"controller {name}: on scenario {scenario!r} and {NUM_SWARMS} seeds this controller ends at a mean "
+        f"best fitness of {mine:.0f}; 60 constant members end at {theirs:.0f}{reason}",
+        ControllerHint,
+        stacklevel=3,
     )
 
 

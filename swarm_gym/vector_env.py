@@ -1,7 +1,7 @@
 """The environment of many swarms, for `gymnasium.make_vec`; all advance in one compiled call."""
 
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -10,8 +10,10 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from swarm_gym.arrays import AnyArray, as_numpy, copy_of
-from swarm_gym.batch import SOMETIMES, SwarmBatch, is_there
+from swarm_gym.batch import SOMETIMES, is_there
 from swarm_gym.checks import refuse_negative_seed
+from swarm_gym.controllers import Controller
+from swarm_gym.corrected_batch import CorrectedBatch, make_batch
 from swarm_gym.errors import SettingError, UnknownNameError, shown
 from swarm_gym.object_arrays import ObjectArray, let_wrappers_keep_objects
 from swarm_gym.settings import Settings
@@ -47,6 +49,8 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     Args:
         num_envs: number of swarms B.
         optimizer: a name in `swarm_gym.optimizers.OPTIMIZERS`.
+        base: controller, or name of one such as "open-loop:three-cases", whose decisions actions correct, see
+            `swarm_gym.corrected_batch`; None for actions that are decisions. Not on a GPU.
         autoreset_mode: an `AutoresetMode` or its value; it decides when a swarm begins the next episode after
             its episode ended.
         num_threads: number of threads that the swarms are spread over; None takes all that Numba has.
@@ -69,6 +73,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         num_envs: int = 1,
         optimizer: str = "firefly",
         *,
+        base: str | Controller | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
         device: str = "cpu",
@@ -91,7 +96,15 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         except ValueError as error:
             modes = [mode.value for mode in AutoresetMode]
             raise UnknownNameError("autoreset mode", autoreset_mode, modes) from error
-        self._batch = SwarmBatch(optimizer, options, num_envs, num_threads, _simulation_on(device, precision))
+        simulation_class = _simulation_on(device, precision)
+        self._made_from = {
+            **options,
+            "optimizer": optimizer,
+            "num_threads": num_threads,
+            "device": device,
+            "precision": precision,
+        }
+        self._batch = make_batch(base, optimizer, options, num_envs, num_threads, simulation_class)
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._autoreset_mode}
         self._generators = [seeding.np_random(None)[0] for _ in range(num_envs)]
@@ -110,6 +123,16 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
     def simulation(self) -> Simulation:
         """The `Simulation` in this environment: populations, histories and problems."""
         return self._batch.simulation
+
+    @property
+    def is_corrected(self) -> bool:
+        """True if actions are corrections of a base, so that zeros let it decide."""
+        return isinstance(self._batch, CorrectedBatch)
+
+    def twin(self, **changes: object) -> "SwarmVectorEnv":
+        """Return another vector of as many swarms, without a base, whose options differ by these changes."""
+        options: dict[str, Any] = {**self._made_from, **changes}
+        return SwarmVectorEnv(self.num_envs, autoreset_mode=self._autoreset_mode, **options)
 
     def reset(
         self,
@@ -138,7 +161,7 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         chosen = self._read_mask(mask)
         let_wrappers_keep_objects()
         self.begin(chosen, seed, options)
-        return self._batch.observe(), self._infos(chosen)
+        return self._batch.observe(), self.infos(chosen)
 
     def begin(
         self, chosen: Flags, seed: int | list[int | None] | None, options: Mapping[str, object] | None
@@ -146,11 +169,14 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         """Do what `reset` does in the swarms of the (B,) flags, without observations and infos."""
         self._batch.simulation.read_options(options)
         # All seeds are checked before one is used.
+        seeds = self._read_seeds(seed)
         generators = [
             _make_generator(one) if one is not None and chosen[row] else self._generators[row]
-            for row, one in enumerate(self._read_seeds(seed))
+            for row, one in enumerate(seeds)
         ]
         self._generators = generators
+        if isinstance(self._batch, CorrectedBatch) and chosen.all():
+            self._batch.reset_base(seeds[0])
         self._batch.reset(chosen, self._generators, options)
         self._ended &= self.simulation.place(~chosen)
 
@@ -179,16 +205,16 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         infos: Infos = {}
         if self._autoreset_mode == AutoresetMode.SAME_STEP and terminated.any():
             restarting = terminated
-            infos = self._final_infos(terminated)
+            infos = self.final_infos(terminated)
         if restarting.any():
             self._batch.reset(as_numpy(restarting), self._generators, None)
         self._ended = ~self.simulation.running
-        infos = {**self._infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
+        infos = {**self.infos(np.ones(self.num_envs, dtype=np.bool_)), **infos}
         return self._batch.observe(), rewards, terminated, nobody, infos
 
-    def _final_infos(self, terminated: Flags) -> Infos:
+    def final_infos(self, terminated: Flags) -> Infos:
         """Return the infos and observations of these swarms, (B,), before they begin their next episodes."""
-        final, rows = self._batch.observe(), as_numpy(terminated).copy()
+        final, rows = self._batch.observe_last(), as_numpy(terminated).copy()
         if isinstance(final, np.ndarray):
             by_swarm = np.full(self.num_envs, None, dtype=object).view(ObjectArray)
             for row in np.flatnonzero(rows):
@@ -237,11 +263,11 @@ class SwarmVectorEnv(VectorEnv[NDArray, NDArray, NDArray]):
         Returns:
             Observations, shape (B, k).
         """
-        self.simulation.copy_rows(rows)
+        self._batch.copy_rows(rows)
         self._ended = self._ended[self.simulation.place(as_numpy(rows))]
         return self._batch.observe()
 
-    def _infos(self, rows: Flags) -> Infos:
+    def infos(self, rows: Flags) -> Infos:
         """Return the infos of these swarms, on a GPU only those that are numbers of its memory."""
         if self.simulation.xp is np:
             return self._whole_infos(rows)

@@ -1,8 +1,4 @@
-"""Episodes in groups, for stable-baselines3: swarms of a group share seed, scenario, price and first state.
-
-Sources: Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024), where advantages are relative to a group;
-A. Kazemnejad et al., "VinePPO", arXiv 2410.01679 (2024), where groups begin inside of episodes.
-"""
+"""Episodes in groups, for stable-baselines3; `swarm_gym.wrappers.groups` describes the groups."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,9 +8,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from swarm_gym.controllers.learned.residual import Base, carried_out
-from swarm_gym.runs.seeds import TRAINING_START, TRAINING_STOP
-from swarm_gym.training.beginnings import begin_together
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
+from swarm_gym.wrappers.groups import Groups
 
 
 class GroupedVecEnv(SB3VecEnv):
@@ -27,13 +22,10 @@ class GroupedVecEnv(SB3VecEnv):
         env: environment without autoreset.
         base: controller to whose decisions the actions are added, if any.
         group_size: number of swarms in a group, neighbours.
-        firsts: iterations, counted from 0, at which the swarms of a group begin to differ; one of them is
-            drawn for all episodes that begin together.
+        firsts: iterations at which the swarms of a group begin to differ, see `wrappers.groups.Groups`.
         decide: function from the policy's observations to its actions in the common iterations; None lets
             the base decide alone.
-        at_events: whether, in half of the rollouts, the swarms of a group go on from the state of their first
-            one after every event on the map. The luck of that state is then common to the group; each swarm
-            keeps the rewards of what it did before.
+        at_events: whether groups join their first swarm after events, see `wrappers.groups.Groups`.
 
     Attributes:
         first: the iteration at which the episodes under way began to differ.
@@ -52,20 +44,15 @@ class GroupedVecEnv(SB3VecEnv):
         at_events: bool = False,
     ):
         super().__init__(env, base)
-        self._episodes = np.arange(env.num_envs) // group_size
-        self._leaders = self._episodes * group_size  # the first swarm of each swarm's group
-        self._firsts = firsts
+        self._groups = Groups(env, base, group_size, firsts, at_events)
         self._decide = decide
-        self._at_events = at_events
-        self._joining = False  # whether swarms go on together after events in this rollout
-        self._generator = np.random.default_rng()
         self.num_common_steps = 0
         self.first = firsts[0]
 
     def reset(self) -> NDArray:
         """Begin new episodes of all groups; after `seed`, the same ones again."""
-        if self._seeds[0] is not None:
-            self._generator = np.random.default_rng(self._seeds[0])
+        if (seed := self._seeds[0]) is not None:
+            self._groups.seed(seed)
             self._reset_seeds()
         return self._begin()
 
@@ -76,8 +63,7 @@ class GroupedVecEnv(SB3VecEnv):
         self._returns += rewards
         self._lengths += 1
         if self._lengths[0] < inner.settings.iterations:
-            if self._joining:
-                observations = self._join(observations)
+            observations = self._groups.join(observations)
             not_yet = np.zeros_like(dones)
             return self._see(observations), rewards, not_yet, [{} for _ in range(self.num_envs)]
         swarms = inner.simulation.swarms
@@ -88,29 +74,12 @@ class GroupedVecEnv(SB3VecEnv):
         return self._begin(), rewards, dones, by_env
 
     def _begin(self) -> NDArray:
-        self.first = self._firsts[self._generator.integers(len(self._firsts))]
-        if self._at_events:
-            self._joining = bool(self._generator.integers(2))
-        groups = int(self._episodes[-1]) + 1
-        seed = int(self._generator.integers(TRAINING_START, TRAINING_STOP - groups))
-        begun = begin_together(
-            self.env, self.base, self._episodes, seed, self.first, self._decide and self._act
-        )
+        begun = self._groups.begin(self._decide and self._act)
+        self.first = self._groups.first
         self.num_common_steps += begun.num_steps
         self._returns[:] = begun.returns
         self._lengths[:] = self.first
         return self._see(begun.observations)
-
-    def _join(self, observations: NDArray) -> NDArray:
-        """Return the observations after groups whose map has just changed have joined their first swarm."""
-        inner: Any = self.env.unwrapped
-        simulation = inner.simulation
-        begins = simulation.worlds.begins[simulation.swarms.problem]
-        changed = (begins > 0) & (begins == simulation.iteration)
-        if not changed.any():
-            return observations
-        own = np.arange(self.num_envs)
-        return inner.copy_swarms(np.where(changed, self._leaders, own))
 
     def _act(self, observations: NDArray) -> NDArray:
         """Return the actions of a policy without noise."""

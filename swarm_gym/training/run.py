@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+import time
 from collections.abc import Callable, Mapping
 from itertools import product
 from pathlib import Path
@@ -9,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from tqdm import tqdm
 
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.learned.policy_file import load_policy, save_policy
@@ -27,10 +27,14 @@ from swarm_gym.training.learners import make_learner
 from swarm_gym.training.learners.environments import first_population, make_base, reference_controller
 from swarm_gym.training.paired_reward import PAIRED
 from swarm_gym.training.pictures import make_replay_strip
+from swarm_gym.training.progress import Progress
 
 # Options that do not change the results of a run; in addition, a resumed run may be longer.
 _LOCATION = ("runs", "name", "resume", "threads")
 _NOT_COMPARED = (*_LOCATION, "total_steps")
+
+# Seconds after which a rollout ends with a checkpoint, where the chunk can be stopped there.
+BETWEEN_CHECKPOINTS = 5.0
 
 PACKAGES = ("cmaes", "gymnasium", "numba", "numpy", "sb3-contrib", "stable-baselines3", "torch")
 
@@ -45,6 +49,7 @@ class TrainingRun:
         self.best = self.folder / "best.safetensors"
         self.chunk = 0
         self.best_return = -np.inf
+        self._saved = -np.inf  # when the last checkpoint was stored, in seconds
         # Read once, since the imported code is what runs, whatever changes on the disk.
         self.provenance = provenance(*PACKAGES)
         self.learner = make_learner(config)
@@ -82,23 +87,24 @@ class TrainingRun:
         return f"{found}, did not improve on what it began with"
 
     def _run(self) -> Path:
-        config = self.config
-        if not self._goes_on:
-            self.learner.begin()
-        self._baseline = self._run_reference()
-        if not self._goes_on:
-            self._validate()
-            self._save_checkpoint()
-        with tqdm(
-            total=config.total_steps, initial=self.learner.num_steps, unit="step", desc=config.name
-        ) as bar:
-            while self.learner.num_steps < config.total_steps:
-                before = self.learner.num_steps
-                self._train_chunk()
-                mean_return = self._validate()
+        config, learner = self.config, self.learner
+        learner.after_rollout = self._save_sometimes
+        with Progress(config.name, config.total_steps, lambda: learner.num_steps) as progress:
+            if not self._goes_on:
+                with progress.during("preparation"):
+                    learner.begin()
                 self._save_checkpoint()
-                bar.set_postfix({"validation": f"{mean_return:.3f}", "best": f"{self.best_return:.3f}"})
-                bar.update(self.learner.num_steps - before)
+            with progress.during("validation"):
+                self._baseline = self._run_reference()
+                if self.best_return == -np.inf:
+                    self._validate()
+                    self._save_checkpoint()
+            while learner.num_steps < config.total_steps or learner.in_chunk:
+                self._train_chunk()
+                with progress.during("validation"):
+                    mean_return = self._validate()
+                self._save_checkpoint()
+                progress.show(validation=mean_return, best=self.best_return)
         self._write_hyperparameters()
         self.events.close()
         return self.best
@@ -199,6 +205,11 @@ class TrainingRun:
         }
         save_policy(path, self.learner.weights(), manifest)
 
+    def _save_sometimes(self) -> None:
+        """Store the state of the run within a chunk, if the last checkpoint is some seconds old."""
+        if time.monotonic() - self._saved > BETWEEN_CHECKPOINTS:
+            self._save_checkpoint()
+
     def _save_checkpoint(self) -> None:
         """Store the state of the run; events are flushed first, as a resumed run does not repeat them."""
         state = {
@@ -210,6 +221,7 @@ class TrainingRun:
         content = io.BytesIO()
         torch.save(state, content)
         self.checkpoints.save(content.getvalue())
+        self._saved = time.monotonic()
 
     def _load_checkpoint(self) -> bool:
         """Load the last checkpoint and return whether there is one; later results are computed again."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarm_gym.controllers.learned.residual import Base, Proposal
 from swarm_gym.sb3 import NativeVecEnv
-from swarm_gym.training.paired_reward import Reference
+from swarm_gym.wrappers.paired_reward import Reference
 
 
 class SB3VecEnv(NativeVecEnv):
@@ -36,12 +36,15 @@ class SB3VecEnv(NativeVecEnv):
         self._proposal: Proposal | None = None
 
     def reset(self) -> NDArray:
-        """Begin new episodes of all swarms, with the seed given to `seed`, if any."""
+        """Begin new episodes of all swarms, with the seed given to `seed`, or else the next ones of all."""
         if self.reference is not None:
             seed = self._seeds[0]
-            if seed is None:
+            if seed is not None:
+                self.reference.reset(seed)
+            elif self.reference.has_begun:
+                self.reference.begin_next()
+            else:
                 raise ValueError("a reference needs a seed to begin the same episodes: call seed() first")
-            self.reference.reset(seed)
         observations = super().reset()
         if self.base is not None:
             self.base.controller.reset(self.num_envs)

@@ -14,6 +14,7 @@ from gymnasium.spaces import Box
 from agents.import_sb3 import main
 from swarm_gym.controllers.learned.policy_file import load_policy
 from swarm_gym.controllers.registry import load_learned
+from swarm_gym.rollout import run_episodes
 from swarm_gym.sb3 import make_vec
 
 torch = pytest.importorskip("torch")
@@ -100,6 +101,20 @@ def test_layouts_and_sizes_are_those_of_the_environment(tmp_path):
     assert {**expected, **sizes, "max_evaluations": 900}.items() <= manifest.items()
     main([str(path), str(tmp_path / "b.safetensors"), "--initial-population-size", "7"])
     assert load_policy(tmp_path / "b.safetensors")[1]["initial_population_size"] == 7
+
+
+def test_a_model_that_corrects_a_controller_is_imported_with_it(tmp_path):
+    swarms = make_vec(num_envs=3, base="open-loop:three-cases", iterations=6, scenario="case3")
+    model, path = saved(tmp_path, swarms)
+    main([str(path), str(tmp_path / "a.safetensors")])
+    assert load_policy(tmp_path / "a.safetensors")[1]["base"] == "open-loop:three-cases"
+    swarms.seed(0)
+    seen = swarms.reset()
+    for _ in range(6):
+        seen, _, _, infos = swarms.step(model.predict(seen, deterministic=True)[0])
+    runs = run_episodes(load_learned(tmp_path / "a.safetensors"), "case3", range(3), iterations=6)
+    np.testing.assert_allclose(runs.final_fitness, [info["best_fitness"] for info in infos], rtol=1e-9)
+    np.testing.assert_array_equal(runs.evaluations, [info["evaluations"] for info in infos])
 
 
 @pytest.mark.parametrize(

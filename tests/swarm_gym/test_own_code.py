@@ -3,8 +3,10 @@
 import importlib
 import importlib.metadata
 import json
+import re
 import sys
 import types
+import warnings
 
 import gymnasium
 import numba
@@ -30,7 +32,7 @@ from swarm_gym.own_code import OwnCodeError
 from swarm_gym.registration import environment_id
 from swarm_gym.reward import make_reward
 from swarm_gym.scenarios import make_scenario
-from swarm_gym.testing import ContractError, check_controller, check_optimizer, check_scenario
+from swarm_gym.testing import ContractError, ControllerHint, check_controller, check_optimizer, check_scenario
 from swarm_gym.training.config import stored_config
 from swarm_gym.training.presets import load_preset
 from swarm_gym.vector_env import SwarmVectorEnv
@@ -76,6 +78,15 @@ class UnknownLayout(Base):
 class LooksAtOthers(Base):
     def act(self, observations):
         return np.tile([4.0 + len(observations), 0.5], (len(observations), 1))
+
+class RepairsEarly(Base):
+    initial_population_size = 60
+    def act(self, observations):
+        return np.tile([60.0, 0.5], (len(observations), 1))
+
+class KeepsTwo(Base):
+    def act(self, observations):
+        return np.tile([2.0, 0.0], (len(observations), 1))
 
 class Forgets(Base):
     count = [0]
@@ -243,7 +254,9 @@ def test_the_check_of_optimizers_passes_for_the_example_and_for_ours():
 )
 def test_the_check_of_controllers_passes_for_ours(name):
     assert ControllerName.parse(name).family in CONTROLLERS
-    check_controller(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ControllerHint)
+        check_controller(name)
 
 
 @pytest.mark.parametrize(
@@ -261,6 +274,25 @@ def test_the_check_of_controllers_passes_for_ours(name):
 def test_checks_name_the_contract_that_is_not_kept(check, name, expected):
     with pytest.raises(ContractError, match=expected):
         check(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "reasons"),
+    [
+        (
+            "broken:RepairsEarly",
+            r"\(it repairs early: phi is 0.50 on average in the first 20 iterations, .*\)$",
+        ),
+        ("broken:KeepsTwo", r"\(it keeps 2 members in most iterations, too few .*\)$"),
+    ],
+)
+def test_a_controller_that_ends_worse_than_a_constant_population_gets_a_hint(name, reasons):
+    with pytest.warns(ControllerHint, match=reasons) as found:
+        check_controller(name)
+    text = str(found[0].message)
+    mine, theirs = map(int, re.search(r"fitness of (\d+); 60 constant members end at (\d+)", text).groups())
+    assert text.startswith(f"controller {name}: on scenario 'case3' and 5 seeds")
+    assert mine > 1.1 * theirs
 
 
 class TestEdits:

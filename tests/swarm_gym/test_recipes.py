@@ -13,7 +13,7 @@ pytest.importorskip("torch", reason="needs the extra `study`")
 
 
 def test_every_script_of_the_page_is_tried():
-    assert sorted(SCRIPTS) == ["ppo.py", "rllib_ppo.py", "tune.py"]
+    assert sorted(SCRIPTS) == ["ppo.py", "residual_ppo.py", "rllib_ppo.py", "tune.py"]
     assert PAGE.count("```python") == len(SCRIPTS)
 
 
@@ -26,6 +26,15 @@ def test_ppo_in_one_file_learns_in_the_native_vector(capsys):
     assert np.isfinite([float(number) for number in re.findall(r"-?\d+\.\d{3}", " ".join(lines))]).all()
     assert len(names["found"]) == names["NUM_ENVS"]
     assert all(weight.grad is not None for weight in names["weights"])
+
+
+def test_ppo_corrects_a_controller_in_groups(capsys):
+    names = {}
+    exec(SCRIPTS["residual_ppo.py"], names)
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0] for line in lines] == ["update 0", "update 1", "update 2"]
+    assert np.isfinite([float(number) for number in re.findall(r"-?\d+\.\d{3}", " ".join(lines))]).all()
+    assert all(layer.abs().max() > 0 for layer in names["actor"][-1].parameters())  # they were zero
 
 
 def test_optuna_tunes_the_numbers_of_the_schedule(capsys):

@@ -10,8 +10,10 @@ from stable_baselines3 import DQN, PPO
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import SubprocVecEnv, VecMonitor, VecNormalize
 
+from swarm_gym.controllers import make_controller
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError, UnknownNameError
+from swarm_gym.rollout import run_swarms, swarms_for
 from swarm_gym.sb3 import NativeVecEnv, make_vec
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -225,3 +227,18 @@ def test_workers_that_start_anew_make_environments_by_an_id_with_its_package(met
     finally:
         made.close()
     np.testing.assert_array_equal(seen, SwarmVectorEnv(2, **OPTIONS).reset(seed=3)[0])
+
+
+def test_a_policy_whose_output_is_zero_is_its_base():
+    made = make_vec("firefly", 2, base="open-loop:three-cases", seed=3, iterations=5)
+    assert made.observation_space.shape == (6,)  # the layout `scaled`, and two proposals
+    assert made.action_space.shape == (2,)
+    made.reset()
+    for _ in range(5):
+        _, _, dones, infos = made.step(np.zeros((2, 2), dtype=np.float32))
+    assert dones.all()
+    alone = make_controller("open-loop:three-cases")
+    swarms = swarms_for(alone, 2, "firefly", iterations=5)
+    earned = run_swarms(alone, swarms, range(3, 5))
+    assert [info["episode"]["r"] for info in infos] == earned.tolist()
+    assert [info["best_fitness"] for info in infos] == swarms.simulation.swarms.best_fitness.tolist()

@@ -37,6 +37,7 @@ class DevicePPOLearner(Learner):
     """
 
     def __init__(self, config: TrainConfig, options: DevicePPO):
+        super().__init__()
         self.config, self.options = config, options
         _refuse(config)
         self._device = usable_device(options.device)

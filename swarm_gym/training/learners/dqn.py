@@ -66,6 +66,7 @@ class DQNLearner(Learner):
     network = "choices"
 
     def __init__(self, config: TrainConfig, options: DQN):
+        super().__init__()
         self.config, self.options = config, options
         _require_usable(config, options)
         torch.set_num_threads(1)  # as for PPO

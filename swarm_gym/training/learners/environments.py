@@ -14,7 +14,8 @@ from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.sources import Source
 from swarm_gym.training.config import EnvOptions, TrainConfig
-from swarm_gym.training.paired_reward import PAIRED, Reference
+from swarm_gym.training.paired_reward import PAIRED
+from swarm_gym.wrappers.paired_reward import Reference
 
 
 def make_swarms(

@@ -21,11 +21,11 @@ from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.controllers.learned.residual import carried_out
 from swarm_gym.runs.checkpoints import load_strategy, strategy_state
 from swarm_gym.training.algorithms import Evolution
-from swarm_gym.training.beginnings import begin_together
 from swarm_gym.training.config import TrainConfig
 from swarm_gym.training.learners.environments import feature_names, make_swarms
 from swarm_gym.training.learners.learner import Learner
 from swarm_gym.training.paired_reward import ENV_REWARD, PAIRED
+from swarm_gym.wrappers.beginnings import begin_together
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +36,9 @@ class EvolutionLearner(Learner):
     """CMA-ES on the weights of an actor; all candidates of a generation have the same episodes."""
 
     def __init__(self, config: TrainConfig, options: Evolution):
+        super().__init__()
         self.config, self.options = config, options
+        self._earned: list[list[float]] = []  # largest and mean return of each generation of the chunk so far
         if config.num_swarms % options.candidates:
             raise ValueError(
                 f"num_swarms must be a multiple of candidates, got {config.num_swarms} and "
@@ -59,18 +61,24 @@ class EvolutionLearner(Learner):
             mean=begin, sigma=options.sigma, seed=config.seed, population_size=options.candidates
         )
 
+    @property
+    def in_chunk(self) -> bool:
+        """True if some generations of the chunk are done."""
+        return bool(self._earned)
+
     def begin(self) -> None:
         """Do nothing: the last layer is zero at first, so that a policy with a base decides as its base."""
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` generations; return means of their returns, and the step size."""
-        best = []
-        for generation in range(self.config.rollouts_per_chunk):
+        for generation in range(len(self._earned), self.config.rollouts_per_chunk):
             candidates = np.stack([self._strategy.ask() for _ in range(self.options.candidates)])
             earned = self._earn(candidates, seed + generation * self.config.num_swarms)
             self._strategy.tell(list(zip(candidates, -earned, strict=True)))
-            best.append([earned.max(), earned.mean()])
-        largest, mean = np.mean(best, axis=0)
+            self._earned.append([float(earned.max()), float(earned.mean())])
+            self.after_rollout()
+        largest, mean = np.mean(self._earned, axis=0)
+        self._earned = []
         return {
             "evolution/best return": float(largest),
             "evolution/mean return": float(mean),
@@ -90,12 +98,13 @@ class EvolutionLearner(Learner):
         arrays = strategy_state(self._strategy)
         # Checkpoints are read without running code, and so have tensors instead of NumPy arrays.
         tensors = {name: torch.as_tensor(array) for name, array in arrays.items()}
-        return {"num_steps": self.num_steps, "strategy": tensors}
+        return {"num_steps": self.num_steps, "strategy": tensors, "earned": list(self._earned)}
 
     def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
         stored: Any = state
         self.num_steps = stored["num_steps"]
+        self._earned = list(stored.get("earned", []))
         arrays = {name: tensor.numpy().copy() for name, tensor in stored["strategy"].items()}
         load_strategy(self._strategy, arrays)
 

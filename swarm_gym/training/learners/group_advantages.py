@@ -1,15 +1,7 @@
 """Advantages relative to a group of swarms that began alike, as a rollout buffer of stable-baselines3.
 
-The luck of a start is common to a group, and the mean of the group takes it out of the advantages. Source:
-Z. Shao et al., "DeepSeekMath", arXiv 2402.03300 (2024). Unlike there, advantages are not divided by the
-group's standard deviation: the mean return is the objective.
-
-Noise that is held for several steps earns one advantage, that of the step in which it was drawn. Otherwise
-the later steps of the same noise would be praised for what it earns to the end, and not blamed for what it
-has cost before; policies learned so ended with too large populations.
+`swarm_gym.wrappers.advantages` says why advantages are relative to a group.
 """
-
-from typing import Any, TypeVar
 
 import numpy as np
 import torch
@@ -17,7 +9,7 @@ from gymnasium import Space
 from numpy.typing import NDArray
 from stable_baselines3.common.buffers import RolloutBuffer
 
-Array = TypeVar("Array", NDArray[np.floating], torch.Tensor)
+from swarm_gym.wrappers.advantages import relative_to_group
 
 SMALLEST_DEVIATION = 1e-8  # of advantages, where all swarms of an optimizer end alike
 
@@ -67,27 +59,11 @@ class GroupBuffer(RolloutBuffer):
             self.values[:] = 0.0
             last_values = torch.zeros_like(last_values)
         super().compute_returns_and_advantage(last_values, dones)
-        self.advantages = beyond_the_group(self.advantages, self.group_size, self.noise_steps)
+        self.advantages = relative_to_group(self.advantages, self.group_size, self.noise_steps)
         if self.num_optimizers > 1:
             parts = self.advantages.reshape(len(self.advantages), self.num_optimizers, -1)
             deviations = parts.std(axis=(0, 2), keepdims=True) + SMALLEST_DEVIATION
             self.advantages = (parts / deviations).reshape(self.advantages.shape)
-
-
-def beyond_the_group(advantages: Array, group_size: int, noise_steps: int) -> Array:
-    """Return advantages of the steps in which the noise was drawn, minus their mean over the group.
-
-    Args:
-        advantages: (steps, B), an array of NumPy or a tensor.
-        group_size: number of swarms in a group, neighbours.
-        noise_steps: number of steps that share their noise; 0 is a whole episode.
-    """
-    held = noise_steps or len(advantages)
-    drawn: Any = advantages[[step // held * held for step in range(len(advantages))]]
-    if group_size == 1:
-        return drawn
-    groups = drawn.reshape(len(drawn), -1, group_size)
-    return (groups - groups.mean(axis=2, keepdims=True)).reshape(drawn.shape)
 
 
 def advantages_and_returns(
@@ -123,4 +99,4 @@ def advantages_and_returns(
         next_advantage = advantages[step] = surprise + discount * gae_lambda * next_advantage
         next_value = values[step]
     returns = advantages + values
-    return beyond_the_group(advantages, group_size, noise_steps), returns
+    return relative_to_group(advantages, group_size, noise_steps), returns

@@ -1,7 +1,7 @@
 """The interface of learning algorithms, which a training run uses."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from swarm_gym.controllers.learned.policy_file import Weights
 from swarm_gym.training.config import TrainConfig
@@ -16,6 +16,9 @@ class Learner(ABC):
         features: names of the policy's observation features.
         num_decisions: number of decisions in an action.
         network: kind of the actor, a name in `swarm_gym.controllers.learned.networks.NETWORKS`.
+        after_rollout: function that `learn` calls where the chunk can be stopped: `state` is then that of the
+            middle of the chunk, and `learn` goes on from it after `load`. Learners whose chunks cannot be
+            stopped never call it.
     """
 
     config: TrainConfig
@@ -24,13 +27,16 @@ class Learner(ABC):
     num_decisions: int
     network: str = "feedforward"
 
+    def __init__(self) -> None:
+        self.after_rollout: Callable[[], None] = _go_on
+
     @abstractmethod
     def begin(self) -> None:
         """Prepare the first chunk, for example by imitation."""
 
     @abstractmethod
     def learn(self, seed: int) -> dict[str, float]:
-        """Train for one chunk; return scalars to plot, by name."""
+        """Train for one chunk, or for the rest of one; return scalars to plot, by name."""
 
     @abstractmethod
     def weights(self) -> Weights:
@@ -38,6 +44,11 @@ class Learner(ABC):
 
         Networks that are not feedforward have further tensors, see `learned.networks`.
         """
+
+    @property
+    def in_chunk(self) -> bool:
+        """True if `learn` goes on within a chunk, after a rollout that it was stopped at."""
+        return False
 
     def shape(self) -> dict[str, int]:
         """Return further entries of the manifest that the shapes of tensors follow from."""
@@ -50,3 +61,7 @@ class Learner(ABC):
     @abstractmethod
     def load(self, state: Mapping[str, object]) -> None:
         """Continue from a state."""
+
+
+def _go_on() -> None:
+    """Do nothing after a rollout."""

@@ -32,6 +32,7 @@ from swarm_gym.training.learners.checks import has_groups
 from swarm_gym.training.learners.environments import feature_names, make_reference, make_swarms, parts_of
 from swarm_gym.training.learners.group_advantages import GroupBuffer
 from swarm_gym.training.learners.learner import Learner
+from swarm_gym.training.learners.stopped_chunk import State, go_on, stopped_state
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 
 
@@ -50,7 +51,9 @@ class PPOLearner(Learner):
     options: PPO | ChoicePPO | RecurrentPPO
 
     def __init__(self, config: TrainConfig, options: PPO | ChoicePPO | RecurrentPPO):
+        super().__init__()
         self.config, self.options = config, options
+        self._stopped: State | None = None  # where the present chunk can go on from
         self._teacher = None
         if options.warm_start != "none":
             self._teacher = make_controller(options.warm_start, config.limits)
@@ -100,6 +103,11 @@ class PPOLearner(Learner):
         """Environment steps so far."""
         return self.model.num_timesteps + self.env.num_common_steps
 
+    @property
+    def in_chunk(self) -> bool:
+        """True if some rollouts of the chunk are done."""
+        return self._stopped is not None
+
     def begin(self) -> None:
         """Imitate the teacher, if any; with a base, at least the critic learns the returns of the base.
 
@@ -120,17 +128,26 @@ class PPOLearner(Learner):
 
     def learn(self, seed: int) -> dict[str, float]:
         """Run `rollouts_per_chunk` rollouts with an update after each; return scalars of the updates."""
-        config = self.config
-        set_random_seed(seed)
-        self.env.seed(seed)
-        # New episodes and averages, so that any chunk can be the first of a resumed run.
-        self.model._last_obs = None
-        self.model.ep_info_buffer = None
-        for _ in range(config.rollouts_per_chunk):
+        config, begin = self.config, 0
+        if self._stopped is None:
+            set_random_seed(seed)
+            self.env.seed(seed)
+            # New episodes and averages, so that any chunk can be the first of a resumed run.
+            self.model._last_obs = None
+            self.model.ep_info_buffer = None
+        else:
+            common_steps, begin = self.env.num_common_steps, self._stopped["rollouts"]
+            go_on(self.model, self._stopped, seed)
+            self.env.num_common_steps = common_steps
+        for rollout in range(begin, config.rollouts_per_chunk):
             self._begin_rollout()
             steps = self.model.n_steps * config.num_swarms
             self.model.learn(steps, reset_num_timesteps=False, log_interval=10**9)
             self._average_weights()
+            if self._stops_between_rollouts:
+                self._stopped = stopped_state(self.model, rollout + 1)
+                self.after_rollout()
+        self._stopped = None
         found = {name: float(value) for name, value in self.model.logger.name_to_value.items()}
         ended: Any = self.model.ep_info_buffer
         if ended:  # none may end in a few steps of long episodes
@@ -160,6 +177,7 @@ class PPOLearner(Learner):
             "num_timesteps": self.model.num_timesteps,
             "num_common_steps": self.env.num_common_steps,
             "updates": self.model._n_updates,
+            **({} if self._stopped is None else {"stopped": self._stopped}),
         }
 
     def load(self, state: Mapping[str, object]) -> None:
@@ -171,6 +189,15 @@ class PPOLearner(Learner):
         self.model.num_timesteps = stored["num_timesteps"]
         self.env.num_common_steps = stored["num_common_steps"]
         self.model._n_updates = stored["updates"]
+        self._stopped = stored.get("stopped")
+
+    @property
+    def _stops_between_rollouts(self) -> bool:
+        """True if each rollout is one whole episode of every swarm, and begins without the policy."""
+        if self.options.rollout_steps or self.options.branches:
+            return False
+        simulations: list[Any] = self.env.get_attr("simulation")
+        return has_groups(self.config) or not any(each.may_end_early for each in simulations)
 
     def _lessons(self, shown: Demonstration) -> Demonstration:
         """Return the sequences of an imitation: single steps."""

@@ -11,9 +11,9 @@ from swarm_gym.env import SwarmEnv
 from swarm_gym.rollout import run_episodes
 from swarm_gym.runs.seeds import VALIDATION
 from swarm_gym.training.learners.environments import make_reference, reference_controller
-from swarm_gym.training.paired_reward import Reference
 from swarm_gym.training.sb3_vec_env import SB3VecEnv
 from swarm_gym.vector_env import SwarmVectorEnv
+from swarm_gym.wrappers.paired_reward import Reference
 
 LIMITS = SizeLimits(2, 12)
 SIZES = {"max_population_size": 12, "iterations": 9}
