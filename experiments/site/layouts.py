@@ -58,8 +58,9 @@ def observations_block(_: object = None) -> str:
     rows = []
     for name, layout in OBSERVATIONS.items():
         on_bits = any(feature.needs_bits for feature in layout.features)
-        kind = (ON_BITS, {}) if on_bits else (OPTIMIZER, {"scenario": SCENARIO})
-        space: Any = SwarmEnv(kind[0], observation=name, **kind[1]).observation_space
+        where: dict[str, Any] = {} if on_bits else {"scenario": SCENARIO}
+        env = SwarmEnv(ON_BITS if on_bits else OPTIMIZER, observation=name, **where)
+        space: Any = env.observation_space
         numbers = list(zip(layout.features, space.low, space.high, strict=True))
         base = base_of(name)
         numbers = numbers[len(OBSERVATIONS[base].features) :] if base else numbers

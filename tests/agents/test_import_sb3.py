@@ -113,7 +113,7 @@ def test_a_model_that_corrects_a_controller_is_imported_with_it(tmp_path):
     for _ in range(6):
         seen, _, _, infos = swarms.step(model.predict(seen, deterministic=True)[0])
     runs = run_episodes(load_learned(tmp_path / "a.safetensors"), "case3", range(3), iterations=6)
-    np.testing.assert_allclose(runs.final_fitness, [info["best_fitness"] for info in infos], rtol=1e-9)
+    np.testing.assert_allclose(runs.final_fitness, [info["best_fitness"] for info in infos], rtol=1e-5)
     np.testing.assert_array_equal(runs.evaluations, [info["evaluations"] for info in infos])
 
 
@@ -155,7 +155,7 @@ def refused(path, message, *options):
     [
         (
             ["--observation", "rich"],
-            "the policy has 9 inputs, but 'rich' has 13 features; .*--observation; extended has 9",
+            "the policy has 9 inputs, .*'rich' has 13 features; .*--observation; extended has 9",
         ),
         (["--observation", "everything"], "unknown observation layout 'everything'"),
         (["--action", "natural"], "action must be one of .*normalised.*'natural'"),
