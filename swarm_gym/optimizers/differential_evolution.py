@@ -3,8 +3,8 @@
 Source: R. Tanabe, A. S. Fukunaga, "Improving the search performance of SHADE using linear population size
 reduction", IEEE CEC 2014; mutation and archive are those of J. Zhang, A. C. Sanderson, "JADE: adaptive
 differential evolution with optional external archive", IEEE Transactions on Evolutionary Computation 13(5),
-2009. The population size is decided from outside: the linear reduction of the paper is the controller `lpsr`,
-and `nlpsr` is a later one. Readings are listed in docs/readings.md.
+2009. The population size is decided from outside: the linear reduction of the paper is the controller
+`linear-reduction`, and `nlpsr` is a later one. Readings are listed in docs/readings.md.
 
 A generation makes one trial of each member. The scale factor F of a trial comes from a Cauchy distribution
 and its crossover rate CR from a normal one, each around an entry of the memory. Factors and rates of the
@@ -38,7 +38,7 @@ FIRST_ENTRY = 0.5  # scale factor and crossover rate that the memory begins with
 TERMINAL = -1.0  # entry of the crossover rate that stands for 0 from then on
 FEWEST_BEST = 2
 
-# Columns of `Swarms.field`: means of the memory and the share of the archive that is filled, written after each
+# Columns of `Swarms.field`: means of the memory and the share of the archive that is filled, as of the last
 # iteration; then the entries of the memory.
 MEAN_FACTOR, MEAN_CROSSOVER, ARCHIVE_USE, FACTORS = range(4)
 CROSSOVERS = FACTORS + LONGEST_MEMORY
