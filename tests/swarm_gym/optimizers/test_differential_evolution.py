@@ -7,11 +7,20 @@ import numpy as np
 import pytest
 from test_optimizers import PLAN, problems, run
 
-from helpers.builders import UNLIMITED, advance, assert_same_as_oracle, begin, make_problem, oracle_twin
+from helpers.builders import (
+    UNLIMITED,
+    advance,
+    assert_same_as_oracle,
+    begin,
+    make_problem,
+    oracle_twin,
+    workspace,
+)
 from helpers.loops import looped
 from swarm_gym.errors import SettingError
 from swarm_gym.optimizers import differential_evolution as de
 from swarm_gym.optimizers import get_optimizer
+from swarm_gym.problem.tables import select
 from swarm_gym.registration import environment_id
 
 NAME = "differential-evolution"
@@ -225,18 +234,20 @@ def test_a_new_episode_forgets_memory_and_archive():
 def test_components_beyond_a_bound_are_put_midway_between_it_and_the_member():
     problem = make_problem("case1", 9)
     low, high = problem.bounds[0][0], problem.bounds[1][0]
-    population = np.full((5, 9), 0.99 * high)
-    population[1:] = np.linspace(low, high, 4)[:, None] * np.linspace(0.9, 1.0, 9)
-    swarms, tables = begin(NAME, [problem], 5, populations=[population])
-    seen = set()
-    for _ in range(30):
-        before = swarms.positions[0, :5, :9].copy()
-        advance(NAME, swarms, tables, 5, 0.0)
-        after = swarms.positions[0, :5, :9]
-        halves = {"low": 0.5 * (before + low), "high": 0.5 * (before + high)}
-        seen |= {name for name, half in halves.items() if (after == half).any()}
-        assert (after > low).all() or (before == low).any()
-    assert "high" in seen or "low" in seen
+    members = np.random.default_rng(0).uniform(0.99 * low, 0.99 * high, (6, 9))
+    swarms, tables = begin(NAME, [problem], 6, populations=[members])
+    swarms.field[0, de.FACTORS :] = 1.0
+    table, work, parents = select(tables, 0), workspace(9), swarms.positions[0, :6].copy()
+    halves = {"low": 0, "high": 0}
+    for k in range(120):
+        i = k % 6
+        de._make_trial(swarms, 0, table, work, parents, de._archive(swarms, 0), np.array([0, 1]), i, 6)
+        trial = work.path[1:10]
+        assert (low < trial).all()
+        assert (trial < high).all()
+        halves["low"] += (trial == 0.5 * (low + members[i])).sum()
+        halves["high"] += (trial == 0.5 * (high + members[i])).sum()
+    assert min(halves.values()) > 20
 
 
 # Through the environments.
