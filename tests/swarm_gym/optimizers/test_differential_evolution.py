@@ -110,21 +110,29 @@ def test_swarms_that_are_too_small_take_no_differences_of_members_that_are_not_t
     run(NAME, make_problem("case1", 9), [(size, 0.0)] * 6, size=size)
 
 
-def test_the_terminal_crossover_rate_stays_as_naive():
+@pytest.mark.parametrize(
+    ("rates", "counts"),
+    [
+        ([None, 0.5, 0.5], (1, 2)),  # an entry that has it keeps it, whatever improves
+        ([-10.0, -10.0, None], (3,)),  # where all rates are 0, a replaced entry gets it
+    ],
+)
+def test_the_terminal_crossover_rate_comes_and_stays_as_naive(rates, counts):
     """On one waypoint all components change whatever the rate is, so that a rate of 0 can improve, too."""
     problem = make_problem("case1", 1)
     swarms, tables = begin(NAME, [problem], size=12)
     twin = oracle_twin(NAME, problem, 12)
-    swarms.field[0, de.CROSSOVERS : de.CROSSOVERS + 2] = de.TERMINAL
-    swarms.field[0, de.CROSSOVERS + 2 : de.CROSSOVERS + 6] = -10.0  # all rates around it are clipped to 0
-    twin.rates[:6] = [None, None, *[-10.0] * 4]
+    stored = [de.TERMINAL if rate is None else rate for rate in rates]
+    swarms.field[0, de.CROSSOVERS : de.CROSSOVERS + 3], twin.rates[:3] = stored, rates
     for _ in range(12):
-        values = advance(NAME, swarms, tables, 12, 0.0)
+        values = advance(NAME, swarms, tables, 12, 0.0, {"memory_length": 3.0})
         twin.step(12, 0.0, values)
         assert_same_memory(swarms, twin)
-    assert (swarms.field[0, de.CROSSOVERS : de.CROSSOVERS + 2] == de.TERMINAL).all()
-    assert (swarms.field[0, de.CROSSOVERS + 2 : de.CROSSOVERS + 6] == de.TERMINAL).any()
-    assert 0.0 <= swarms.field[0, de.MEAN_CROSSOVER] < 0.5
+    _, crossovers = memory_of(swarms, 3)
+    assert crossovers[rates.index(None)] == de.TERMINAL
+    assert (crossovers == de.TERMINAL).sum() in counts
+    assert swarms.field[0, de.MEAN_CROSSOVER] == pytest.approx(np.maximum(crossovers, 0.0).mean())
+    assert (memory_of(swarms, 3)[0] != 0.5).all()
 
 
 # By hand.
