@@ -5,9 +5,10 @@ from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, ControllerName
 from swarm_gym.controllers.parameters import parse_parameters
 from swarm_gym.sources import SMOOTH, UNIFORM, Source
 
-# From the MOA paper, the IAFSA paper and the paper of Brand and Yu; R stands for reconstruction.
+# From the MOA paper, the IAFSA paper, the paper of Brand and Yu and that of L-SHADE; R is reconstruction.
 OPTIMIZER_LABELS = {
     "ant-colony": "ants",
+    "differential-evolution": "L-SHADE",
     "elite-genetic": "EGA",
     "firefly": "FA",
     "fish-swarm": "AFSA",

@@ -20,7 +20,12 @@ from swarm_gym.controllers.names import ControllerName
 from swarm_gym.controllers.open_loop import load_open_loop
 from swarm_gym.controllers.reacting_loop import load_reacting_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
-from swarm_gym.controllers.size_rules import DiversityLadder, LinearReduction, StatusMonitor
+from swarm_gym.controllers.size_rules import (
+    DiversityLadder,
+    LinearReduction,
+    NonLinearReduction,
+    StatusMonitor,
+)
 from swarm_gym.controllers.trial import require_trial
 from swarm_gym.controllers.tuned import load_tuned
 from swarm_gym.errors import shown
@@ -130,6 +135,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "spsfa": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=False),
     "spsfa-tip": partial(SelfAdaptiveSchedule.from_argument, treats_infeasible_paths=True),
     "linear-reduction": LinearReduction.from_argument,
+    "nlpsr": NonLinearReduction.from_argument,
     "diversity-ladder": DiversityLadder.from_argument,
     "status-monitor": StatusMonitor.from_argument,
     "restart": Restart.from_argument,

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from swarm_gym.compiler.elementary import expm1
+from swarm_gym.compiler.elementary import expm1, power
 from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
@@ -62,9 +62,30 @@ class LinearReduction(SizeRule):
     observation: str = "scaled"
 
     def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
-        # The observation is in single precision: rounding restores the share, so that halves round correctly.
-        share = np.round(observations[:, column(self.observation, SHARE_DONE)], 6)
-        return self.start + (self.smallest - self.start) * share
+        return self.start + (self.smallest - self.start) * _share_done(self.observation, observations)
+
+
+@dataclass
+class NonLinearReduction(SizeRule):
+    """A size that falls from `start` to `smallest`, faster than a linear reduction, and slowly at the end.
+
+    The share of the fall is r^(1 - r), where r is the share of the iterations done.
+
+    Source: V. Stanovov, S. Akhmedova, E. Semenkin, "NL-SHADE-RSP algorithm with adaptive archive and
+    selective pressure for CEC 2021 numerical optimization", IEEE CEC 2021. There r is the share of the
+    evaluations spent.
+    """
+
+    observation: str = "scaled"
+
+    def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
+        share = _share_done(self.observation, observations)
+        return self.start + (self.smallest - self.start) * power(share, 1.0 - share)
+
+
+def _share_done(layout: str, observations: Floats) -> Floats:
+    # The observation is in single precision: rounding restores the share, so that halves round correctly.
+    return np.round(observations[:, column(layout, SHARE_DONE)], 6)
 
 
 @dataclass

@@ -27,6 +27,7 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "hybrid-fish-swarm": ("swarm_gym.optimizers.fish.hybrid", "HybridFishSwarm"),
     "glowworm": ("swarm_gym.optimizers.glowworm.glowworm", "Glowworm"),
     "ant-colony": ("swarm_gym.optimizers.ant_colony.ant_colony", "AntColony"),
+    "differential-evolution": ("swarm_gym.optimizers.differential_evolution", "DifferentialEvolution"),
 }
 # Optimizers of a problem of their own, which have no paths and no repair.
 SPECIAL_OPTIMIZERS: dict[str, tuple[str, str]] = {

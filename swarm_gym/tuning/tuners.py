@@ -12,6 +12,7 @@ from swarm_gym.tuning.evolution import OpenLoopTuner, ReactingLoopTuner
 from swarm_gym.tuning.parameter_spaces import (
     DIVERSITY_LADDER,
     LINEAR_REDUCTION,
+    NON_LINEAR_REDUCTION,
     PERIODIC,
     REACTION,
     RESTART,
@@ -61,6 +62,7 @@ TUNERS: dict[str, ControllerKind] = {
     "constant": ControllerKind(OpenLoopTuner, tuple(set(SPECIAL) - {"knots"}), {"knots": (0,)}),
     "schedule": _parameters(SCHEDULE),
     "linear-reduction": _parameters(LINEAR_REDUCTION),
+    "nlpsr": _parameters(NON_LINEAR_REDUCTION),
     "diversity-ladder": _parameters(DIVERSITY_LADDER),
     "restart": _parameters(RESTART),
     "periodic": _parameters(PERIODIC),

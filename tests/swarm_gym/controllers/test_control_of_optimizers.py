@@ -49,7 +49,8 @@ def test_the_schedule_decides_by_the_collision_that_it_sees(optimizer, kind):
 @both
 @all_optimizers
 def test_a_policy_drives_it_alike_in_every_run(optimizer, kind, tmp_path):
-    path = make_policy(tmp_path / "policy.safetensors", np.random.default_rng(0), optimizer=optimizer)
+    rng, least = np.random.default_rng(0), max(get_optimizer(optimizer).smallest_population, 2)
+    path = make_policy(tmp_path / "policy.safetensors", rng, optimizer=optimizer, min_population_size=least)
     options = {"iterations": 6, **options_for(optimizer, **MAPS[kind])}
     scenario = options.pop("scenario")
     runs = [
@@ -88,7 +89,8 @@ def test_a_controller_of_the_same_decisions_drives_another_optimizer_and_info_sa
 
 
 def test_size_and_phi_fit_every_optimizer(tmp_path):
-    path = make_policy(tmp_path / "policy.safetensors", np.random.default_rng(0), optimizer="firefly")
+    rng, least = np.random.default_rng(0), max(get_optimizer(name).smallest_population for name in OPTIMIZERS)
+    path = make_policy(tmp_path / "policy.safetensors", rng, optimizer="firefly", min_population_size=least)
     policy = make_controller(f"learned:{path}")
     for optimizer in OPTIMIZERS:
         options = options_for(optimizer, **MAPS["analytic"])

@@ -33,6 +33,7 @@ ARGUMENTS = {
     "open-loop": packaged_open_loops(),
     "diversity-ladder": ["", "rung=9,band=0.3,repair_degree=0.2"],
     "linear-reduction": ["", "start=120,smallest=20"],
+    "nlpsr": ["", "start=120,smallest=20"],
     "status-monitor": ["", "patience=1,step=0.5,improvement=0.05"],
     "learned": policies_on_maps(),
     "reacting-loop": ["three-cases", "three-cases-sourced/0@1"],
@@ -204,7 +205,7 @@ def test_controllers_that_decide_differently_have_different_identities():
     names = [
         "fixed:60", "fixed:61", "fixed:60,smooth_share=1", "random", "spsfa", "spsfa-tip",
         "spsfa-tip:decay=0.5",
-        "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2",
+        "linear-reduction", "linear-reduction:start=90", "linear-reduction:repair_degree=0.2", "nlpsr",
         "diversity-ladder", "status-monitor", "restart", "restart:patience=3", "periodic", "reaction",
         "open-loop:three-cases", "reacting-loop:three-cases", "distilled:three-cases",
         "learned:three-cases/0@1", "learned:three-cases/0@2", "learned:three-cases/1@1", "learned:case1/0@1",

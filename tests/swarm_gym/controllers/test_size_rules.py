@@ -12,7 +12,7 @@ from swarm_gym.controllers.size_rules import DIVERSITY
 from swarm_gym.env import SwarmEnv
 from swarm_gym.errors import SettingError
 
-FAMILIES = ["linear-reduction", "diversity-ladder", "status-monitor"]
+FAMILIES = ["linear-reduction", "nlpsr", "diversity-ladder", "status-monitor"]
 ITERATIONS = 40
 
 
@@ -42,6 +42,16 @@ def test_linear_reduction_falls_from_start_to_smallest_with_the_iterations(start
         expected.append((2 * (start * ITERATIONS + (smallest - start) * iteration) + ITERATIONS)
                         // (2 * ITERATIONS))  # fmt: skip
     assert sizes == expected
+
+
+@pytest.mark.parametrize(("start", "smallest"), [(30, 5), (12, 12), (50, 4)])
+def test_non_linear_reduction_falls_as_printed_and_never_behind_the_linear_one(start, smallest):
+    sizes, _, _ = sizes_and_swarms(f"nlpsr:start={start},smallest={smallest}")
+    linear, _, _ = sizes_and_swarms(f"linear-reduction:start={start},smallest={smallest}")
+    shares = [iteration / ITERATIONS for iteration in range(ITERATIONS)]
+    assert sizes == [math.floor((smallest - start) * r ** (1 - r) + start + 0.5) for r in shares]
+    assert all(ours <= theirs for ours, theirs in zip(sizes, linear, strict=True))
+    assert (sizes == linear) == (start == smallest)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -148,6 +158,8 @@ def test_a_small_population_changes_by_one_member_at_least():
         ("linear-reduction:growth=3", "unknown parameter 'growth'.*start integer in"),
         ("linear-reduction:start=201", "start must lie"),
         ("linear-reduction:repair_degree=1.5", "repair_degree must lie"),
+        ("nlpsr:rung=2", "unknown parameter 'rung'.*start integer in"),
+        ("nlpsr:smallest=1", "smallest must lie"),
         ("diversity-ladder:rung=0", "rung must lie"),
         ("diversity-ladder:band=-1", "band must lie"),
         ("status-monitor:patience=0", "patience must lie"),
