@@ -118,4 +118,4 @@ def _parse(name: str) -> tuple[tuple[int, ...], int, bool, range]:
     return functions, dimension, match[5] is not None, seeds
 
 
-FAMILY = Family(USAGE, (f"{NAME}:4-10", f"{NAME}:23-10-biased-seed:7"), expand, make, tidy)
+FAMILY = Family(USAGE, (), expand, make, tidy)
