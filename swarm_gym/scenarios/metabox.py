@@ -1,14 +1,14 @@
 """The BBOB functions as MetaBox has them, by the names `metabox-bbob:<function>-<dimension>`.
 
-MetaBox compares learned optimizers on these functions. Source: the program MetaBox of Z. Ma et al.,
-"MetaBox-v2: a unified benchmark platform for meta-black-box optimization", NeurIPS 2025; `bbob.metabox_instance`
-draws the instances. Its functions are those of BBOB, but for two things: the functions 2, 3 and 4 are of a
-rotated vector, and instances are drawn in another way.
+MetaBox compares learned optimizers on these functions. Source: the program of Z. Ma et al., "MetaBox-v2: a
+unified benchmark platform for meta-black-box optimization", NeurIPS 2025; `bbob.metabox_instance` draws the
+instances. The functions are those of BBOB, but for two things: the functions 2, 3 and 4 are of a rotated
+vector, and instances are drawn in another way.
 
 `metabox-bbob:4-10` is function 4 in ten dimensions, from the seed 3849. `metabox-bbob:4-10-seed:7` is drawn
-from another seed. `metabox-bbob:4-10-biased` has a least value f_opt, as data sets of MetaBox have by default;
-its optimum and its rotations are other ones, too. `metabox-bbob:train` and `metabox-bbob:test` stand for the 8
-functions for training and the 16 for tests of MetaBox's mode `difficult`, in ten dimensions.
+from another seed. `metabox-bbob:4-10-biased` has a least value f_opt, as data sets of MetaBox have by
+default; its optimum and its rotations are other ones, too. `metabox-bbob:train` and `metabox-bbob:test` stand
+for the 8 functions for training and the 16 for tests of MetaBox's mode `difficult`, in ten dimensions.
 """
 
 import re

@@ -172,7 +172,7 @@ class RandomNumbers:
 
     def signs(self, count: int) -> Floats:
         """Return (count,) numbers, -1 or 1 each."""
-        return 2.0 * self._state.randint(0, 2, count, dtype=np.int64) - 1.0
+        return np.where(self._state.randint(0, 2, count, dtype=np.int64) == 1, 1.0, -1.0)
 
     def normal(self, count: int) -> Floats:
         """Return (count,) numbers of the standard normal distribution, by the polar method of Marsaglia."""
