@@ -61,7 +61,7 @@ LEAST_VALUES = range(1, 26)
 
 
 class Drawn(NamedTuple):
-    """What a function draws.
+    """Numbers that a function draws.
 
     Attributes:
         optimum: (D,) x_opt.
