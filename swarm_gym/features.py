@@ -38,6 +38,8 @@ TOLD_APART = (
     "firefly", "generational-firefly", "particle-swarm", "elite-genetic", "multivariate", "fish-swarm",
     "improved-fish-swarm", "hybrid-fish-swarm", "glowworm", "ant-colony",
 )  # fmt: skip
+# Name of a feature, and of what an optimizer counts for it (`Optimizer.counts`).
+RESTARTS_SO_FAR, RESTARTS_COUNTED = "restarts in this episode", "restarts"
 NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
 
 
@@ -53,6 +55,7 @@ class Feature:
         arrival_window: number of iterations whose new members the simulation must have recorded.
         needs_paths: whether members must be whole paths on a map.
         needs_bits: whether members must be bit strings.
+        needs_restarts: whether the optimizer must count restarts.
     """
 
     name: str
@@ -62,6 +65,7 @@ class Feature:
     arrival_window: int = 0
     needs_paths: bool = False
     needs_bits: bool = False
+    needs_restarts: bool = False
 
 
 # Not computed, since the last digit would be that of the C library.
@@ -351,6 +355,15 @@ TOLD = (
 NAMED = (
     *SCALED,
     *(Feature(f"whether the optimizer is {name}", _is_optimizer(name), _one) for name in TOLD_APART),
+)
+RESTARTS = (
+    *PAPER,
+    Feature(
+        RESTARTS_SO_FAR,
+        lambda s: floats(s.xp, s.optimizer.counts(s.swarms)[RESTARTS_COUNTED]),
+        lambda s: float(s.settings.iterations),
+        needs_restarts=True,
+    ),
 )
 THEORY = (
     Feature("length n of the bit string", lambda s: s.lengths(), lambda _: float(SIZES[-1]), needs_bits=True),

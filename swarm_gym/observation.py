@@ -14,6 +14,7 @@ and the iteration:
 | `jumps` | float32 | `scaled`, and what a change of the map does: jumps of E(P) and of the best fitness |
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
 | `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
+| `restarts` | float64 | `paper`, and how often the optimizer has begun anew, such as CMA-ES |
 | `theory` | float64 | on bit strings: length n and number of ones f |
 | `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |
 
@@ -47,6 +48,8 @@ from swarm_gym.features import (
     NAMED,
     PAPER,
     PRICED,
+    RESTARTS,
+    RESTARTS_COUNTED,
     RICH,
     SCALED,
     THEORY,
@@ -89,6 +92,10 @@ class Observation:
     @cached_property
     def _needs_bits(self) -> bool:
         return any(feature.needs_bits for feature in self.features)
+
+    @cached_property
+    def _needs_restarts(self) -> bool:
+        return any(feature.needs_restarts for feature in self.features)
 
     def space(self, simulation: Simulation) -> Box:
         """Return the space of one swarm's observation, shape (number of features,).
@@ -136,6 +143,12 @@ class Observation:
                 f"{simulation.problems[0].scenario.name!r} has none; choose a scenario such as onemax:100, "
                 "or another layout"
             )
+        counts = simulation.optimizer.counts(simulation.swarms)
+        if self._needs_restarts and RESTARTS_COUNTED not in counts:
+            raise SettingError(
+                f"{asked} counts restarts, but optimizer {simulation.optimizer.name!r} never begins anew; "
+                "choose an optimizer that does, or another layout"
+            )
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):
             raise SettingError(
@@ -161,6 +174,7 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("jumps", JUMPS, np.float32),
         Observation("told", TOLD, np.float32),
         Observation("named", NAMED, np.float32),
+        Observation("restarts", RESTARTS, np.float64),
         Observation("theory", THEORY, np.float64),
         Observation("theory-scaled", THEORY_SCALED, np.float32),
     )

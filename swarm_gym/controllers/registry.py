@@ -22,9 +22,11 @@ from swarm_gym.controllers.reacting_loop import load_reacting_loop
 from swarm_gym.controllers.schedules import SelfAdaptiveSchedule
 from swarm_gym.controllers.size_rules import (
     DiversityLadder,
+    IncreasingSize,
     LinearReduction,
     NonLinearReduction,
     StatusMonitor,
+    TwoRegimes,
 )
 from swarm_gym.controllers.trial import require_trial
 from swarm_gym.controllers.tuned import load_tuned
@@ -138,6 +140,8 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "nlpsr": NonLinearReduction.from_argument,
     "diversity-ladder": DiversityLadder.from_argument,
     "status-monitor": StatusMonitor.from_argument,
+    "ipop": IncreasingSize.from_argument,
+    "bipop": TwoRegimes.from_argument,
     "restart": Restart.from_argument,
     "periodic": Periodic.from_argument,
     "reaction": Reaction.from_argument,

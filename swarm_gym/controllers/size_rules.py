@@ -1,7 +1,7 @@
 """Hand-designed rules of the population size from the literature.
 
-They were published for other optimizers and decide the population size alone. Here phi is a constant of each
-rule; with phi = 0, a rule is as it was published. Which members join or leave a population is the
+They were published for certain optimizers and decide the population size alone. Here phi is a constant of
+each rule; with phi = 0, a rule is as it was published. Which members join or leave a population is the
 environment's rule, and the share of the iterations done stands for the share of the evaluations spent.
 """
 
@@ -17,6 +17,8 @@ from swarm_gym.compiler.elementary import expm1, power
 from swarm_gym.controllers.controller import Floats
 from swarm_gym.controllers.parameters import Range
 from swarm_gym.controllers.rule import BEST_FITNESS, SHARE_DONE, Rule, column
+from swarm_gym.features import RESTARTS_SO_FAR
+from swarm_gym.observation import ITERATION
 
 DIVERSITY = "log(1 + diversity) / 8"
 
@@ -38,7 +40,7 @@ class SizeRule(Rule):
 
     def act(self, observations: NDArray) -> Floats:
         """Return (B, 2) next sizes and phi; iteration 0 in an observation begins an episode of that swarm."""
-        begin = observations[:, column(self.observation, SHARE_DONE)] == 0
+        begin = observations[:, ITERATION] == 0
         size = np.floor(self._next_size(observations.astype(np.float64), begin) + 0.5)
         self._size = np.where(begin, self.start, np.clip(size, self.smallest, self.limits.largest))
         return np.stack([self._size, np.full(len(self._size), self.repair_degree)], axis=1)
@@ -164,3 +166,73 @@ class StatusMonitor(SizeRule):
         self._progress[shrink], self._stagnation[grow] = 0, 0
         change = np.maximum(np.floor(self.step * self._size + 0.5), 1.0)
         return self._size + change * (grow.astype(np.float64) - shrink)
+
+
+@dataclass
+class IncreasingSize(SizeRule):
+    """A size that grows by a factor at each restart of the optimizer (IPOP).
+
+    Source: A. Auger, N. Hansen, "A restart CMA evolution strategy with increasing population size", IEEE CEC
+    2005. The rule sees a restart after the first generation of a run, which still has the former size.
+
+    Attributes:
+        start: size of the first run; the default is that of CMA-ES in ten dimensions, 4 + 3 log 10.
+        smallest: smallest size; it has an effect only above `start`.
+        factor: factor of the size; 2 in the paper.
+    """
+
+    observation: str = "restarts"
+    start: int = 10
+    smallest: int = 2
+    factor: float = 2.0
+    ranges: ClassVar[Mapping[str, Range]] = {"factor": Range(1.0, 10.0)}
+
+    def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:  # noqa: ARG002
+        return self.start * power(self.factor, observations[:, column(self.observation, RESTARTS_SO_FAR)])
+
+
+@dataclass
+class TwoRegimes(IncreasingSize):
+    """A size of two regimes; at a restart, the regime begins that has spent fewer evaluations (BIPOP).
+
+    Source: N. Hansen, "Benchmarking a BI-population CMA-ES on the BBOB-2009 function testbed", GECCO 2009
+    workshop. In the first regime, a run has `factor` times as many members as the one before, and `start`
+    times the factor at first. In the second regime, a run has s (l / (2 s))^(u^2) members, rounded down. Here
+    s is `start`, l the size of the last run of the first regime, and u is drawn uniformly from [0, 1]. The
+    first run of all counts for the second regime.
+
+    The paper also draws the first step size of a run of the second regime, and ends such a run when it has
+    spent half as much as the last one of the first regime. Both are left to the optimizer here.
+    """
+
+    def reset(self, num_swarms: int, seed: int = 0) -> None:
+        """Forget runs, and seed one generator for each swarm."""
+        super().reset(num_swarms, seed)
+        self._generators = [np.random.default_rng(seed + row) for row in range(num_swarms)]
+        self._restarts, self._wanted = np.zeros(num_swarms), np.full(num_swarms, float(self.start))
+        # Size of the last run of the first regime; whether a run is of that regime.
+        self._largest, self._grows = self._wanted.copy(), np.zeros(num_swarms, dtype=np.bool_)
+        self._spent = np.zeros((2, num_swarms))  # evaluations of the second regime, and of the first
+
+    def _next_size(self, observations: Floats, begin: NDArray[np.bool_]) -> Floats:
+        restarts = observations[:, column(self.observation, RESTARTS_SO_FAR)]
+        rows = np.arange(len(restarts))
+        self._wanted[begin] = self._largest[begin] = self.start
+        self._grows[begin], self._spent[:, begin] = False, 0.0
+        self._spent[self._grows.astype(int), rows] += np.where(begin, self.start, self._size)
+        for row in np.flatnonzero((restarts > self._restarts) & ~begin):
+            self._begin_run(int(row))
+        self._restarts = restarts.copy()
+        return self._wanted
+
+    def _begin_run(self, row: int) -> None:
+        """Choose the regime of the run of a swarm that has begun, and its size."""
+        self._grows[row] = self._spent[0, row] >= self._spent[1, row]
+        if self._grows[row]:
+            self._wanted[row] = self._largest[row] = min(
+                self.factor * self._largest[row], float(self.limits.largest)
+            )
+        else:
+            drawn = self._generators[row].random()
+            ratio = max(0.5 * self._largest[row] / self.start, 1.0)
+            self._wanted[row] = np.floor(self.start * float(power(ratio, drawn * drawn)))

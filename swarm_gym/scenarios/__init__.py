@@ -2,8 +2,8 @@
 
 A scenario of a fixed map has a start and a target. `Scenario` has a map of circles and polygons,
 `GridScenario` a map of cells. `FunctionScenario` has no map: the task is to find the minimum of a function;
-`BbobScenario` is one of the benchmark BBOB, `IohScenario` one that the package `ioh` keeps, and
-`OneMaxScenario` counts the ones of a bit string.
+`BbobScenario` is one of the benchmark BBOB, `MetaBoxScenario` the same as MetaBox has it, `IohScenario` one
+that the package `ioh` keeps, and `OneMaxScenario` counts the ones of a bit string.
 The map of a `DynamicScenario` changes during an episode. Such a scenario is a sequence of worlds; a `World`
 is a fixed map and the iteration after which it replaces the one before.
 
@@ -27,6 +27,7 @@ from swarm_gym.scenarios.grid_map import GridMap
 from swarm_gym.scenarios.grid_scenario import GridScenario
 from swarm_gym.scenarios.growing import grown
 from swarm_gym.scenarios.ioh_scenario import IohScenario
+from swarm_gym.scenarios.metabox import MetaBoxScenario
 from swarm_gym.scenarios.obstacles import Circle, Obstacle, Point, Polygon
 from swarm_gym.scenarios.onemax import OneMaxScenario
 from swarm_gym.scenarios.raster import rasterised
@@ -57,6 +58,7 @@ __all__ = [
     "GridScenario",
     "IohScenario",
     "MapScenario",
+    "MetaBoxScenario",
     "Move",
     "Obstacle",
     "OneMaxScenario",

@@ -5,7 +5,14 @@ from typing import cast
 
 from swarm_gym.errors import ScenarioError, UnknownNameError, shown
 from swarm_gym.own_code import OwnCodeError, is_own, own
-from swarm_gym.scenarios import function_family, ioh_scenario, onemax, random_fields, rooms_and_caves
+from swarm_gym.scenarios import (
+    function_family,
+    ioh_scenario,
+    metabox,
+    onemax,
+    random_fields,
+    rooms_and_caves,
+)
 from swarm_gym.scenarios.bbob.scenario import BbobScenario
 from swarm_gym.scenarios.dynamic import family as dynamic_family
 from swarm_gym.scenarios.dynamic import fields as dynamic_fields
@@ -137,6 +144,7 @@ FAMILIES: dict[str, Family] = {
     "den400d": moa.FAMILY,
     "ros": ros_map.FAMILY,
     "function": function_family.FAMILY,
+    metabox.NAME: metabox.FAMILY,
     ioh_scenario.NAME: ioh_scenario.FAMILY,
     onemax.NAME: onemax.FAMILY,
     **brand_yu.FAMILIES,
@@ -149,6 +157,7 @@ _OTHERS: dict[type, str] = {
     GridScenario: "a grid map",
     FunctionScenario: "a test function",
     BbobScenario: "a test function",
+    metabox.MetaBoxScenario: "a test function",
     ioh_scenario.IohScenario: "a test function",
     onemax.OneMaxScenario: "a bit string",
     DynamicScenario: "a map that changes; choose one of its `worlds`",

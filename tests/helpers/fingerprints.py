@@ -52,6 +52,8 @@ def generators():
         table = make_problem(f"function:bbob-{function}-5-3").table
         for name, values in table._asdict().items():
             yield f"bbob {function} {name}", np.asarray(values, dtype=np.float64)
+        for name, values in make_problem(f"metabox-bbob:{function}-10-biased").table._asdict().items():
+            yield f"metabox {function} {name}", np.asarray(values, dtype=np.float64)
     for number, obstacle in enumerate(grown(make_scenario("case3"), 1.5).obstacles):
         shape = (obstacle.radius,) if isinstance(obstacle, Circle) else obstacle.vertices
         yield f"grown {number}", np.array(shape)

@@ -49,6 +49,7 @@ IMAGE = b"P5\n# a comment\n4 3\n255\n" + bytes([254, 205, 0] * 4)
 NAMES = (
     b"random-fields:train:0-9", b"rooms:0-7", b"dynamic:case1-gate@9-drive@1,every=2,distance=3.5",
     b"function:rastrigin-10-shifted:0-3", b"function:bbob-15-10-1-5", b"moving-ai:den400d#0-799",
+    b"metabox-bbob:4-10-biased-seed:1-5",
     b"moving-ai:a?start=0,0&goal=2,0",
     b"ros:a?start=0.5,-1&goal=2,0&inflate=0.1", b"routes:turtlebot3-A-B", b"block:5-5", b"P1",
 )  # fmt: skip

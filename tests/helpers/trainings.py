@@ -126,8 +126,9 @@ def random_observations(layout, rng, count):
         parts = [random_observations(part, rng, count) for part in layout.split("+")]
         return np.concatenate(parts, axis=1)
     width = len(OBSERVATIONS[layout].features)
-    observations = rng.random((count, width)) * (100.0 if layout == "paper" else 1.0)
-    observations[:, 3] = rng.integers(1, 100, count) if layout == "paper" else rng.random(count)
+    is_unscaled = layout in ("paper", "restarts")
+    observations = rng.random((count, width)) * (100.0 if is_unscaled else 1.0)
+    observations[:, 3] = rng.integers(1, 100, count) if is_unscaled else rng.random(count)
     return observations.astype(OBSERVATIONS[layout].dtype)
 
 

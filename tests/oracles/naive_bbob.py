@@ -197,13 +197,27 @@ class Function:
         return funnels + waves + 1e4 * outside(x)
 
 
+class MetaBoxFunction(Function):
+    """One instance of a function as MetaBox has it: the separable ones are of a rotated vector."""
+
+    def f2(self, x, d):
+        return super().f2(x, times(self.R, d))
+
+    def f3(self, x, d):
+        return super().f3(x, times(self.R, d))
+
+    def f4(self, x, d):
+        return super().f4(x, times(self.R, d))
+
+
 class Problem:
     """The oracle of a `BbobProblem`."""
 
     unit_length = 1.0
 
     def __init__(self, problem):
-        self.function = Function(problem.scenario.drawn)
+        kind = MetaBoxFunction if problem.scenario.suite.title == "MetaBox" else Function
+        self.function = kind(problem.scenario.drawn)
         self.dimension = problem.scenario.dimension
         self.lower, self.upper = [-5.0] * self.dimension, [5.0] * self.dimension
         self.initial_lower, self.initial_upper = self.lower, self.upper

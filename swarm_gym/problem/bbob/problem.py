@@ -32,8 +32,8 @@ class BbobProblem(FunctionProblem):
 
     @property
     def identity(self) -> tuple[object, ...]:
-        """The numbers of function, dimension and instance, on which the fitness depends."""
-        return "bbob", self.scenario.number, self.scenario.dimension, self.scenario.instance
+        """The suite and the numbers of function, dimension and instance, on which the fitness depends."""
+        return self.scenario.identity
 
     def values(self, vectors: ArrayLike) -> Floats:
         """Return the fitness, (n,), of many decision vectors, (n, D)."""

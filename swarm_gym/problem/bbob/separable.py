@@ -40,7 +40,10 @@ def ellipsoid(weights: Floats, y: Floats) -> float:
 
 @kernel(inline="late")
 def separable_rastrigin(weights: Floats, y: Floats) -> float:
-    """Return f3: Rastrigin's function of Lambda^10 T_asy^0.2(T_osz(y)); weights are those of Lambda^10."""
+    """Return f3: Rastrigin's function of Lambda^10 T_asy^0.2(T_osz(y)); weights are those of Lambda^10.
+
+    MetaBox has it where y is rotated, too.
+    """
     oscillate(y)
     skew(y, 0.2)
     for k in range(y.shape[0]):
@@ -53,6 +56,7 @@ def skew_rastrigin(weights: Floats, path: Floats, y: Floats) -> float:
     """Return f4: Rastrigin's function of s_k T_osz(y_k), and a penalty.
 
     Weights are those of Lambda^10; s_k is ten times that where the component is positive and k is even.
+    MetaBox has it where y is rotated, too.
     """
     oscillate(y)
     for k in range(y.shape[0]):

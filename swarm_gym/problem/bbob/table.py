@@ -19,7 +19,7 @@ class BbobTable(NamedTuple, Generic[Whole, Real]):
     """
 
     dimension: Whole  # D
-    function: Whole  # 1 to 24
+    function: Whole  # number of the formula: 1 to 24, or 25 and 26, functions 3 and 4 of a rotated vector
     lower: Floats  # (C,) bounds of decision vectors: the domain
     upper: Floats  # (C,)
     initial_lower: Floats  # (C,) bounds of the first population: the domain
@@ -40,7 +40,7 @@ BbobTables = BbobTable[Integers, Floats]  # of stacked problems
 def tabulate(scenario: BbobScenario) -> BbobTable:
     """Return the problem table of a scenario."""
     low, high = (pad(np.full(scenario.dimension, bound)) for bound in scenario.domain)
-    drawn, number = scenario.drawn, scenario.number
+    drawn, number = scenario.drawn, scenario.form
     places, conditions, heights = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0)
     if number in (21, 22):
         places, conditions, heights = drawn.peaks
@@ -66,7 +66,7 @@ def tabulate(scenario: BbobScenario) -> BbobTable:
 
 def _matrices(scenario: BbobScenario) -> tuple[Floats, Floats]:
     """Return the matrices of both transformations, (D, D), or empty ones."""
-    drawn, number, dimension = scenario.drawn, scenario.number, scenario.dimension
+    drawn, number, dimension = scenario.drawn, scenario.form, scenario.dimension
     inner = outer = np.zeros((0, 0))
     if number not in (1, 2, 3, 4, 5, 8, 20):
         inner = drawn.first_rotation
@@ -89,10 +89,10 @@ def _matrices(scenario: BbobScenario) -> tuple[Floats, Floats]:
 
 def _weights(scenario: BbobScenario) -> Floats:
     """Return (D,) the weights, or exponents, of a function; zeros where it has none."""
-    dimension, number = scenario.dimension, scenario.number
+    dimension, number = scenario.dimension, scenario.form
     if number in (2, 10):
         return _powers(dimension, 1e12)
-    if number in (3, 4, 20):
+    if number in (3, 4, 20, 25, 26):
         return _powers(dimension, 10.0)
     if number == 5:
         return np.copysign(_powers(dimension, 100.0), scenario.optimum)
@@ -214,8 +214,12 @@ def _multimodal(table: BbobTable, path: Floats, y: Floats, z: Floats) -> float:
         found = multimodal.griewank_rosenbrock(y, table.scale)
     elif function <= 22:
         found = multimodal.gallagher(table.places, table.conditions, table.heights, path, y)
-    else:
+    elif function == 23:
         found = multimodal.katsuura(path, y)
+    elif function == 25:
+        found = separable.separable_rastrigin(table.weights, y)
+    else:
+        found = separable.skew_rastrigin(table.weights, path, y)
     return found
 
 

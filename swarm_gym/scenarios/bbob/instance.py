@@ -32,6 +32,8 @@ REACH = 5.0
     ROTATED_RASTRIGIN, WEIERSTRASS, SCHAFFERS, SKEW_SCHAFFERS, GRIEWANK_ROSENBROCK, SCHWEFEL, GALLAGHER_101,
     GALLAGHER_21, KATSUURA, LUNACEK,
 ) = range(1, 25)  # fmt: skip
+# Forms of functions beside these: functions 3 and 4 of a rotated vector, which MetaBox has.
+TURNED_RASTRIGIN, TURNED_SKEW_RASTRIGIN = 25, 26
 
 # Functions that are seeded like the one that they are a variant of.
 SEEDED_LIKE = {SKEW_RASTRIGIN: RASTRIGIN, SKEW_SCHAFFERS: SCHAFFERS}

@@ -4,8 +4,10 @@ Source: N. Hansen, S. Finck, R. Ros, A. Auger, "Real-parameter black-box optimiz
 noiseless functions definitions", INRIA RR-6829, 2009. `swarm_gym.problem.bbob` computes the values.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -13,10 +15,29 @@ from swarm_gym.errors import ScenarioError, shown
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES, REACH, Instance
 from swarm_gym.scenarios.function_scenario import FunctionScenario
 
-# Values that the parts of a name can have. A rotation takes time that grows with the cube of the dimension.
 FUNCTIONS = range(1, len(FUNCTION_NAMES) + 1)
-DIMENSIONS = range(2, 101)
-INSTANCES = range(1, 1001)
+
+
+class Suite(NamedTuple):
+    """Values that the parts of a scenario can have.
+
+    Attributes:
+        title: name of the suite, for messages.
+        name: name of the suite, with which the names of its functions begin.
+        dimensions: dimensions of decision vectors.
+        instances: numbers of instances.
+        instance: word for the number of an instance.
+    """
+
+    title: str
+    name: str
+    dimensions: Sequence[int]
+    instances: Sequence[int]
+    instance: str = "instance"
+
+
+# A rotation takes time that grows with the cube of the dimension.
+BBOB = Suite("BBOB", "bbob", range(2, 101), range(1, 1001))
 
 
 @dataclass(frozen=True)
@@ -38,18 +59,19 @@ class BbobScenario(FunctionScenario):
         ScenarioError: for a function, a dimension or an instance that does not exist.
     """
 
+    suite: ClassVar[Suite] = BBOB
     optimum: tuple[float, ...] = field(init=False)
     instance: int = 1
 
     def __post_init__(self) -> None:
-        where = f"scenario {shown(self.name)}"
-        functions = {f"bbob-{number}": number for number in FUNCTIONS}
+        where, prefix = f"scenario {shown(self.name)}", self.suite.name
+        functions = {f"{prefix}-{number}": number for number in FUNCTIONS}
         if self.function not in functions:
             raise ScenarioError(
-                f"{where}: expected a function from bbob-1 to bbob-{FUNCTIONS[-1]}, got "
+                f"{where}: expected a function from {prefix}-1 to {prefix}-{FUNCTIONS[-1]}, got "
                 f"{shown(self.function)}"
             )
-        require_parts(where, functions[self.function], self.dimension, self.instance)
+        require_parts(where, functions[self.function], self.dimension, self.instance, self.suite)
         object.__setattr__(self, "dimension", int(self.dimension))
         object.__setattr__(self, "instance", int(self.instance))
         object.__setattr__(self, "optimum", tuple(self.drawn.optimum.tolist()))
@@ -57,12 +79,22 @@ class BbobScenario(FunctionScenario):
     @property
     def number(self) -> int:
         """Number of the function, 1 to 24."""
-        return int(self.function.removeprefix("bbob-"))
+        return int(self.function.rpartition("-")[2])
+
+    @property
+    def form(self) -> int:
+        """Number of the formula by which problems compute the values: that of the function."""
+        return self.number
 
     @cached_property
     def drawn(self) -> Instance:
         """The instance: optimum, rotations, peaks and f_opt."""
         return Instance(self.number, self.dimension, self.instance)
+
+    @property
+    def identity(self) -> tuple[object, ...]:
+        """The suite and the numbers of function, dimension and instance."""
+        return self.suite.name, self.number, self.dimension, self.instance
 
     @property
     def least_value(self) -> float:
@@ -75,25 +107,30 @@ class BbobScenario(FunctionScenario):
         return -REACH, REACH
 
 
-def require_parts(where: str, function: object, dimension: object, instance: object) -> None:
-    """Raise an error unless there is a function of that number, dimension and instance.
+def require_parts(
+    where: str, function: object, dimension: object, instance: object, suite: Suite = BBOB
+) -> None:
+    """Raise an error unless a suite has a function of that number, dimension and instance.
 
     Args:
         where: scenario that is asked for, as the message begins.
         function: number of the function.
         dimension: length of a decision vector.
         instance: number of the instance.
+        suite: the suite.
 
     Raises:
         ScenarioError: with the value and those that are valid.
     """
     for part, value, valid in (
         ("function", function, FUNCTIONS),
-        ("dimension", dimension, DIMENSIONS),
-        ("instance", instance, INSTANCES),
+        ("dimension", dimension, suite.dimensions),
+        (suite.instance, instance, suite.instances),
     ):
         is_integer = isinstance(value, int | np.integer) and not isinstance(value, bool)
         if not is_integer or value not in valid:
+            between = "to" if isinstance(valid, range) else "and"
             raise ScenarioError(
-                f"{where}: BBOB has the {part}s {valid[0]} to {valid[-1]}, got {part} {shown(value)}"
+                f"{where}: {suite.title} has the {part}s {valid[0]} {between} {valid[-1]}, got {part} "
+                f"{shown(value)}"
             )

@@ -80,7 +80,8 @@ def test_the_page_of_an_environment_states_the_shape_of_actions(name, pages):
 def test_a_layout_that_an_optimizer_cannot_have_stands_there_with_the_reason(pages):
     assert "| `sourced` | – | – | refused: action 'sourced': smooth new" in pages["environments/glowworm.md"]
     lines = [line for line in pages["environments/firefly.md"].splitlines() if "refused:" in line]
-    assert [line.split("`")[1] for line in lines] == ["theory", "theory-scaled"]  # layouts of bit strings
+    # Layouts of optimizers that begin anew, and of bit strings.
+    assert [line.split("`")[1] for line in lines] == ["restarts", "theory", "theory-scaled"]
 
 
 def test_a_parameter_stands_there_with_symbol_default_range_and_unit(pages):

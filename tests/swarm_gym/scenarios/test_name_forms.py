@@ -22,6 +22,10 @@ FORMS = {
         "function:bohachevsky-2", "function:rastrigin-10-shifted:0-4", "function:bbob-15-10-3",
         "function:bbob-15-10-1-15",
     ),
+    "metabox-bbob": (
+        "metabox-bbob:4-10", "metabox-bbob:4-10-seed:1-3", "metabox-bbob:4-30-biased", "metabox-bbob:train",
+        "metabox-bbob:test", "metabox-bbob:test-30-biased-seed:7",
+    ),
     "ioh": ("ioh:bbob-8-5-1", "ioh:sbox-8-5-1-3", "ioh:cec2022-1001-10-1"),
     "onemax": ("onemax:100", "onemax:100-103", "onemax:500-start:400"),
     "block": ("block:500",),

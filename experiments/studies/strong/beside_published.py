@@ -1,0 +1,69 @@
+"""The table of MetaBox-v2 beside gaps of ours."""
+
+from collections.abc import Mapping
+
+from experiments.studies.strong.published import (
+    EVALUATIONS,
+    FUNCTIONS,
+    PUBLISHED,
+    RUNS,
+    YEARS,
+    Gap,
+    average_ranks,
+    best_of,
+)
+from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry, number
+from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
+
+# Gaps below this one count as equal.
+LEAST_GAP = 1e-8
+
+
+def beside_published(ours: Mapping[str, Mapping[int, Gap]]) -> Table:
+    """Return a table of our mean gaps beside the best published one, by function.
+
+    A gap is marked with a star where no published one is smaller; gaps below 1e-8 count as equal. The last
+    two rows have the number of stars and the average rank by MetaBox's rule.
+
+    Args:
+        ours: gaps by name of the column and by number of the function.
+    """
+    caption = (
+        f"Mean gap on the 16 functions for tests of MetaBox, 10 dimensions, {EVALUATIONS:,} evaluations, and "
+        f"the best of the {len(PUBLISHED)} methods of Table 3 of MetaBox-v2 ({RUNS} runs). *: no published "
+        "gap is smaller; gaps below 1e-8 count as equal. Lower is closer"
+    )
+    rows = [_row(function, ours) for function in FUNCTIONS]
+    ranks = average_ranks(ours)
+    first = next(name for name in ranks if name in PUBLISHED)
+    stars: dict[str, Entry] = {
+        name: Cell.of("{value:.0f}", value=sum(_is_level(f, gaps[f]) for f in FUNCTIONS))
+        for name, gaps in ours.items()
+    }
+    rows.append({"function": f"stars of {len(FUNCTIONS)}", "best published": "", **stars})
+    rows.append(
+        {
+            "function": "average rank",
+            "best published": Cell.of(f"{{value:.2f}} ({first})", value=ranks[first]),
+            **{name: number(ranks[name], ".2f") for name in ours},
+        }
+    )
+    return Table.of("beside-metabox", caption, rows)
+
+
+def _row(function: int, ours: Mapping[str, Mapping[int, Gap]]) -> dict[str, Entry]:
+    method, best = best_of(function)
+    return {
+        "function": f"{function} {FUNCTION_NAMES[function - 1]}",
+        "best published": Cell.of(f"{{value:.3g}} ({method}, {YEARS[method]})", value=best.mean),
+        **{name: _cell(function, gaps[function]) for name, gaps in ours.items()},
+    }
+
+
+def _cell(function: int, gap: Gap) -> Entry:
+    return Cell.of("{value:.3g}" + "*" * _is_level(function, gap), value=gap.mean)
+
+
+def _is_level(function: int, gap: Gap) -> bool:
+    return max(gap.mean, LEAST_GAP) <= max(best_of(function)[1].mean, LEAST_GAP)
