@@ -207,6 +207,7 @@ class SwarmBatch:
             "population_size": copy_of(xp, swarms.size),
             "feasible_share": copy_of(xp, swarms.summary[:, FEASIBLE_SHARE]),
             "repair_degree": simulation.history[simulation.rows, simulation.iteration, COLUMN.repair_degree],
+            **{name: copy_of(xp, each) for name, each in simulation.optimizer.counts(swarms).items()},
         }
 
     def info(self, rows: NDArray[np.bool_] | None = None) -> dict[str, NDArray]:

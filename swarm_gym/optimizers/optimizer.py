@@ -156,6 +156,11 @@ class Optimizer:
         """Return F, how many numbers a swarm stores for the cells of the largest of these maps."""
         return 0
 
+    @staticmethod
+    def counts(swarms: Swarms) -> Mapping[str, NDArray[np.int64]]:  # noqa: ARG004
+        """Return what `info` tells besides of an optimizer's swarms, by name: views (B,) of its registers."""
+        return {}
+
     @classmethod
     def affordable_size(cls, evaluations: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return real-valued population sizes, (B,), whose iterations take about these evaluations, (B,)."""
