@@ -8,6 +8,7 @@ from swarm_gym.sources import SMOOTH, UNIFORM, Source
 # From the MOA paper, the IAFSA paper and the paper of Brand and Yu; R stands for reconstruction.
 OPTIMIZER_LABELS = {
     "ant-colony": "ants",
+    "cma-es": "CMA-ES",
     "elite-genetic": "EGA",
     "firefly": "FA",
     "fish-swarm": "AFSA",

@@ -291,7 +291,7 @@ def test_what_the_method_cannot_have_is_refused_by_name():
     make(restarts="degenerate")
     with pytest.raises(UnknownNameError, match=r"restarts.*often.*degenerate, stalled"):
         make(restarts="often")
-    with pytest.raises(UnknownNameError, match="unknown option .restarts."):
+    with pytest.raises(UnknownNameError, match=r"unknown option .restarts."):
         gymnasium.make("swarm_gym/Firefly-v0", restarts="stalled")
     with pytest.raises(SettingError, match="onemax:100"):
         make(scenario="onemax:100")

@@ -75,7 +75,7 @@ def run_pycma(problem, until_target, seed):
         warnings.simplefilter("ignore")
         options = {"verbose": -9, "seed": seed + 1}
         strategy = library.CMAEvolutionStrategy(first_point(problem.dimension), STEP, options)
-        return their_run(problem, until_target, lambda size: strategy.ask(size), strategy.tell)
+        return their_run(problem, until_target, strategy.ask, strategy.tell)
 
 
 @pytest.mark.parametrize("dimension", [5, 10])
