@@ -8,6 +8,7 @@ from swarm_gym.sources import SMOOTH, UNIFORM, Source
 # From the MOA paper, the IAFSA paper, the paper of Brand and Yu and that of L-SHADE; R is reconstruction.
 OPTIMIZER_LABELS = {
     "ant-colony": "ants",
+    "cma-es": "CMA-ES",
     "differential-evolution": "L-SHADE",
     "elite-genetic": "EGA",
     "firefly": "FA",

@@ -28,6 +28,7 @@ OPTIMIZERS: dict[str, tuple[str, str]] = {
     "glowworm": ("swarm_gym.optimizers.glowworm.glowworm", "Glowworm"),
     "ant-colony": ("swarm_gym.optimizers.ant_colony.ant_colony", "AntColony"),
     "differential-evolution": ("swarm_gym.optimizers.differential_evolution", "DifferentialEvolution"),
+    "cma-es": ("swarm_gym.optimizers.cma_es.cma_es", "CmaEs"),
 }
 # Optimizers of a problem of their own, which have no paths and no repair.
 SPECIAL_OPTIMIZERS: dict[str, tuple[str, str]] = {
