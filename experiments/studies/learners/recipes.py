@@ -12,7 +12,7 @@ import sb3_contrib
 import stable_baselines3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from experiments.studies.controllers import CASES
 from swarm_gym.sb3 import make_vec
@@ -42,12 +42,14 @@ class Recipe:
         options: options of the algorithm that differ from the library's.
         env: options of `make_vec` that differ from its own.
         kind: how it learns: "from scratch", "residual" or "with sources".
+        scales_rewards: whether `VecNormalize` of the library scales rewards in the training.
     """
 
     algorithm: str
     options: Mapping[str, Any] = field(default_factory=dict)
     env: Mapping[str, Any] = field(default_factory=dict)
     kind: str = "from scratch"
+    scales_rewards: bool = False
 
     def swarms(self, number: int, seed: int, scenario: object = CASES) -> VecEnv:
         """Return swarms to learn in, or to evaluate on, whose seeds count up from this one."""
@@ -55,6 +57,8 @@ class Recipe:
 
     def model(self, swarms: VecEnv, seed: int) -> BaseAlgorithm:
         """Return the learner before its first step."""
+        if self.scales_rewards:
+            swarms = VecNormalize(swarms, norm_obs=False, gamma=1.0)
         policy = "MlpLstmPolicy" if self.algorithm == "RecurrentPPO" else "MlpPolicy"
         options = dict(self.options)
         if self.algorithm == "TD3" and swarms.action_space.shape:
@@ -74,12 +78,12 @@ RECIPES: dict[str, Recipe] = {
     "ppo-residual": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
     "ppo-sourced": Recipe("PPO", ON_POLICY, SOURCED, "with sources"),
     "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
-    "sac": Recipe("SAC", OFF_POLICY),
+    "sac": Recipe("SAC", OFF_POLICY, scales_rewards=True),
     "sac-library": Recipe("SAC", {"gamma": 1.0}),
-    "sac-residual": Recipe("SAC", OFF_POLICY, RESIDUAL, "residual"),
-    "sac-sourced": Recipe("SAC", OFF_POLICY, SOURCED, "with sources"),
-    "td3": Recipe("TD3", OFF_POLICY),
-    "tqc": Recipe("TQC", OFF_POLICY),
-    "dqn": Recipe("DQN", {**OFF_POLICY, "learning_rate": 1e-3}, {"choices": (7, 5)}),
+    "sac-residual": Recipe("SAC", OFF_POLICY, RESIDUAL, "residual", True),
+    "sac-sourced": Recipe("SAC", OFF_POLICY, SOURCED, "with sources", True),
+    "td3": Recipe("TD3", OFF_POLICY, scales_rewards=True),
+    "tqc": Recipe("TQC", OFF_POLICY, scales_rewards=True),
+    "dqn": Recipe("DQN", {**OFF_POLICY, "learning_rate": 1e-3}, {"choices": (7, 5)}, scales_rewards=True),
     "ppo-normalised": Recipe("PPO", ON_POLICY, {"action": "normalised"}),
 }

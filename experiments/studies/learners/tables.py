@@ -124,6 +124,7 @@ def options_table() -> Table:
             "algorithm": recipe.algorithm,
             "options that differ from the library's": _listed(recipe.options),
             "options that differ from those of make_vec": _listed(recipe.env),
+            "rewards": "scaled by `VecNormalize`" if recipe.scales_rewards else "as they are",
         }
         for name, recipe in RECIPES.items()
     ]
