@@ -134,8 +134,8 @@ def _hint(name: str, controller: Controller, scenario: str, optimizer: str) -> N
     if (degree := float(np.nanmean(own.repair_degrees[:, :_EARLY]))) > _EARLY_DEGREE:
         reasons.append(
             f"it repairs early: phi is {degree:.2f} on average in the first {_EARLY} iterations, and "
-            "repaired members leave too little variety to search with; keep phi at 0 until the population has "
-            "settled"
+            "repaired members leave too little variety to search with; keep phi at 0 until the population "
+            "has settled"
         )
     if (size := float(np.nanmedian(own.sizes))) <= _FEW:
         reasons.append(
