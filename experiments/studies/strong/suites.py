@@ -1,0 +1,67 @@
+"""The suite of the paper's cases at equal evaluations: CMA-ES and L-SHADE beside fireflies.
+
+No number of an entrant was chosen for this suite. An entrant has as many iterations as the budget lasts at
+its population size.
+"""
+
+from experiments.runs.suite import Suite
+from experiments.studies.controllers import CASES, training_seeds
+
+BUDGET = 100_000
+TRAINING_SEEDS = 5  # of each learned entrant
+SHOWN = (2_000, 10_000, 20_000, BUDGET)
+FIRST_SEED = 70_000  # used by no other suite
+SIZES_OF_CMA = (15, 40, 80)  # 14 is the default lambda in 31 dimensions
+SIZES_OF_SHADE = (60, 120)
+FIRST_MEMBERS = {"uniform": "", "smooth": ",smooth_share=1"}
+
+
+def _constant(optimizer: str, size: int, source: str) -> str:
+    """Return the name of an entrant with a constant size, whose first members come from a source."""
+    return f"{optimizer}({BUDGET // size})+fixed:{size}{FIRST_MEMBERS[source]}"
+
+
+# Names of rows by the keys of groups.
+ROWS: dict[str, str] = {
+    **{
+        _constant("cma-es", size, source): f"CMA-ES, lambda {size}, {source} first members"
+        for source in FIRST_MEMBERS
+        for size in SIZES_OF_CMA
+    },
+    **{
+        _constant("differential-evolution", size, source): f"L-SHADE, {size} members, {source} first members"
+        for source in FIRST_MEMBERS
+        for size in SIZES_OF_SHADE
+    },
+    # The mean of the falling size is 62.
+    "differential-evolution(1600)+linear-reduction:start=120,smallest=4": "L-SHADE, from 120 to 4",
+    "firefly+fixed:30": "fireflies, 30 members",
+    "firefly+fixed:60,smooth_share=1": "fireflies, 60 members, smooth first members",
+    "firefly+spsfa-tip": "fireflies, SPSFA-TIP",
+    "firefly+learned:three-cases/*@1": "fireflies, learned size and phi",
+    "firefly+learned:three-cases-sourced/*": "fireflies, learned with sources",
+}
+
+
+def _members(key: str) -> tuple[str, ...]:
+    """Return the controllers of a group by its key; a key without a star is a controller."""
+    recipe, star, price = key.partition("/*")
+    prices = (float(price.removeprefix("@")),) if price else ()
+    return training_seeds(recipe, TRAINING_SEEDS, *prices) if star else (key,)
+
+
+CONTROLLERS = tuple(name for key in ROWS for name in _members(key))
+
+CASES_AT_BUDGETS = Suite(
+    name="cases-at-budgets",
+    controllers=CONTROLLERS,
+    scenarios=CASES,
+    num_seeds=20,
+    baseline="firefly+spsfa-tip",
+    first_seed=FIRST_SEED,
+    options={"max_evaluations": BUDGET},
+    tables=("cases-at-budgets",),
+    figures=(),
+)
+
+SUITES = (CASES_AT_BUDGETS,)
