@@ -16,7 +16,7 @@ from gymnasium.vector import AutoresetMode
 from helpers.builders import options_for
 from helpers.newcomers import PATH_OPTIMIZERS
 from swarm_gym.env import SwarmEnv
-from swarm_gym.optimizers import OPTIMIZERS
+from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
 from swarm_gym.vector_env import SwarmVectorEnv
 
 OPTIONS = {
@@ -30,23 +30,24 @@ SEED = 40
 WIDEST = 64
 
 
-def actions(seed):
-    """Return eight decisions for the swarm of a seed."""
+def actions(seed, optimizer="firefly"):
+    """Return eight decisions for the swarm of a seed, with sizes that the optimizer can have."""
     generator = np.random.default_rng(seed)
-    return np.stack([generator.integers(2, 31, 8), generator.random(8).round(1)], axis=1)
+    sizes = np.maximum(generator.integers(2, 31, 8), get_optimizer(optimizer).smallest_population)
+    return np.stack([sizes, generator.random(8).round(1)], axis=1)
 
 
 def alone(seed, optimizer="firefly", **options):
     env = SwarmEnv(optimizer, **OPTIONS, **options)
     env.reset(seed=seed)
-    return [env.step(action) for action in actions(seed)]
+    return [env.step(action) for action in actions(seed, optimizer)]
 
 
-def assert_same_in_a_vector(of_seed, width, **options):
+def assert_same_in_a_vector(of_seed, width, optimizer="firefly", **options):
     """Assert that swarms of a vector go on as alone, whose steps `of_seed` returns."""
-    env = SwarmVectorEnv(width, autoreset_mode=AutoresetMode.DISABLED, **options, **OPTIONS)
+    env = SwarmVectorEnv(width, optimizer, autoreset_mode=AutoresetMode.DISABLED, **options, **OPTIONS)
     env.reset(seed=SEED)
-    decisions = np.stack([actions(SEED + row) for row in range(width)], axis=1)
+    decisions = np.stack([actions(SEED + row, optimizer) for row in range(width)], axis=1)
     steps = [env.step(decision) for decision in decisions]
     for row in range(width):
         for one, many in zip(of_seed(SEED + row), steps, strict=True):
@@ -95,7 +96,8 @@ duplications = pytest.mark.parametrize(
 @duplications
 def test_a_copy_made_in_mid_episode_goes_on_alike(duplicate, optimizer, maps):
     env = SwarmEnv(optimizer, **{**OPTIONS, **options_for(optimizer, **maps)})
-    assert_same_after_copying(env, actions(SEED)[:4], actions(SEED)[4:], duplicate)
+    decisions = actions(SEED, optimizer)
+    assert_same_after_copying(env, decisions[:4], decisions[4:], duplicate)
 
 
 @duplications

@@ -14,7 +14,8 @@ from swarm_gym.observation import ITERATION
 from swarm_gym.optimizers import OPTIMIZERS
 from swarm_gym.vector_env import SwarmVectorEnv
 
-NUM_SWARMS, ITERATIONS, SIZES = 100, 25, (2, 12)
+# Differential evolution needs four members.
+NUM_SWARMS, ITERATIONS, SIZES = 100, 25, (4, 12)
 STEPS = 1_000_000
 # Memory that may be added after a tenth of the steps.
 WARM, MOST_GROWTH = 0.1, 5 * 2**20

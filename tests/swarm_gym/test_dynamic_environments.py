@@ -73,16 +73,20 @@ def on_maps(optimizer):
     return found
 
 
-def actions(seed, number=ITERATIONS):
+def actions(seed, number=ITERATIONS, optimizer="firefly"):
+    """Return decisions of sizes that the optimizer can have, and of phi."""
     generator = np.random.default_rng(seed)
-    return np.stack([generator.integers(2, 21, number), generator.random(number).round(1)], axis=1)
+    sizes = np.maximum(generator.integers(2, 21, number), get_optimizer(optimizer).smallest_population)
+    return np.stack([sizes, generator.random(number).round(1)], axis=1)
 
 
 def episode(env, seed=SEED, decisions=None):
     """Return observations, rewards and infos of an episode, from its reset on."""
     observation, info = env.reset(seed=seed)
     steps = [(observation, 0.0, info)]
-    for action in actions(seed) if decisions is None else decisions:
+    if decisions is None:
+        decisions = actions(seed, optimizer=env.simulation.optimizer.name)
+    for action in decisions:
         observation, reward, terminated, _, info = env.step(action)
         steps.append((observation, reward, info))
         if terminated:
@@ -180,7 +184,7 @@ def test_what_is_stored_is_true_on_the_map_in_force_after_every_step(optimizer):
         env = small(optimizer, **options)
         env.reset(seed=SEED)
         swarms, worlds = env.simulation.swarms, options["scenario"].worlds
-        for iteration, action in enumerate(actions(SEED), 1):
+        for iteration, action in enumerate(actions(SEED, optimizer=optimizer), 1):
             env.step(action)
             world = worlds[min(iteration, len(worlds) - 1)].scenario
             assert env.simulation.problem_of(0).scenario == as_the_optimizer_has_it(optimizer, world)
@@ -266,7 +270,7 @@ def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numb
             **SMALL,
         )
         envs.reset(seed=SEED)
-        decisions = np.stack([actions(SEED + row) for row in range(5)], axis=1)
+        decisions = np.stack([actions(SEED + row, optimizer=optimizer) for row in range(5)], axis=1)
         for k, decision in enumerate(decisions, 1):
             observations, rewards, _, _, infos = envs.step(decision)
             for row in range(5):

@@ -277,7 +277,7 @@ def test_robots_drive_and_what_is_stored_is_true_from_where_they_are(optimizer):
         _, info = env.reset(seed=SEED)
         assert tuple(info["robot"]) == options["scenario"].base.start
         moves = 0
-        for iteration, action in enumerate(actions(SEED, ITERATIONS), 1):
+        for iteration, action in enumerate(actions(SEED, ITERATIONS, optimizer), 1):
             place, driven, way = info["robot"], info["driven"], env.simulation.trajectory(0)
             observation, reward, terminated, _, info = env.step(action)
             assert observation in env.observation_space
@@ -310,7 +310,7 @@ def test_a_robot_that_never_drives_changes_nothing(optimizer):
         scenario = options["scenario"]
         late = DynamicScenario("late", scenario.base, scenario.events, Drive(ITERATIONS, 1, 5.0))
         still = DynamicScenario("still", scenario.base, scenario.events)
-        decisions = actions(SEED, ITERATIONS)
+        decisions = actions(SEED, ITERATIONS, optimizer)
         steps = [
             episode(small(optimizer, **{**options, "scenario": one}), decisions=decisions)
             for one in (late, still)
@@ -436,7 +436,7 @@ def scenarios_of(options):
 def test_episodes_are_the_same_in_a_vector_with_threads_as_alone(optimizer, numba_threads):
     for options in on_maps(optimizer)[:2]:
         mixed = {**options, "scenario": scenarios_of(options)}
-        decisions = [actions(SEED + row, ITERATIONS) for row in range(4)]
+        decisions = [actions(SEED + row, ITERATIONS, optimizer) for row in range(4)]
         alone = [
             episode(small(optimizer, **mixed), SEED + row, decision) for row, decision in enumerate(decisions)
         ]

@@ -144,7 +144,7 @@ def test_immigrants_never_exceed_the_budget(optimizer, size, immigrants, budget)
     env.reset(seed=2)
     ended = False
     while not ended:
-        action = action_of(optimizer, size, 0.0, 1.0, 0.3, immigrants)
+        action = action_of(optimizer, max(size, least), 0.0, 1.0, 0.3, immigrants)
         _, _, ended, _, info = env.step(action)
         assert info["evaluations"] <= budget
         assert 1 <= info["population_size"] <= max(size, least)
