@@ -57,7 +57,7 @@ def scenarios_page() -> str:
             code(name),
             _module_sentence(family.make),
             code(family.usage),
-            listed(family.samples) or "needs files",
+            listed(family.samples) or "–",
         )
         for name, family in FAMILIES.items()
     ]
