@@ -1,1 +1,1 @@
-"""CMA-ES: its state, its weights and rates, the square root of a covariance, and when it has stalled."""
+"""CMA-ES: state, weights and rates, sampling, learning, eigenvectors, and signs that it has stalled."""

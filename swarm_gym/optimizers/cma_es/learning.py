@@ -1,4 +1,4 @@
-"""How CMA-ES learns from a generation: mean, step size and covariance, and the square root of the latter.
+"""Learning of CMA-ES from a generation: mean, step size and covariance, and the square root of the latter.
 
 Sources: the tutorial (see `rates`), eq. 41 to 47 and B.2; for the largest change of the step size, the
 injection report (see `sampling`).
@@ -51,7 +51,7 @@ def learn(
 
     Args:
         state: the swarm's row of `Swarms.field`.
-        registers: its registers.
+        registers: counts of the swarm, its row of `Swarms.registers`.
         dimension: dimension of the problem.
         offspring: steps of the members, and their lengths.
         order: (lambda,) the members, best first.

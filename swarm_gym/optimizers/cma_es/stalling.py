@@ -1,4 +1,4 @@
-"""When CMA-ES has stalled, so that it should begin anew.
+"""Signs that CMA-ES has stalled, so that it should begin anew.
 
 Source: the tutorial (see `rates`), B.3. The history of fitness is limited; see docs/readings.md.
 """
@@ -45,7 +45,7 @@ def judge(
 
     Args:
         state: the swarm's row of `Swarms.field`.
-        registers: its registers.
+        registers: counts of the swarm, its row of `Swarms.registers`.
         dimension: dimension of the problem.
         ranges: (C,) ranges of the initial bounds.
         fitness: (lambda,) fitness of the members.

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from test_optimizers import PLAN, problems, run
 
-from helpers.builders import advance, begin, make_problem, oracle_twin
+from helpers.builders import advance, begin, function_problem, make_problem, oracle_twin
 from helpers.loops import looped
 from oracles import naive_cma
 from oracles.naive_sources import Source
@@ -295,3 +295,12 @@ def test_what_the_method_cannot_have_is_refused_by_name():
         gymnasium.make("swarm_gym/Firefly-v0", restarts="stalled")
     with pytest.raises(SettingError, match="onemax:100"):
         make(scenario="onemax:100")
+
+
+def test_an_optimum_in_a_corner_of_the_bounds_is_reached():
+    """Members outside are moved to the bounds: the linear slope of BBOB is solved exactly."""
+    swarms, tables = begin(NAME, [function_problem("function:bbob-5-10-1")] * 4, size=10)
+    for _ in range(150):
+        advance(NAME, swarms, tables, 10, 0.0)
+    assert (swarms.best_fitness < 1e-8).all()
+    assert (np.abs(swarms.positions) <= 5.0).all()
