@@ -13,7 +13,7 @@ from tqdm import tqdm
 from experiments.runs.labels import label
 from experiments.studies.learners.pictures import write_curves
 from experiments.studies.learners.recipes import RECIPES
-from experiments.studies.learners.tables import PAPER, learned, options_table, reached, rivals
+from experiments.studies.learners.tables_of_learners import PAPER, learned, options_table, reached, rivals
 from experiments.studies.learners.trainings import train
 from swarm_gym.checks import look_up, require_integer
 from swarm_gym.command import command

@@ -30,7 +30,10 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {**CONTINUOUS, "DQN": stable_baseli
 # An episode is paid at its end, so nothing is discounted. Found on validation seeds, see docs/learners.md.
 ON_POLICY: dict[str, Any] = {"n_steps": 100, "gamma": 1.0}
 # Returns of whole episodes: with those of one step, the reward of the end does not reach the first decisions.
-OFF_POLICY: dict[str, Any] = {"gamma": 1.0, "n_steps": 100, "learning_starts": 6400, "gradient_steps": 4}
+OFF_POLICY: dict[str, Any] = {
+    "gamma": 1.0, "n_steps": 100, "learning_starts": 6400, "gradient_steps": 2,
+    "policy_kwargs": {"net_arch": [64, 64]},
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -69,13 +72,16 @@ class Recipe:
 
 
 NOISE_OF_TD3 = 0.2
+# Corrections with the library's noise, exp(0), undo what the base has found.
+SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 SOURCED = {"action": "sourced-normalised"}
 RESIDUAL = {"base": "open-loop:three-cases", "action": "normalised"}
 
 RECIPES: dict[str, Recipe] = {
     "ppo": Recipe("PPO", ON_POLICY),
     "ppo-library": Recipe("PPO", {"gamma": 1.0}),
-    "ppo-residual": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
+    "ppo-residual": Recipe("PPO", {**ON_POLICY, **SMALL_NOISE}, RESIDUAL, "residual"),
+    "ppo-residual-library": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
     "ppo-sourced": Recipe("PPO", ON_POLICY, SOURCED, "with sources"),
     "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
     "sac": Recipe("SAC", OFF_POLICY, scales_rewards=True),

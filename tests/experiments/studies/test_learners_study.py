@@ -8,7 +8,8 @@ import pytest
 pytest.importorskip("sb3_contrib", reason="needs the extra `study`")
 
 from experiments.learners import LearnersConfig, run
-from experiments.studies.learners import recipes, tables, trainings
+from experiments.studies.learners import recipes, trainings
+from experiments.studies.learners import tables_of_learners as tables
 from experiments.studies.learners.recipes import ALGORITHMS, RECIPES, Recipe
 from swarm_gym.comparing import compare
 from swarm_gym.errors import UnknownNameError
