@@ -7,11 +7,12 @@ import numpy as np
 
 from swarm_gym.action import make_action
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.onemax_rules import OPTIMIZER
+from swarm_gym.controllers.onemax_rules import OPTIMIZER, OneFifth
 from swarm_gym.errors import SettingError
 from swarm_gym.observation import make_observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.optimizers.one_plus_lambda_lambda import OnePlusLambdaLambdaParameters
+from swarm_gym.reference.onemax.adaptive import ladder_runtimes
 from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 from swarm_gym.rollout import swarms_for
 from swarm_gym.scenarios.onemax import OneMaxScenario
@@ -23,7 +24,8 @@ def expected_runtime(
     """Return the expected evaluations until all bits are set, the first string included.
 
     Args:
-        controller: controller whose decisions depend on the length and the number of ones alone.
+        controller: controller whose decisions depend on the length and the number of ones alone, or the
+            one-fifth rule, whose lambda is a state of its own.
         size: n, the length of the string.
         start: number of ones at the beginning; by default half of them.
         copies_free: whether children that equal the parent or the best mutant cost nothing.
@@ -32,6 +34,9 @@ def expected_runtime(
         SettingError: if the controller observes more than length and number of ones.
     """
     begin = OneMaxScenario("start", size=size, **({} if start is None else {"start": start})).start
+    if isinstance(controller, OneFifth):
+        by_rung = ladder_runtimes(controller.ladder(size), begin, copies_free)
+        return float(by_rung[0, begin]) + 1.0
     later = expected_runtimes(decisions_on(controller, size), begin, copies_free)
     return float(later[begin]) + 1.0
 
@@ -40,8 +45,13 @@ def decisions_on(controller: Controller, size: int) -> Decisions:
     """Return what a controller decides for every number of ones, in the environment that it needs.
 
     Raises:
-        SettingError: if the controller observes more than length and number of ones.
+        SettingError: if the controller observes more than length and number of ones, or remembers.
     """
+    if isinstance(controller, OneFifth):
+        raise SettingError(
+            "one-fifth: expected a controller whose decisions follow from the number of ones, and this one "
+            "remembers its lambda; `ladder` has its decisions, and `expected_runtime` takes it"
+        )
     layout = make_observation(controller.observation)
     if not all(feature.needs_bits for feature in layout.features):
         raise SettingError(
