@@ -86,6 +86,11 @@ def _headline(results: ResultsFolder) -> str:
     return select(chosen, SHOWN).markdown()
 
 
+def _readings_of_one_fifth(results: ResultsFolder) -> str:
+    """Return the table of the readings of the one-fifth rule."""
+    return results.table("readings").markdown()
+
+
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
     **{name: partial(_measurements, name) for name in CAPTIONS},
@@ -101,7 +106,10 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
-    "known-optimum": (Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),),
+    "known-optimum": (
+        Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
+        Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
+    ),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),

@@ -102,8 +102,8 @@ def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object
 def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     """Return the problem of an environment of that scenario and these options of `Settings`.
 
-    If the map changes, this is the problem at the end of an episode, which results refer to. Without an
-    encoding among the options, it is "waypoints", or the first one of a kind of scenario that has no waypoints.
+    If the map changes, this is the problem at the end of an episode, which results refer to. The default of
+    the encoding is "waypoints", or the first one of a kind of scenario that has no waypoints.
 
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.

@@ -1,4 +1,4 @@
-"""The table of evaluations until the optimum, for scenarios on which runs are measured by them: bit strings."""
+"""The table of evaluations until the optimum, for bit strings, on which runs are measured by them."""
 
 import numpy as np
 
@@ -19,8 +19,9 @@ def evaluation_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     first = next(iter(outcomes.groups))
     caption = (
         "Evaluations until all bits are set, over all training seeds, with 95 % bootstrap intervals over "
-        "training seeds, scenarios of a set and seeds; above the optimum: above the expected evaluations of the "
-        f"optimal control of lambda up to 64; minus: the mean difference to {label(first)} on the same seeds"
+        "training seeds, scenarios of a set and seeds; above the optimum: above the expected evaluations of "
+        "the optimal control of lambda up to 64; minus: the mean difference to "
+        f"{label(first)} on the same seeds"
     )
     rows = [_row(suite, outcomes, first, *each) for each in outcomes.samples()]
     return [Table.of("evaluations", caption, rows)]

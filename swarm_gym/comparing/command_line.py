@@ -6,8 +6,8 @@ column of a scenario has the mean gap and the mean number of evaluations. Feasib
 best path by fitness is free; such a path may graze obstacles.
 
 On bit strings, as in `swarm-gym compare theory one-fifth --scenarios onemax:100 --optimizer
-one-plus-lambda-lambda`, the table has the evaluations until the optimum instead, and how far they are above the
-expected ones of the optimal control of lambda, where these ship.
+one-plus-lambda-lambda`, the table has the evaluations until the optimum instead, and how far they are above
+the expected ones of the optimal control of lambda, where these ship.
 """
 
 import argparse

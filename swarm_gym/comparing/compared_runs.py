@@ -133,7 +133,9 @@ class ComparedRuns:
         names = list(self.sets) if 1 < len(self.sets) <= MOST_COLUMNS else []
         heads = ("evaluations", f"minus {self.controllers[0]}", "above the optimum", "solved")
         rows: list[tuple[str, ...]] = [("controller", *heads, *names)]
-        means_and_differences = zip(self.mean(self.evaluations), self.difference(self.evaluations), strict=True)
+        means_and_differences = zip(
+            self.mean(self.evaluations), self.difference(self.evaluations), strict=True
+        )
         for k, (mean, difference) in enumerate(means_and_differences):
             above = "unknown"
             if np.isfinite(self.gap[k]).all():

@@ -17,6 +17,9 @@ from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 from swarm_gym.rollout import swarms_for
 from swarm_gym.scenarios.onemax import OneMaxScenario
 
+# Numbers of ones for which a controller decides at once; their swarms take memory.
+SIDE_BY_SIDE = 2048
+
 
 def expected_runtime(
     controller: Controller, size: int, start: int | None = None, copies_free: bool = True
@@ -58,21 +61,30 @@ def decisions_on(controller: Controller, size: int) -> Decisions:
             f"observation {controller.observation!r}: an expected runtime needs a controller that observes "
             "length and number of ones alone, in the layouts theory and theory-scaled; simulate this one"
         )
+    side_by_side = min(size, SIDE_BY_SIDE)
     swarms = swarms_for(
-        controller, size, OPTIMIZER, scenario=OneMaxScenario("all numbers of ones", size=size), iterations=1
+        controller,
+        side_by_side,
+        OPTIMIZER,
+        scenario=OneMaxScenario("all numbers of ones", size=size),
+        iterations=1,
     )
     swarms.reset(seed=0)
     simulation = swarms.simulation
-    simulation.swarms.best_fitness[:] = size - np.arange(size)
-    controller.reset(size)
-    actions = controller.act(layout.observe(simulation))
-    action = make_action(swarms.settings, get_optimizer(OPTIMIZER))
-    decided = action.decode(actions, np.ones(size, dtype=np.bool_), simulation)
-    parameters = OnePlusLambdaLambdaParameters(*decided.parameters.T)
-    children = np.floor(np.asarray(parameters.children) + 0.5).astype(np.int64)
-    return Decisions(
-        decided.sizes,
-        np.where(children == 0, decided.sizes, children),
-        np.array(parameters.strength, dtype=np.float64),
-        np.array(parameters.bias, dtype=np.float64),
+    action, every = (
+        make_action(swarms.settings, get_optimizer(OPTIMIZER)),
+        np.ones(side_by_side, dtype=np.bool_),
     )
+    columns = np.empty((4, 0))
+    for first in range(0, size, side_by_side):
+        ones = np.minimum(first + np.arange(side_by_side), size - 1)
+        simulation.swarms.best_fitness[:] = size - ones
+        controller.reset(side_by_side)
+        decided = action.decode(controller.act(layout.observe(simulation)), every, simulation)
+        parameters = OnePlusLambdaLambdaParameters(*decided.parameters.T)
+        children = np.floor(np.asarray(parameters.children) + 0.5)
+        children = np.where(children == 0.0, decided.sizes, children)
+        found = np.stack([decided.sizes, children, parameters.strength, parameters.bias])
+        columns = np.concatenate([columns, found], axis=1)
+    mutants, children, strength, bias = columns[:, :size]
+    return Decisions(mutants.astype(np.int64), children.astype(np.int64), strength.copy(), bias.copy())

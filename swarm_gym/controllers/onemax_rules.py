@@ -132,13 +132,13 @@ class OneFifth(OneMaxRule):
     def ladder(self, size: int, reach: float = REACH) -> Ladder:
         """Return the rule on strings of one length as a ladder of the values F^(r / 4) of lambda.
 
-        Lambda is at most the length, which is the end of the ladder. A gain there leads to the value four rungs
-        below, which is not exactly the length divided by F; few runs come so far.
+        Lambda is at most the length, which is the end of the ladder. A gain there leads to the value four
+        rungs below, which is not exactly the length divided by F; few runs come so far.
 
         Args:
             size: n, the length of the string.
-            reach: lambda ends at this multiple of that of theory, sqrt(n / (n - f)); infinite for no such end,
-                which changes expected runtimes by less than 0.01 % and takes many times as long.
+            reach: lambda ends at this multiple of that of theory, sqrt(n / (n - f)); infinite for no such
+                end, which changed expected runtimes by less than 0.01 % and takes many times as long.
         """
         values = self.factor ** (np.arange(math.ceil(self.fall * math.log(size, self.factor))) / self.fall)
         values = np.append(values[values < size], float(size))

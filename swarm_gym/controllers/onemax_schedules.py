@@ -45,8 +45,8 @@ class ShareSchedule(OneMaxRule):
         self.knots = np.asarray(self.knots, dtype=np.float64)
         if self.knots.shape not in ((1, NUM_KNOTS), (4, NUM_KNOTS)) or not np.isfinite(self.knots).all():
             raise ValueError(
-                f"knots: expected finite numbers of shape (1, {NUM_KNOTS}) for lambda, or (4, {NUM_KNOTS}) for "
-                f"all four parameters, got shape {self.knots.shape}"
+                f"knots: expected finite numbers of shape (1, {NUM_KNOTS}) for lambda, or (4, {NUM_KNOTS}) "
+                f"for all four parameters, got shape {self.knots.shape}"
             )
         self.action = "natural" if len(self.knots) == 1 else "extended"
 
@@ -67,7 +67,9 @@ class ShareSchedule(OneMaxRule):
         place = np.log2(lengths / (lengths - ones))
         at = FIRST + SPACING * np.arange(NUM_KNOTS)
         beyond = np.maximum(place - LAST, 0.0)
-        logs = [np.interp(place, at, row) + slope * beyond for row, slope in zip(self.knots, GROWTH, strict=False)]
+        logs = [
+            np.interp(place, at, row) + slope * beyond for row, slope in zip(self.knots, GROWTH, strict=False)
+        ]
         found = [np.exp2(one) for one in logs]
         whole = [np.clip(np.floor(one + 0.5), 1.0, LARGEST) for one in found[:2]]
         return (*whole, *found[2:])

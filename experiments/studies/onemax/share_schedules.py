@@ -15,7 +15,7 @@ from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
 
 SIZES = (100, 200, 500)
 FILE = Path(schedules.__file__).parent / "data" / schedules.FILE
-# Binary logarithms of the least and the greatest value of lambda_m, lambda_c, alpha and beta, as in an action.
+# Binary logarithms of the least and the greatest lambda_m, lambda_c, alpha and beta, as in an action.
 SPANS = np.array([(0.0, 9.0), (0.0, 8.0), (-9.0, 5.0), (-3.0, 2.0)])
 # Candidates of a generation, and generations, by the number of decisions.
 EFFORT = {1: (14, 200), 4: (18, 300)}
@@ -44,7 +44,7 @@ def tune(num_decisions: int, seed: int = 0) -> ShareSchedule:
         if min(losses) < least:
             best, least = points[int(np.argmin(losses))], min(losses)
         bar.set_postfix(above=f"{100.0 * (np.exp(least) - 1.0):.2f} %", refresh=False)
-    return ShareSchedule(np.round(best.reshape(num_decisions, NUM_KNOTS), 4))
+    return ShareSchedule(np.round(best.reshape(num_decisions, NUM_KNOTS), 4).astype(np.float64))
 
 
 def loss(knots: Floats) -> float:

@@ -1,16 +1,16 @@
 """Expected runtimes of controls with a memory of one number: they climb a ladder, and fall by gains.
 
-The state of such a control is its rung. An iteration that gains nothing leads to the next rung; one that gains
-leads down by some rungs, at most to the first. The one-fifth rule is of this kind: its lambda on rung r is
-F^(r / 4), and a gain, which divides lambda by F, leads down by four rungs.
+The state of such a control is its rung. An iteration that gains nothing leads to the next rung; one that
+gains leads down by some rungs, at most to the first. The one-fifth rule is of this kind: its lambda on rung r
+is F^(r / 4), and a gain, which divides lambda by F, leads down by four rungs.
 
 With T(f, r) for the expected evaluations from f ones and rung r on, and R(f) for the last rung at f ones,
 
     T(f, r) = E[cost] + sum over k > 0 of P(gain = k) T(f + k, max(r - 4, 0)) + P(gain = 0) T(f, r'),
 
-where r' is the smaller of r + 1 and R(f). Nothing on the right is unknown if f falls from n and r from R(f); on
-the last rung T(f, R) is on both sides. R(f) may be the end of the ladder for every f. To spare rungs that few runs
-reach, and that cost most time, it may be lower, and must not fall with f.
+where r' is the smaller of r + 1 and R(f). Nothing on the right is unknown if f falls from n and r from R(f);
+on the last rung T(f, R) is on both sides. R(f) may be the end of the ladder for every f. To spare rungs that
+few runs reach, and that cost most time, it may be lower. It must not fall with f.
 """
 
 from dataclasses import dataclass
@@ -58,8 +58,8 @@ class Ladder:
 def ladder_runtimes(ladder: Ladder, start: int = 0, copies_free: bool = True) -> Floats:
     """Return (rungs, n + 1) expected evaluations that remain, by rung and ones.
 
-    They are NaN below the start, and on rungs above the last one. A run from f ones costs one evaluation more,
-    that of its first string.
+    They are NaN below the start, and on rungs above the last one. A run from f ones costs one evaluation
+    more, that of its first string.
 
     Args:
         ladder: the control.
@@ -68,7 +68,14 @@ def ladder_runtimes(ladder: Ladder, start: int = 0, copies_free: bool = True) ->
     """
     rungs = ladder.rungs
     return _evaluate(
-        start, rungs.mutants, rungs.children, rungs.strength, rungs.bias, ladder.last, ladder.fall, copies_free
+        start,
+        rungs.mutants,
+        rungs.children,
+        rungs.strength,
+        rungs.bias,
+        ladder.last,
+        ladder.fall,
+        copies_free,
     )
 
 
