@@ -1,7 +1,7 @@
 """Compare controllers on OneMax with the known optimum: `python -m experiments.onemax`.
 
-Expectations are exact. Simulated rows take 1,000 runs each, and the schedule over iterations is tuned first,
-so that all takes about ten minutes.
+Expectations are exact; those of long strings take minutes for each policy. Simulated rows take 1,000 runs
+each, and the schedule over iterations is tuned first. `--tables` makes some of the tables only.
 """
 
 from dataclasses import dataclass

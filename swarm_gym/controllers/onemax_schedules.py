@@ -11,6 +11,7 @@ last knot, both lambda grow by the square root of n / zeros, as those of theory,
 """
 
 import json
+import math
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.checks import look_up
+from swarm_gym.compiler.elementary import exp, interpolate, log
 from swarm_gym.controllers.controller import SizeLimits
 from swarm_gym.controllers.onemax_rules import LARGEST, OneMaxRule
 
@@ -64,13 +66,13 @@ class ShareSchedule(OneMaxRule):
         return "ShareSchedule", self.knots.tolist()
 
     def _decide(self, lengths: Floats, ones: Floats) -> tuple[Floats, ...]:
-        place = np.log2(lengths / (lengths - ones))
+        place = log(lengths / (lengths - ones)) / math.log(2.0)
         at = FIRST + SPACING * np.arange(NUM_KNOTS)
         beyond = np.maximum(place - LAST, 0.0)
-        logs = [
-            np.interp(place, at, row) + slope * beyond for row, slope in zip(self.knots, GROWTH, strict=False)
+        found = [
+            exp(math.log(2.0) * (interpolate(place, at, row) + slope * beyond))
+            for row, slope in zip(self.knots, GROWTH, strict=False)
         ]
-        found = [np.exp2(one) for one in logs]
         whole = [np.clip(np.floor(one + 0.5), 1.0, LARGEST) for one in found[:2]]
         return (*whole, *found[2:])
 
