@@ -10,11 +10,13 @@ from experiments.catalogue import get_suite
 from experiments.runs.suite import Suite
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.own_code import allow
-from swarm_gym.scenarios import expand_name, make_scenario
+from swarm_gym.scenarios import OneMaxScenario, expand_name, make_scenario
 
 # Tables and figures that can be made of any controllers on any scenarios.
 TABLES = ("summary", "comparison")
 FIGURES = ("collision", "maps")
+# Tables of runs on bit strings, which have no path and no gap of fitness.
+TABLES_OF_BITS = ("evaluations",)
 
 
 @dataclass(frozen=True)
@@ -45,14 +47,14 @@ class Choice:
         if not self.scenarios:
             return suite
         scenarios = tuple(dict.fromkeys(one for given in self.scenarios for one in expand_name(given)))
-        for scenario in scenarios:
-            make_scenario(scenario)
+        made = [make_scenario(scenario) for scenario in scenarios]
+        of_bits = all(isinstance(scenario, OneMaxScenario) for scenario in made)
         return dataclasses.replace(
             suite,
             scenarios=scenarios,
             snapshots=(),
             claims=(),
             yardsticks={},
-            tables=TABLES,
-            figures=FIGURES,
+            tables=TABLES_OF_BITS if of_bits else TABLES,
+            figures=() if of_bits else FIGURES,
         )

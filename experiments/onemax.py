@@ -1,7 +1,7 @@
 """Compare controllers on OneMax with the known optimum: `python -m experiments.onemax`.
 
-Expectations are exact. Simulated rows take 1,000 runs each, and the schedule over iterations is tuned first,
-so that all takes about ten minutes.
+Expectations are exact; those of long strings take minutes for each policy. Simulated rows take 1,000 runs
+each, and the schedule over iterations is tuned first. `--tables` makes some of the tables only.
 """
 
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from pathlib import Path
 import tyro
 
 from experiments.studies.onemax.pictures import write_pictures
+from experiments.studies.onemax.share_schedules import ship
 from experiments.studies.onemax.speed import speed
 from experiments.studies.onemax.tables_of_runtimes import tables
 from swarm_gym.command import command
@@ -27,6 +28,10 @@ class OneMaxConfig:
     Keep the machine quiet meanwhile. By default nothing is timed."""
     only_speed: bool = False
     """Time the environments only, e.g. again on another machine."""
+    tables: tuple[str, ...] = ()
+    """Tables to write instead of all of them and the pictures, e.g. simulations readings."""
+    tune_schedules: bool = False
+    """Tune the schedules over the share of zeros again, which ship with the package, and nothing else."""
 
 
 def write(config: OneMaxConfig) -> list[Path]:
@@ -34,16 +39,19 @@ def write(config: OneMaxConfig) -> list[Path]:
 
     Raises:
         MissingExtraError: if the published environment cannot be imported.
+        UnknownNameError: if there is no table of a name.
         ValueError: if nothing is asked for.
     """
-    made = [] if config.only_speed else tables()
+    if config.tune_schedules:
+        return [ship()]
+    made = [] if config.only_speed else tables(config.tables)
     if config.published is not None:
         made.append(speed(config.published))
     if not made:
         raise ValueError("--only-speed: name the checkout to compare with by --published")
     for table in made:
         table.write(config.output)
-    if not config.only_speed:
+    if not (config.only_speed or config.tables):
         write_pictures(config.output)
     return [config.output / f"{table.name}.md" for table in made]
 

@@ -87,6 +87,11 @@ def _headline(results: ResultsFolder) -> str:
     return select(chosen, SHOWN).markdown()
 
 
+def _readings_of_one_fifth(results: ResultsFolder) -> str:
+    """Return the table of the readings of the one-fifth rule."""
+    return results.table("readings").markdown()
+
+
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
     **{name: partial(_measurements, name) for name in CAPTIONS},
@@ -104,7 +109,10 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
     "layouts": (Document(Path("docs/layouts.md"), "", "", blocks=LAYOUT_BLOCKS),),
     "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
-    "known-optimum": (Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),),
+    "known-optimum": (
+        Document(Path("docs/known-optimum.md"), "known-optimum", "known-optimum"),
+        Document(Path("docs/readings.md"), "known-optimum", "", blocks={"readings": _readings_of_one_fifth}),
+    ),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),

@@ -60,7 +60,8 @@ def warm_up_single(optimizer: str, **options: object) -> None:
         options: options of the environment; by default it has an analytic map.
     """
     chosen: dict[str, Any] = {**OPTIONS, **options}
-    _run(gymnasium.make(environment_id(optimizer), **chosen), np.array([6.0, 1.0]))
+    degree = 1.0 if get_optimizer(optimizer).repairs else 0.0
+    _run(gymnasium.make(environment_id(optimizer), **chosen), np.array([6.0, degree]))
 
 
 def _hush() -> None:

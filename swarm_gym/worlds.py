@@ -1,6 +1,7 @@
 """The problems that the settings describe, and those of a simulation, stacked in arrays for the kernels."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -101,13 +102,16 @@ def _clash(first: StaticScenario, second: StaticScenario, what: str, one: object
 def make_problem(scenario: str | AnyScenario, **options: object) -> Problem:
     """Return the problem of an environment of that scenario and these options of `Settings`.
 
-    If the map changes, this is the problem at the end of an episode, which results refer to.
+    If the map changes, this is the problem at the end of an episode, which results refer to. The default of
+    the encoding is "waypoints", or the first one of a kind of scenario that has no waypoints.
 
     Raises:
         SettingError: for a value that an option cannot have, or an option that would change nothing.
     """
     chosen: dict[str, Any] = options
     settings = Settings(scenario=scenario, **chosen)
+    if "encoding" not in options and settings.encoding not in settings.kind.options:
+        settings = replace(settings, encoding=next(iter(settings.kind.options)))
     settings.refuse_unused(options)
     return problems_for(settings)[len(worlds_of(settings.scenarios[0])) - 1]
 

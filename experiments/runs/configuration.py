@@ -9,7 +9,7 @@ from experiments.runs.episode import controller_of
 from experiments.runs.experiment import Experiment
 from swarm_gym.comparing.entrants import entrant
 from swarm_gym.controllers.names import BLINDED, ControllerName
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import origin_of
 from swarm_gym.reference.optima import digest
 from swarm_gym.settings import Settings
@@ -54,7 +54,7 @@ def environment_configuration(experiment: Experiment) -> dict[str, Any]:
         get_optimizer(experiment.optimizer), {"scenario": experiment.scenarios[0], **experiment.options}
     )
     found: dict[str, Any] = {"optimizer": experiment.optimizer, "settings": stated(settings)}
-    if experiment.optimizer not in OPTIMIZERS:
+    if experiment.optimizer not in ALL_OPTIMIZERS:
         found["optimizer"] = f"{experiment.optimizer}, {origin_of('optimizer', experiment.optimizer)}"
     for name in experiment.scenarios:
         problem = make_problem(name, **experiment.options)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from swarm_gym.comparing.bootstrap import Interval, draw, interval, means
 from swarm_gym.errors import ScenarioError
 from swarm_gym.reference import gap_to_optimum, known_optimum, quick_optima
-from swarm_gym.scenarios import GridScenario
+from swarm_gym.reference.onemax.optima import COUNTINGS, least_evaluations
+from swarm_gym.scenarios import GridScenario, OneMaxScenario, make_scenario
 from swarm_gym.worlds import make_problem
 
 Floats = NDArray[np.float64]
@@ -35,6 +36,9 @@ class ComparedRuns:
         feasible: True where the best path is feasible.
         evaluations: number of calls of the cost function.
         optima: fitness of the optimum of each scenario, (scenarios,), NaN where it is unknown.
+        least_evaluations: where runs are measured by their evaluations until a target, as on bit strings: the
+            expected evaluations of the optimal control of each scenario, (scenarios,), NaN where unknown.
+            None where runs are measured by their fitness.
     """
 
     controllers: tuple[str, ...]
@@ -45,6 +49,7 @@ class ComparedRuns:
     feasible: NDArray[np.bool_]
     evaluations: Floats
     optima: Floats
+    least_evaluations: Floats | None = None
 
     @property
     def scenarios(self) -> tuple[str, ...]:
@@ -53,8 +58,20 @@ class ComparedRuns:
 
     @cached_property
     def gap(self) -> Floats:
-        """Optimality gap, (fitness - optimum) / optimum; NaN where the optimum is unknown."""
+        """Optimality gap, (fitness - optimum) / optimum; NaN where the optimum is unknown.
+
+        Where runs are measured by their evaluations, these are compared, and the gap of an unsolved run is
+        infinite.
+        """
+        if self.least_evaluations is not None:
+            above = gap_to_optimum(self.evaluations, self.least_evaluations[:, None])
+            return np.where(self.solved | np.isnan(above), above, np.inf)
         return gap_to_optimum(self.fitness, self.optima[:, None])
+
+    @property
+    def solved(self) -> NDArray[np.bool_]:
+        """True for runs whose fitness is 0, which is the target of bit strings."""
+        return self.fitness == 0.0
 
     def objective(self, price: float = 1.0) -> Floats:
         """Return the gap in per cent plus the price times evaluations / 100,000 of every run.
@@ -84,11 +101,14 @@ class ComparedRuns:
     def table(self, price: float = 1.0) -> str:
         """Return a table as text, a row for each controller.
 
-        Scenarios whose optimum is unknown have no gap, so that fitness takes the place of the objective.
+        Scenarios whose optimum is unknown have no gap, so that fitness takes the place of the objective. On
+        bit strings, evaluations do, and no price is needed.
 
         Args:
             price: price of 100,000 evaluations, in per cent of the optimum.
         """
+        if self.least_evaluations is not None:
+            return "\n".join(_aligned(self._rows_of_evaluations()))
         known = not np.isnan(self.optima).any()
         judged = self.objective(price) if known else self.fitness
         said = f"objective at price {price:g}" if known else "best fitness"
@@ -108,6 +128,30 @@ class ComparedRuns:
             )
         return "\n".join(aligned(rows))
 
+    def _rows_of_evaluations(self) -> list[tuple[str, ...]]:
+        """Return the rows of a table of evaluations until the target, the head first."""
+        names = list(self.sets) if 1 < len(self.sets) <= MOST_COLUMNS else []
+        heads = ("evaluations", f"minus {self.controllers[0]}", "above the optimum", "solved")
+        rows: list[tuple[str, ...]] = [("controller", *heads, *names)]
+        means_and_differences = zip(
+            self.mean(self.evaluations), self.difference(self.evaluations), strict=True
+        )
+        for k, (mean, difference) in enumerate(means_and_differences):
+            above = "unknown"
+            if np.isfinite(self.gap[k]).all():
+                above = f"{_in_interval(*_mean(100.0 * self.gap[k], self._set_sizes), '+.2f')} %"
+            rows.append(
+                (
+                    self.controllers[k],
+                    _in_interval(*mean, ",.1f"),
+                    _in_interval(*difference, "+,.1f") if k else "",
+                    above,
+                    f"{100.0 * self.solved[k].mean():.0f} %",
+                    *(f"{self.evaluations[k, self._places(name)].mean():,.1f}" for name in names),
+                )
+            )
+        return rows
+
     def as_csv(self) -> str:
         """Return all runs as CSV, one in each line, with the columns `COLUMNS`."""
         text = io.StringIO()
@@ -123,9 +167,13 @@ class ComparedRuns:
     def _set_sizes(self) -> tuple[int, ...]:
         return tuple(map(len, self.sets.values()))
 
+    def _places(self, name: str) -> list[int]:
+        """Return the positions of the scenarios of a set along the second axis."""
+        return [self.scenarios.index(scenario) for scenario in self.sets[name]]
+
     def _of_set(self, controller: int, name: str, known: bool) -> str:
         """Return the mean gap, or fitness, of a controller on a set of scenarios, and its evaluations."""
-        places = [self.scenarios.index(scenario) for scenario in self.sets[name]]
+        places = self._places(name)
         cost = f"at {self.evaluations[controller, places].mean() / 1000.0:.0f}k"
         if known:
             return f"{100.0 * self.gap[controller, places].mean():.2f} % {cost}"
@@ -151,6 +199,26 @@ def optima_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats
     if unknown.size:
         found[unknown] = quick_optima([problems[number] for number in unknown])
     return found
+
+
+def least_evaluations_of(scenarios: Sequence[str], options: Mapping[str, object]) -> Floats | None:
+    """Return the expected evaluations of the optimal control of lambda, (scenarios,), for bit strings.
+
+    The entry of a length whose optimum does not ship is NaN.
+
+    Args:
+        scenarios: names of the scenarios.
+        options: options of their environments; `counting` says which evaluations count.
+
+    Returns:
+        The evaluations, or None if the scenarios are no bit strings.
+    """
+    made = [make_scenario(name) for name in scenarios]
+    strings = [one for one in made if isinstance(one, OneMaxScenario)]
+    if len(strings) < len(made):
+        return None
+    counting = str(options.get("counting", COUNTINGS[0]))
+    return np.array([least_evaluations(one, counting) for one in strings])
 
 
 def refuse_unknown_optima(scenarios: Sequence[str], optima: Floats) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarm_gym.checks import require_integer
-from swarm_gym.comparing.compared_runs import ComparedRuns, optima_of
+from swarm_gym.comparing.compared_runs import ComparedRuns, least_evaluations_of, optima_of
 from swarm_gym.comparing.entrants import Entrant, entrant, environment_of, iterate
 from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.errors import SettingError, shown
@@ -64,7 +64,7 @@ def compare(
     else:
         entrants = [entrant(name, optimizer) for name in controllers]
         runners = [(runs, make_controller(runs.controller)) for runs in entrants]
-    optima = optima_of(names, options)
+    optima, least = optima_of(names, options), least_evaluations_of(names, options)
     found = np.empty((3, len(runners), len(names), len(seeds)))
     for k, (label, (runs, controller)) in enumerate(zip(controllers, runners, strict=True)):
         report(label)
@@ -78,7 +78,7 @@ def compare(
     fitness, collision, evaluations = found
     feasible = collision <= FEASIBILITY_TOLERANCE
     return ComparedRuns(
-        tuple(controllers), sets, tuple(seeds), fitness, collision, feasible, evaluations, optima
+        tuple(controllers), sets, tuple(seeds), fitness, collision, feasible, evaluations, optima, least
     )
 
 

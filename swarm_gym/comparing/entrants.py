@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarm_gym.checks import look_up
 from swarm_gym.controllers.controller import Controller
 from swarm_gym.controllers.names import ControllerName
-from swarm_gym.optimizers import OPTIMIZERS, get_optimizer
+from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.own_code import is_own
 from swarm_gym.registration import environment_id
 
@@ -48,7 +48,7 @@ def entrant(name: str, optimizer: str) -> Entrant:
     parts = ControllerName.parse(name)
     if parts.optimizer is not None:
         if not is_own("optimizer", parts.optimizer):
-            look_up(f"optimizer in {name!r}:", parts.optimizer, OPTIMIZERS)
+            look_up(f"optimizer in {name!r}:", parts.optimizer, ALL_OPTIMIZERS)
         get_optimizer(parts.optimizer)
     return Entrant(parts.optimizer or optimizer, str(parts.controller), parts.iterations)
 

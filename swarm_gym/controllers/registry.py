@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import cast
 
-from swarm_gym.controllers import onemax_rules
+from swarm_gym.controllers import onemax_rules, onemax_schedules
 from swarm_gym.controllers.controller import Controller, SizeLimits
 from swarm_gym.controllers.distilled import load_rule
 from swarm_gym.controllers.fixed import Fixed, Random
@@ -152,6 +152,7 @@ CONTROLLERS: dict[str, Callable[[str, SizeLimits], Controller]] = {
     "tuned": _tuned,
     "distilled": load_rule,
     **{name: rule.from_argument for name, rule in onemax_rules.RULES.items()},
+    "share": onemax_schedules.ShareSchedule.from_argument,
 }
 # Families whose files state the size limits that are used where none are given.
 _WITH_LIMITS: dict[str, Callable[[str], Controller]] = {"learned": load_learned, "tuned": _tuned}

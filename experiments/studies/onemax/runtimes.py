@@ -20,7 +20,7 @@ from swarm_gym.runs.seeds import TEST
 Floats = NDArray[np.float64]
 
 SIZES = (100, 200, 500, 1000, 2000)
-LARGE = (5000, 10_000, 20_000)
+LARGE = (5000, 10_000, 20_000, 40_000)
 SIMULATED = TEST[90_000:91_000]
 SIDE_BY_SIDE = 250
 

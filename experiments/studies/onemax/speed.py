@@ -8,19 +8,22 @@ from pathlib import Path
 
 import numba
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
 from experiments.tables import Table
-from experiments.tables.cell import Cell
+from experiments.tables.cell import Cell, Entry
 from swarm_gym.controllers.onemax_rules import OPTIMIZER, sizes_of_theory
 from swarm_gym.errors import MissingExtraError
 from swarm_gym.vector_env import SwarmVectorEnv
 
-SIZE, SWARMS, SECONDS = 500, 1024, 5.0
+SIZES = (100, 500, 2000, 10_000)
+SWARMS, SECONDS, TURNS = 1024, 2.0, 3
+ITERATIONS = 6000  # of an episode; long strings are not solved by then, and begin again
 LARGEST = 6  # exponent of the largest lambda, 64
 
 
 def speed(checkout: Path) -> Table:
-    """Return the table of steps per second at n = 500; lambda is that of theory, as a power of two.
+    """Return the table of steps per second by length; lambda is that of theory, as a power of two.
 
     Args:
         checkout: folder of a checkout of github.com/taindp98/OneMax-MPDAC.
@@ -28,24 +31,22 @@ def speed(checkout: Path) -> Table:
     Raises:
         MissingExtraError: if the checkout, or what it imports, is missing.
     """
-    ours, theirs = _our_steps(), _published_steps(checkout)
-    # In turns, so that both meet the same disturbances.
-    rates = np.array([(_rate(ours), _rate(theirs)) for _ in range(3)])
-    medians = np.median(rates, axis=0)
-    ratio = float(np.median(rates[:, 0] / rates[:, 1]))
-    rows = [
-        (
-            "swarm_gym, 1,024 side by side",
-            Cell.of("{value:,.0f}", value=medians[0]),
-            Cell.of("{value:,.0f}", value=ratio),
-        ),
-        ("OneMax-MPDAC", Cell.of("{value:,.0f}", value=medians[1]), Cell.of("{value:.0f}", value=1.0)),
-    ]
+    rows: list[tuple[Entry, ...]] = []
+    for size in SIZES:
+        steps = _our_steps(size, infos=True), _our_steps(size, infos=False), _published_steps(checkout, size)
+        # In turns, so that all meet the same disturbances.
+        rates = np.array([[_rate(step) for step in steps] for _ in range(TURNS)])
+        whole, bare, theirs = np.median(rates, axis=0)
+        ratios = np.median(rates[:, :2] / rates[:, 2:], axis=0)
+        numbers = (Cell.of("{value:,.0f}", value=value) for value in (whole, bare, theirs, *ratios))
+        rows.append((f"{size:,}", *numbers))
     caption = (
-        f"Environment steps per second at n = {SIZE} with the lambda of theory, on "
-        f"{numba.config.NUMBA_NUM_THREADS} cores; median of three turns of {SECONDS:.0f} s each"
+        f"Environment steps per second with the lambda of theory, on {numba.config.NUMBA_NUM_THREADS} cores; "
+        f"medians of {TURNS} turns of {SECONDS:.0f} s each. swarm_gym has {SWARMS:,} swarms side by side; "
+        "without infos is the step of rollouts and training"
     )
-    return Table("speed", caption, ("environment", "steps per second", "times the published"), rows)
+    heads = ("n", "step", "step without infos", "OneMax-MPDAC", "ratio", "ratio without infos")
+    return Table("speed", caption, heads, rows)
 
 
 def _rate(step: Callable[[], int]) -> float:
@@ -61,22 +62,31 @@ def _rounded(lengths: np.ndarray, ones: np.ndarray) -> np.ndarray:
     return np.clip(np.rint(np.log2(sizes_of_theory(lengths, ones))), 0, LARGEST)
 
 
-def _our_steps() -> Callable[[], int]:
-    swarms = SwarmVectorEnv(SWARMS, OPTIMIZER, scenario=f"onemax:{SIZE}", iterations=12 * SIZE)
+def _our_steps(size: int, infos: bool) -> Callable[[], int]:
+    """Return a function that makes steps of all swarms, with the infos of `step`, or by `step_running`."""
+    mode = AutoresetMode.NEXT_STEP if infos else AutoresetMode.DISABLED
+    scenario = f"onemax:{size}"
+    swarms = SwarmVectorEnv(SWARMS, OPTIMIZER, autoreset_mode=mode, scenario=scenario, iterations=ITERATIONS)
     seen, _ = swarms.reset(seed=0)
 
     def step() -> int:
         nonlocal seen
-        for _ in range(50):
-            sizes = 2.0 ** _rounded(seen[:, 0], np.minimum(seen[:, 1], SIZE - 1))
-            seen, *_ = swarms.step(np.stack([sizes, np.zeros(SWARMS)], axis=1))
-        return 50 * SWARMS
+        for _ in range(20):
+            sizes = 2.0 ** _rounded(seen[:, 0], np.minimum(seen[:, 1], size - 1))
+            actions = np.stack([sizes, np.zeros(SWARMS)], axis=1)
+            if infos:
+                seen, *_ = swarms.step(actions)
+                continue
+            seen, _, ended = swarms.step_running(actions)
+            if ended.any():
+                swarms.begin(ended, None, None)
+        return 20 * SWARMS
 
     step()  # compiles
     return step
 
 
-def _published_steps(checkout: Path) -> Callable[[], int]:
+def _published_steps(checkout: Path, size: int) -> Callable[[], int]:
     sys.path.insert(0, str(checkout))
     try:
         benchmark = import_module("dacbench.benchmarks").OLLGATheoryBenchmark
@@ -91,7 +101,7 @@ def _published_steps(checkout: Path) -> Callable[[], int]:
             "min_action": 1,
             "max_action": 2**LARGEST,
             "problem": "OneMax",
-            "instance_set_path": f"om_ollga_{SIZE}_medium.csv",
+            "instance_set_path": f"om_ollga_{size}_medium.csv",
             "observation_description": "n,f(x)",
             "reward_choice": "imp_minus_evals",
             "seed": 0,

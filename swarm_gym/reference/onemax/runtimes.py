@@ -157,7 +157,9 @@ def _optimise(
     most = 64 * (size + 2)
     strengths, good = np.empty((num_mutations, most), np.int64), np.empty((num_mutations, most), np.int64)
     weights, counts = np.empty((num_mutations, most)), np.zeros(num_mutations, np.int64)
-    known = np.full((size + 1, size + 1), -1, np.int64)
+    expected = min((strength * mutants).max(), float(size))
+    flips_at_most = min(size, int(expected + 12.0 * math.sqrt(expected) + 60.0))  # but for less than `LEAST`
+    known = np.full((flips_at_most + 1, flips_at_most + 1), -1, np.int64)
     brought = np.empty((most * 4, 3))
     later[size] = 0.0
     for ones in range(size - 1, start - 1, -1):
