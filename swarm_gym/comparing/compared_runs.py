@@ -108,7 +108,7 @@ class ComparedRuns:
             price: price of 100,000 evaluations, in per cent of the optimum.
         """
         if self.least_evaluations is not None:
-            return "\n".join(_aligned(self._rows_of_evaluations()))
+            return "\n".join(aligned(self._rows_of_evaluations()))
         known = not np.isnan(self.optima).any()
         judged = self.objective(price) if known else self.fitness
         said = f"objective at price {price:g}" if known else "best fitness"
