@@ -1,6 +1,7 @@
 """Tables of docs/layouts.md: every layout and reward, its numbers and ranges, and whom it is for."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from experiments.site.environments import BUDGET, NEEDS_OF_REWARDS, SCENARIO, base_of, range_of
@@ -8,11 +9,14 @@ from experiments.site.markdown import code, first_sentence, table
 from experiments.tables.document import Block
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
+from swarm_gym.errors import SettingError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reward import NEED_BITS, REWARDS
 
-OPTIMIZER, ON_BITS = "firefly", "one-plus-lambda-lambda"
+OPTIMIZER = "firefly"
+# Optimizers whose numbers are shown of a layout: the first that has it.
+SHOWN = (OPTIMIZER, "cma-es", "one-plus-lambda-lambda")
 ACTIONS_ARE_FOR: Mapping[str, str] = {
     "natural": "rules; the default of `gymnasium.make`",
     "normalised": "policies that correct a controller of size and phi",
@@ -36,6 +40,7 @@ OBSERVATIONS_ARE_FOR: Mapping[str, str] = {
     "jumps": "learners on maps that change, which see what events do",
     "told": "learners on maps that change, which are told when events come",
     "named": "one policy for several optimizers",
+    "restarts": "rules of CMA-ES that see its restarts",
     "theory": "the rules of OneMax",
     "theory-scaled": "learners on OneMax; the default of `make_vec` there",
 }
@@ -54,13 +59,10 @@ def actions_block(_: object = None) -> str:
 
 
 def observations_block(_: object = None) -> str:
-    """Return the table of observation layouts, with the numbers of fireflies or of bit strings."""
+    """Return the table of observation layouts, with the numbers of fireflies where they have them."""
     rows = []
     for name, layout in OBSERVATIONS.items():
-        on_bits = any(feature.needs_bits for feature in layout.features)
-        where: dict[str, Any] = {} if on_bits else {"scenario": SCENARIO}
-        env = SwarmEnv(ON_BITS if on_bits else OPTIMIZER, observation=name, **where)
-        space: Any = env.observation_space
+        space = _space_of(name)
         numbers = list(zip(layout.features, space.low, space.high, strict=True))
         base = base_of(name)
         numbers = numbers[len(OBSERVATIONS[base].features) :] if base else numbers
@@ -68,6 +70,14 @@ def observations_block(_: object = None) -> str:
         said = f"those of `{base}`; {said}" if base else said
         rows.append((code(name), OBSERVATIONS_ARE_FOR.get(name, "–"), len(layout.features), said))
     return table(("observation", "for", "numbers", "meaning"), rows)
+
+
+def _space_of(observation: str) -> Any:
+    """Return the space of an observation layout, with the first optimizer that has it."""
+    for optimizer in SHOWN[:-1]:
+        with suppress(SettingError):
+            return SwarmEnv(optimizer, scenario=SCENARIO, observation=observation).observation_space
+    return SwarmEnv(SHOWN[-1], observation=observation).observation_space
 
 
 def rewards_block(_: object = None) -> str:
