@@ -36,9 +36,9 @@ class ComparedRuns:
         feasible: True where the best path is feasible.
         evaluations: number of calls of the cost function.
         optima: fitness of the optimum of each scenario, (scenarios,), NaN where it is unknown.
-        least_evaluations: where runs are measured by their evaluations until a target, as on bit strings: the
-            expected evaluations of the optimal control of each scenario, (scenarios,), NaN where unknown.
-            None where runs are measured by their fitness.
+        least_evaluations: expected evaluations of the optimal control of each scenario, (scenarios,), NaN
+            where unknown, if runs are measured by their evaluations until a target, as on bit strings; else
+            None.
     """
 
     controllers: tuple[str, ...]

@@ -67,7 +67,10 @@ def four_parameters() -> Table:
         ("optimum, wide choices", *(_number(optimum("onemax-four", size)) for size in SIZES)),
         ("optimum, published choices", *(_of(optimum("onemax-four-published", s), s, _four) for s in SIZES)),
         *_of_recipe("PPO", FOUR, _four),
-        ("CMA-ES over the share of zeros", *(_of(expected("share:four", size), size, _four) for size in SIZES)),
+        (
+            "CMA-ES over the share of zeros",
+            *(_of(expected("share:four", size), size, _four) for size in SIZES),
+        ),
         ("DDQN, published", *(_of(published.DDQN_FOUR[size][0], size, _four) for size in SIZES)),
         ("symbolic rule", *(_of(expected("symbolic", size), size, _four) for size in SIZES)),
         ("static, by irace, published", *(_of(published.IRACE[size][0], size, _four) for size in SIZES)),
