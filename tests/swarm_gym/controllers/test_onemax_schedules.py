@@ -85,5 +85,5 @@ def test_knots_of_another_shape_or_without_a_number_are_refused(knots):
 
 
 def test_a_name_that_does_not_ship_is_refused_with_those_that_do():
-    with pytest.raises(UnknownNameError, match=r"four.*lambda|lambda.*four"):
+    with pytest.raises(UnknownNameError, match=r"(?s)four.*lambda|lambda.*four"):
         make_controller("share:beta")
