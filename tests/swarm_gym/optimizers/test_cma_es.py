@@ -300,7 +300,7 @@ def test_what_the_method_cannot_have_is_refused_by_name():
 def test_an_optimum_in_a_corner_of_the_bounds_is_reached():
     """Members outside are moved to the bounds: the linear slope of BBOB is solved exactly."""
     swarms, tables = begin(NAME, [function_problem("function:bbob-5-10-1")] * 4, size=10)
-    for _ in range(150):
+    for _ in range(600):
         advance(NAME, swarms, tables, 10, 0.0)
     assert (swarms.best_fitness < 1e-8).all()
     assert (np.abs(swarms.positions) <= 5.0).all()

@@ -58,7 +58,7 @@ def their_run(problem, until_target, ask, tell):
 
 
 def run_cmaes(problem, until_target, seed):
-    optimizer = pytest.importorskip("cmaes", reason="needs cmaes, of the group peers").CMA(
+    optimizer = pytest.importorskip("cmaes", reason="needs cmaes, of the extra `train`").CMA(
         mean=first_point(problem.dimension), sigma=STEP, seed=seed
     )
     return their_run(
@@ -70,7 +70,7 @@ def run_cmaes(problem, until_target, seed):
 
 
 def run_pycma(problem, until_target, seed):
-    library = pytest.importorskip("cma", reason="needs pycma, of the group peers")
+    library = pytest.importorskip("cma", reason="needs pycma, of the group dev")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         options = {"verbose": -9, "seed": seed + 1}
