@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from swarm_gym.arrays import as_numpy
 from swarm_gym.checks import require_integer
-from swarm_gym.controllers import Controller
+from swarm_gym.controllers import Controller, make_controller
 from swarm_gym.errors import MissingExtraError, SettingError, shown
-from swarm_gym.learner_options import learner_options, warn_of_unscaled
+from swarm_gym.learner_options import FOR_NETWORKS, learner_options, warn_of_unscaled
 from swarm_gym.settings import Settings
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -73,7 +73,8 @@ def make_vec(
     of_swarms = {name: value for name, value in options.items() if name not in OF_VECTORS}
     chosen: dict[str, Any] = {**options, **learner_options(optimizer, **of_swarms)}
     if base is not None and "action" not in options:
-        del chosen["action"]  # the base's decisions are its default
+        decided = (make_controller(base) if isinstance(base, str) else base).action
+        chosen["action"] = FOR_NETWORKS["action"].get(decided, chosen["action"])
     warn_of_unscaled(chosen)
     mode = AutoresetMode.SAME_STEP
     env = SwarmVectorEnv(

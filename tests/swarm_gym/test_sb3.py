@@ -229,16 +229,24 @@ def test_workers_that_start_anew_make_environments_by_an_id_with_its_package(met
     np.testing.assert_array_equal(seen, SwarmVectorEnv(2, **OPTIONS).reset(seed=3)[0])
 
 
+def test_corrections_are_in_the_layout_that_the_decisions_of_the_base_need():
+    made = make_vec("firefly", 1, base="open-loop:three-cases-sourced/0@1", iterations=5)
+    assert made.env.settings.action == "sourced-normalised"
+    made = make_vec("firefly", 1, base="open-loop:three-cases", action="normalised", iterations=5)
+    assert made.env.settings.action == "normalised"
+
+
 def test_a_policy_whose_output_is_zero_is_its_base():
     made = make_vec("firefly", 2, base="open-loop:three-cases", seed=3, iterations=5)
-    assert made.observation_space.shape == (6,)  # the layout `scaled`, and two proposals
+    assert made.observation_space.shape == (11,)  # the layout `extended`, and two proposals
     assert made.action_space.shape == (2,)
+    assert made.env.settings.action == "centred"  # small corrections of phi = 0 change next to nothing
     made.reset()
     for _ in range(5):
         _, _, dones, infos = made.step(np.zeros((2, 2), dtype=np.float32))
     assert dones.all()
     alone = make_controller("open-loop:three-cases")
-    swarms = swarms_for(alone, 2, "firefly", iterations=5)
+    swarms = swarms_for(alone, 2, "firefly", iterations=5, reward="optimality", price=1.0)
     earned = run_swarms(alone, swarms, range(3, 5))
     assert [info["episode"]["r"] for info in infos] == earned.tolist()
     assert [info["best_fitness"] for info in infos] == swarms.simulation.swarms.best_fitness.tolist()

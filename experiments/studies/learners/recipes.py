@@ -76,7 +76,7 @@ NOISE_OF_TD3 = 0.2
 SMALL_NOISE: dict[str, Any] = {"policy_kwargs": {"log_std_init": -2.0}}
 # Gaps are small there, so that a logarithm tells more than the gap itself.
 SOURCED = {"action": "sourced-normalised", "reward": "final", "price": 0.3}
-RESIDUAL = {"base": "open-loop:three-cases", "action": "normalised"}
+RESIDUAL = {"base": "open-loop:three-cases"}
 
 RECIPES: dict[str, Recipe] = {
     "ppo": Recipe("PPO", ON_POLICY),
