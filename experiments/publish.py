@@ -24,6 +24,7 @@ from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
+from experiments.studies.strong.suites import LADDER
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import select
 from swarm_gym.checks import look_up
@@ -32,9 +33,8 @@ from swarm_gym.errors import MissingExtraError
 
 # What README.md shows of the headline table: rows by the keys of their groups, and columns.
 STRONGEST = (
-    "learned:three-cases/*@1", "learned:three-cases-linear/*@1", "learned:three-cases-evolution/*@1",
-    "open-loop:three-cases-13-knots/*@1", "tuned:three-cases", "open-loop:three-cases-long/*@1",
-    "spsfa-tip", "fixed:100",
+    "learned:three-cases/*@1", "learned:three-cases-linear/*@1", "open-loop:three-cases-13-knots/*@1",
+    "tuned:three-cases", "spsfa-tip", "fixed:100",
 )  # fmt: skip
 SHOWN = ("controller", "seeds", "objective", "case1", "case2", "case3", "minus the best blind rival")
 CAPTION = (
@@ -43,6 +43,7 @@ CAPTION = (
     "difference to the smallest objective of controllers that see nothing"
 )
 SUITE, STUDY, BENCHMARK = "docs/paper", "study/headline", "benchmark"  # folders of the document `results`
+AT_BUDGETS = "strong/cases-at-budgets"
 
 
 def _speed(results: ResultsFolder) -> str:
@@ -92,9 +93,20 @@ def _readings_of_one_fifth(results: ResultsFolder) -> str:
     return results.table("readings").markdown()
 
 
+def _ladder(results: ResultsFolder) -> str:
+    """Return the rows of README.md from the table of the cases at equal evaluations."""
+    table = results.table(f"{AT_BUDGETS}/cases-at-budgets")
+    return replace(table, rows=[row for row in table.rows if str(row[0]) in LADDER]).markdown()
+
+
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {
     "headline": _speed,
     **{name: partial(_measurements, name) for name in CAPTIONS},
+}
+README_BLOCKS: Mapping[str, Block] = {
+    "ladder": _ladder,
+    "results": _headline,
+    "speed": _speed_in_short,
 }
 RANKINGS: Mapping[str, Block] = {
     SUITES_BLOCK: suites_block,
@@ -103,7 +115,7 @@ RANKINGS: Mapping[str, Block] = {
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
-        Document(Path("README.md"), "", "", blocks={"results": _headline, "speed": _speed_in_short}),
+        Document(Path("README.md"), "", "", blocks=README_BLOCKS),
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
     **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},

@@ -41,6 +41,13 @@ ROWS: dict[str, str] = {
     "firefly+learned:three-cases/*@1": "fireflies, learned size and phi",
     "firefly+learned:three-cases-sourced/*": "fireflies, learned with sources",
 }
+# What README.md shows of these rows.
+LADDER = (
+    "fireflies, learned with sources", "fireflies, learned size and phi", "fireflies, SPSFA-TIP",
+    "fireflies, 60 members, smooth first members", "CMA-ES, lambda 80, uniform first members",
+    "CMA-ES, lambda 40, smooth first members", "CMA-ES, lambda 80, smooth first members",
+    "L-SHADE, from 120 to 4", "L-SHADE, 120 members, smooth first members",
+)  # fmt: skip
 
 
 def _members(key: str) -> tuple[str, ...]:
