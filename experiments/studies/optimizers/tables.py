@@ -180,4 +180,4 @@ TABLES = {
     "transfer": transfer_tables,
     "one-for-all": one_for_all_tables,
 }
-DOCUMENTS = {"optimizers": document_of_suite("docs/optimizers.md", "optimizers-study")}
+DOCUMENTS = {"optimizers": (document_of_suite("docs/optimizers.md", "optimizers-study"),)}
