@@ -1,4 +1,4 @@
-"""What the page of maps that change lists among its findings, and the table of its strongest controllers."""
+"""Findings on the page of maps that change, and the table of its strongest controllers."""
 
 from dataclasses import replace
 

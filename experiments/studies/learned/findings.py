@@ -1,4 +1,4 @@
-"""What the page of the study of learned controllers lists among its findings, and the rows of its table."""
+"""Findings on the page of the study of learned controllers, and the rows of its table."""
 
 from experiments.runs.groups import EVERY_SET
 from experiments.studies.learned.suites import GENERALISATION, HEADLINE

@@ -1,4 +1,4 @@
-"""What the page of the study of new members lists among its findings, and the controllers of its table."""
+"""Findings on the page of the study of new members, and the controllers of its table."""
 
 from experiments.studies.newcomers.suites import ABLATION, BASELINE, FIELDS, NEWCOMERS
 from experiments.tables.block_contents import Finding

@@ -117,7 +117,7 @@ def test_findings_are_claims_and_some_do_not_hold(name):
     assert ": does **not** hold, " in shown
 
 
-# Numbers of a summary that no generated row of its page has: a length that another test computes, and budgets.
+# Numbers of a summary that no row of its page has: a length that another test computes, and budgets.
 EXCEPTIONS = {"optimizers": {"8.1", "10,000", "50,000"}}
 NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?!\w|\.\d)|(?<![\w.,])\d{1,3}(?:,\d{3})+(?![\w,])")
 
