@@ -5,7 +5,8 @@ modules state what it has, all of it optional:
 
 * `suites.py`: SUITES, a tuple of suites, and COLLECTIONS, tuples of names of suites by the name that stands
   for all of them. DOCUMENTS that show suites whose tables all belong to other studies.
-* `tables.py`: TABLES, functions of a suite and its outcomes that make tables, and DOCUMENTS, which show them.
+* `tables.py`: TABLES, functions of a suite and its outcomes that make tables, and DOCUMENTS, which show them:
+  under each name a page, and its appendix if it has one.
 * `figures.py`: FIGURES, functions of what is stored that tell what can be drawn. This module is imported only
   when a figure is drawn, since runs need no plotting library.
 * `claims.toml`: comparative sentences about the runs of its suites (`experiments.runs.claims`).
@@ -79,7 +80,7 @@ def _suites() -> dict[str, Suite]:
 SUITES = _suites()
 COLLECTIONS: dict[str, tuple[str, ...]] = _collect("suites", "COLLECTIONS")
 TABLES: dict[str, TableMaker] = _collect("tables", "TABLES")
-DOCUMENTS: dict[str, Document] = _collect("suites", "DOCUMENTS") | _collect("tables", "DOCUMENTS")
+DOCUMENTS: dict[str, tuple[Document, ...]] = _collect("suites", "DOCUMENTS") | _collect("tables", "DOCUMENTS")
 
 
 @cache

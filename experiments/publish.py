@@ -18,13 +18,13 @@ from experiments import catalogue
 from experiments.documents.marked_blocks import fill
 from experiments.evaluate import EvaluateConfig, evaluate
 from experiments.runs.database import ResultsError
-from experiments.runs.labels import label
 from experiments.scoring.ranking import SUITES_BLOCK, ranking_block, suites_block
 from experiments.scoring.suites import SCORED
 from experiments.site.layouts import LAYOUT_BLOCKS
 from experiments.speed.benchmark_page import CAPTIONS, headline, in_short, read_folder, table
 from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
+from experiments.tables.block_contents import rows_of
 from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.reshape import select
 from swarm_gym.checks import look_up
@@ -79,13 +79,8 @@ def _headline(results: ResultsFolder) -> str:
         results.show(f"{SUITE}/{file.name}")
     results.show(f"{SUITE}/README.md")
     results.show(f"{BENCHMARK}/growth.svg")
-    table = results.table(f"{STUDY}/headline")
-    by_name = {str(row[0]): row for row in table.rows}
-    missing = [key for key in STRONGEST if label(key) not in by_name]
-    if missing:
-        raise ValueError(f"{results.path / STUDY}/headline has no rows of {', '.join(missing)}")
-    chosen = replace(table, caption=CAPTION, rows=[by_name[label(key)] for key in STRONGEST])
-    return select(chosen, SHOWN).markdown()
+    chosen = rows_of(results.table(f"{STUDY}/headline"), STRONGEST)
+    return select(replace(chosen, caption=CAPTION), SHOWN).markdown()
 
 
 def _readings_of_one_fifth(results: ResultsFolder) -> str:
@@ -118,7 +113,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
         Document(Path("README.md"), "", "", blocks=README_BLOCKS),
         Document(Path("docs/performance.md"), "", "", blocks=PERFORMANCE_BLOCKS),
     ),
-    **{name: (document,) for name, document in catalogue.DOCUMENTS.items()},
+    **catalogue.DOCUMENTS,
     "layouts": (Document(Path("docs/layouts.md"), "", "", blocks=LAYOUT_BLOCKS),),
     "learners": (Document(Path("docs/learners.md"), "learners", "learners"),),
     "known-optimum": (
@@ -173,10 +168,11 @@ def evaluate_suite(name: str, results: Path) -> None:
         ValueError: if the document has no suite.
         ResultsError: if the database of the suite cannot be used.
     """
-    for document in look_up("document", name, DOCUMENTS):
-        if not document.suite:
+    documents = look_up("document", name, DOCUMENTS)
+    for suite, folder in dict.fromkeys((document.suite, document.results) for document in documents):
+        if not suite:
             raise ValueError(f"--evaluate: {name} is not made from one suite; run `make docs-{name}`")
-        evaluate(EvaluateConfig(document.suite, output=(results / document.results).parent))
+        evaluate(EvaluateConfig(suite, output=(results / folder).parent))
 
 
 def main() -> None:

@@ -39,7 +39,7 @@ def draw_map(axes: Axes, scenario: StaticScenario) -> None:
         return
     x_min, y_min, x_max, y_max = scenario.view
     if isinstance(scenario, Scenario):
-        _draw_obstacles(axes, scenario.obstacles)
+        draw_obstacles(axes, scenario.obstacles)
     else:
         _draw_cells(axes, scenario.map)
     heights = (y_min, y_max) if scenario.y_up else (y_max, y_min)
@@ -102,11 +102,11 @@ def draw_shortest_path(axes: Axes, points: Floats, label: str) -> None:
     axes.plot(*points.T, color="#f0e442", linewidth=5, label=label, zorder=2)
 
 
-def _draw_obstacles(axes: Axes, obstacles: Sequence[Obstacle]) -> None:
-    """Draw circles and polygons."""
+def draw_obstacles(axes: Axes, obstacles: Sequence[Obstacle], colour: str = OBSTACLE) -> None:
+    """Draw circles and polygons, filled with a colour."""
     patches = [_patch(obstacle) for obstacle in obstacles]
     # Outlines are above the paths, so that many paths do not hide the obstacles.
-    for face, edge, zorder in ((OBSTACLE, "none", 1), ("none", OUTLINE, 3.5)):
+    for face, edge, zorder in ((colour, "none", 1), ("none", OUTLINE, 3.5)):
         shapes = PatchCollection(patches, facecolor=face, edgecolor=edge, linewidth=0.6, zorder=zorder)
         axes.add_collection(shapes)
 

@@ -1,16 +1,69 @@
 """Makers of the marked blocks of documents that show tables and figures of several suites."""
 
 import re
-from dataclasses import replace
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
+from experiments.runs.labels import label
+from experiments.tables.cell import verdict
 from experiments.tables.document import MADE_WITH, ResultsFolder
-from experiments.tables.reshape import join, select, shorten_heads, split, spread
-from experiments.tables.table import Table
+from experiments.tables.reshape import join, pick, select, shorten_heads, split, spread
+from experiments.tables.table import LINE, Table
 
 GAP_COLUMNS = (
     "scenarios", "controller", "mean gap", "inter-quartile mean", "median", "max", "std",
     "feasible", "mean evaluations", "mean seconds",
 )  # fmt: skip
+CLAIM_COLUMNS = ("measure", "controller", "rival or limit", "difference", "holds")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A claim that a page lists among its findings.
+
+    Attributes:
+        sentence: sentence of the claim, as in the claims file of its study.
+        rows: rows of the claims tables that the page shows: the suite, the set of scenarios, and the name of
+            that set on the page.
+    """
+
+    sentence: str
+    rows: tuple[tuple[str, str, str], ...]
+
+
+def findings(chosen: Sequence[Finding], results: ResultsFolder) -> str:
+    """Return claims as a list: each sentence, and whether it holds, with its numbers.
+
+    Raises:
+        ValueError: if a table of claims lacks one of the rows.
+    """
+    return "\n".join(_listed(finding, results) for finding in chosen)
+
+
+def _listed(finding: Finding, results: ResultsFolder) -> str:
+    parts = [finding.sentence]
+    for suite, scenario_set, name in finding.rows:
+        table = results.table(f"{suite}/claims")
+        found = pick(table, ("claim", "scenarios"), [(finding.sentence, scenario_set)])
+        ((measure, mine, theirs, difference, holds),) = select(found, CLAIM_COLUMNS).rows
+        held = "holds" if str(holds) == verdict(True) else "does **not** hold"
+        parts.append(f"{name}: {held}, {mine} against {theirs}, difference {difference} ({measure}).")
+    hyphens = {"break_long_words": False, "break_on_hyphens": False}
+    return textwrap.fill(" ".join(parts), LINE, initial_indent="* ", subsequent_indent="  ", **hyphens)
+
+
+def rows_of(table: Table, groups: Sequence[str], scenario_set: str = "") -> Table:
+    """Return the rows of some groups of controllers, by the keys of the groups and in their order.
+
+    Args:
+        table: table with a column `controller`.
+        groups: keys of the groups.
+        scenario_set: set of scenarios, if the table has rows for several.
+    """
+    if not scenario_set:
+        return pick(table, ("controller",), [(label(group),) for group in groups])
+    return pick(table, ("scenarios", "controller"), [(scenario_set, label(group)) for group in groups])
 
 
 def decisions_name(group: str) -> str:

@@ -1,5 +1,6 @@
 """Parts of results tables, for documents that have no room for a whole table."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from experiments.tables.cell import MISSING, Entry
@@ -17,6 +18,25 @@ def select(table: Table, columns: tuple[str, ...]) -> Table:
     places = [_place(table, column) for column in columns]
     rows = [tuple(row[place] for place in places) for row in table.rows]
     return replace(table, columns=columns, rows=rows)
+
+
+def pick(table: Table, columns: tuple[str, ...], keys: Sequence[tuple[str, ...]]) -> Table:
+    """Return the table with one row for each key, in the order of the keys.
+
+    Args:
+        table: table to take rows from.
+        columns: heads of the columns that name a row.
+        keys: entries of these columns, one tuple for each row.
+
+    Raises:
+        ValueError: if the table lacks a column or a row.
+    """
+    places = [_place(table, column) for column in columns]
+    by_key = {tuple(str(row[place]) for place in places): row for row in table.rows}
+    missing = [", ".join(key) for key in keys if key not in by_key]
+    if missing:
+        raise ValueError(f"table {table.name!r} has no rows of {'; '.join(missing)}")
+    return replace(table, rows=[by_key[key] for key in keys])
 
 
 def split(table: Table, column: str = SETS) -> dict[str, Table]:

@@ -29,4 +29,4 @@ ADAPTERS = Suite(
 SUITES = (ADAPTERS,)
 
 
-DOCUMENTS = {"adapters": document_of_suite("docs/adapters.md", "adapters")}
+DOCUMENTS = {"adapters": (document_of_suite("docs/adapters.md", "adapters"),)}

@@ -135,4 +135,4 @@ def _differences(compared: Difference | None, p_value: float) -> Row:
 
 
 TABLES = {"bbob-groups": group_tables, "bbob-rules": rule_tables}
-DOCUMENTS = {"bbob": document_of_suite("docs/bbob.md", "bbob")}
+DOCUMENTS = {"bbob": (document_of_suite("docs/bbob.md", "bbob"),)}

@@ -253,4 +253,4 @@ def _mean_of(values: Floats) -> float:
 
 
 TABLES = {"brand-yu-counts": count_tables, "brand-yu-grids": grid_tables}
-DOCUMENTS = {"brand-yu": document_of_suite("docs/brand-yu-paper.md", "brand-yu")}
+DOCUMENTS = {"brand-yu": (document_of_suite("docs/brand-yu-paper.md", "brand-yu"),)}

@@ -1,4 +1,4 @@
-"""The figure of runs before and after an obstacle appears: best fitness by iteration."""
+"""Figures of maps that change: the obstacles that appear, and runs before and after that by iteration."""
 
 from functools import partial
 
@@ -6,13 +6,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from experiments.plots import map_plot
 from experiments.plots.courses import columns
 from experiments.plots.gaps import logarithmic_ticks
 from experiments.plots.stored import FigureMaker
-from experiments.plots.style import GREY, draw_banded_line, legend_below, new_figure, styles
+from experiments.plots.style import BLUE, GREY, RED, draw_banded_line, legend_below, new_figure, styles
 from experiments.runs.outcomes import Outcomes
 from experiments.runs.suite import Suite
-from swarm_gym.reference import known_optimum
+from experiments.studies.controllers import CASES
+from swarm_gym.reference import known_optimum, shortest_path
+from swarm_gym.scenarios import Scenario, make_scenario, worlds_of
 from swarm_gym.settings import Settings
 from swarm_gym.worlds import problems_for, worlds_for
 
@@ -21,6 +24,32 @@ SHOWN = (
     "spsfa-tip", "tuned:random-fields", "open-loop:random-fields-sourced/*@1", "restart",
     "reacting-loop:dynamic-reacting/*@1", "learned:dynamic/*",
 )  # fmt: skip
+EVENTS = {"gate": "closes the corridor of most runs", "block": "stands in the shortest way"}
+
+
+def draw_events() -> Figure:
+    """Draw each case with the obstacle that appears, a row for each kind of event, and the shortest ways."""
+    figure = new_figure(11.0, 5.6)
+    panels = figure.subplots(len(EVENTS), len(CASES), squeeze=False)
+    for row, (event, effect) in zip(panels, EVENTS.items(), strict=True):
+        for axes, case in zip(row, CASES, strict=True):
+            _draw_event(axes, f"dynamic:{case}-{event}@1")
+            axes.set_title(f"{case}-{event}: {effect}")
+    figure.suptitle("Obstacles that appear (red), and the shortest ways before and after")
+    legend_below(figure)
+    return figure
+
+
+def _draw_event(axes: Axes, name: str) -> None:
+    (_, before), (_, after) = worlds_of(make_scenario(name))
+    assert isinstance(before, Scenario)
+    assert isinstance(after, Scenario)
+    map_plot.draw_map(axes, before)
+    new = [obstacle for obstacle in after.obstacles if obstacle not in before.obstacles]
+    map_plot.draw_obstacles(axes, new, RED)
+    for scenario, style, text in ((before, "--", "before"), (after, "-", "after")):
+        way = shortest_path(scenario)[1]
+        axes.plot(*way.T, color=BLUE, linestyle=style, linewidth=1.4, label=f"shortest way {text}", zorder=4)
 
 
 def draw_recovery(suite: Suite, outcomes: Outcomes) -> Figure:
@@ -65,5 +94,6 @@ def _draw_optima(axes: Axes, settings: Settings, last: int) -> None:
 
 
 FIGURES: dict[str, FigureMaker] = {
-    "recovery": lambda stored: {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)}
+    "events": lambda _: {"events": draw_events},
+    "recovery": lambda stored: {"recovery": partial(draw_recovery, stored.suite, stored.outcomes)},
 }

@@ -69,7 +69,7 @@ REPLAYED = ("learned:dynamic/0", LONG_LOOP, LONG_REACTING, "spsfa-tip")
 OVER_TIME = ("over-time", "seeing", "recovery", "claims")
 
 _suite = partial(Suite.of, baseline="spsfa-tip", first_seed=NEVER_USED, replayed=REPLAYED)
-DYNAMIC = _suite("dynamic", FAMILIES, CASE_EVENTS, 10, tables=OVER_TIME, figures=("recovery",))
+DYNAMIC = _suite("dynamic", FAMILIES, CASE_EVENTS, 10, tables=OVER_TIME, figures=("events", "recovery"))
 # Each field has one seed, which no other field has.
 DYNAMIC_FIELDS = _suite(
     "dynamic-fields", FAMILIES, (*FIELDS, *MOVING), 1, seed_step=1, tables=OVER_TIME, figures=()

@@ -1,6 +1,7 @@
-"""The tables of maps that change, among them that of robots that drive, and the document that shows them."""
+"""The tables of maps that change, and the marked blocks of the page that shows them and of its appendix."""
 
-from functools import cache
+from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 
@@ -9,11 +10,14 @@ from experiments.runs.outcomes import Outcomes
 from experiments.runs.run import Run, arrives
 from experiments.runs.suite import Suite
 from experiments.statistics import interval, mean_of_present, means
+from experiments.studies.dynamic.findings import FINDINGS, strongest
 from experiments.studies.dynamic.over_time import over_time_tables
 from experiments.studies.dynamic.recovery import recovery_tables
 from experiments.studies.dynamic.seeing import seeing_tables
+from experiments.studies.dynamic.suites import DYNAMIC, DYNAMIC_FIELDS, DYNAMIC_ROBOTS
+from experiments.tables.block_contents import figure, findings
 from experiments.tables.cell import MISSING, number, number_in, share_in
-from experiments.tables.document import document_of_suite
+from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.table import Row, Table
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
@@ -24,6 +28,8 @@ CAPTION = (
     "these have driven, in per cent above the shortest way from the start on the changed map; evaluations "
     "[95 % intervals over training seeds, scenarios of a set and seeds]"
 )
+EVENTS_TEXT = "the three cases with the obstacles that appear, and the shortest ways before and after"
+RECOVERY_TEXT = "best fitness on the map in force"
 
 
 def robot_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:  # noqa: ARG001
@@ -68,4 +74,26 @@ TABLES = {
     "seeing": seeing_tables,
     "robots": robot_tables,
 }
-DOCUMENTS = {"dynamic": document_of_suite("docs/dynamic.md", "dynamic-study")}
+RESULTS, COLLECTION = "docs/dynamic-study", "dynamic-study"
+BLOCKS: dict[str, Block] = {
+    "findings": partial(findings, FINDINGS),
+    "strongest": strongest,
+    "events": partial(figure, "results/dynamic-study", DYNAMIC.name, "events", EVENTS_TEXT),
+    "recovery": partial(figure, "results/dynamic-study", DYNAMIC.name, "recovery", RECOVERY_TEXT),
+}
+# The appendix shows whole tables by the names of their files.
+SHOWN = (
+    *(
+        f"{suite.name}/{name}"
+        for suite in (DYNAMIC, DYNAMIC_FIELDS)
+        for name in ("over-time", "seeing", "claims", "recovery", "made-with")
+    ),
+    *(f"{DYNAMIC_ROBOTS.name}/{name}" for name in ("robots", "made-with")),
+)
+TABLE_BLOCKS: dict[str, Block] = {name: partial(ResultsFolder.text, name=f"{name}.md") for name in SHOWN}
+DOCUMENTS = {
+    "dynamic": (
+        Document(Path("docs/dynamic.md"), RESULTS, "dynamic-study", COLLECTION, BLOCKS),
+        Document(Path("docs/dynamic-tables.md"), RESULTS, "", COLLECTION, TABLE_BLOCKS),
+    )
+}

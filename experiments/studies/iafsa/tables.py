@@ -71,4 +71,4 @@ TABLES = {
     "iafsa-shifted": shifted_tables,
     "iafsa-routes": route_tables,
 }
-DOCUMENTS = {"iafsa": document_of_suite("docs/iafsa-paper.md", "iafsa-paper")}
+DOCUMENTS = {"iafsa": (document_of_suite("docs/iafsa-paper.md", "iafsa-paper"),)}

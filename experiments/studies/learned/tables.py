@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from experiments.studies.learned.findings import FINDINGS, ON_THE_PAGE, STRONGEST
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import (
     ABLATION,
@@ -21,8 +22,10 @@ from experiments.studies.learned.suites import (
 from experiments.tables.block_contents import (
     decisions_name,
     figure,
+    findings,
     gaps,
     made_with,
+    rows_of,
     value_by_set,
     whole,
     whole_by_set,
@@ -55,11 +58,16 @@ PARAMETER_COLUMNS = (
 )  # fmt: skip
 
 
-def _decisions(results: ResultsFolder) -> str:
-    """Return the figures of the decisions that the document shows."""
+def _strongest(results: ResultsFolder) -> str:
+    """Return the strongest rows of the headline table."""
+    return rows_of(results.table(f"{HEADLINE.name}/headline"), STRONGEST).markdown()
+
+
+def _decisions(groups: tuple[str, ...], folder: str, results: ResultsFolder) -> str:
+    """Return the figures of the decisions of groups."""
     return "\n\n".join(
-        figure(FIGURES, HEADLINE.name, decisions_name(group), f"decisions of {group}", results)
-        for group in LOOKED_INTO
+        figure(folder, HEADLINE.name, decisions_name(group), f"decisions of {group}", results)
+        for group in groups
     )
 
 
@@ -107,21 +115,23 @@ def _tables(suite: str) -> dict[str, Block]:
 
 
 BLOCKS: dict[str, Block] = {
-    "headline-made-with": partial(made_with, HEADLINE.name),
-    "headline": partial(whole, HEADLINE.name, "headline"),
-    "headline-claims": partial(whole, HEADLINE.name, "claims"),
+    "findings": partial(findings, FINDINGS),
+    "strongest": _strongest,
     "headline-front-figure": partial(figure, FIGURES, HEADLINE.name, "front", FRONT_TEXT),
     "headline-profiles": partial(figure, FIGURES, HEADLINE.name, "profiles", PROFILES_TEXT),
-    "headline-decisions": _decisions,
-    "generalisation-claims": partial(whole, GENERALISATION.name, "claims"),
+    "headline-decisions": partial(_decisions, (ON_THE_PAGE,), FIGURES),
     "generalisation-front-figure": partial(figure, FIGURES, GENERALISATION.name, "front", FRONT_TEXT),
 }
 BESIDE = (GENERALISATION.name, OUT_OF_DISTRIBUTION.name, SINGLE_CASES.name, ABLATION.name)
+WITH_CLAIMS = (HEADLINE.name, GENERALISATION.name, SINGLE_CASES.name, ABLATION.name)
 TABLE_BLOCKS: dict[str, Block] = {
     "origins": _origins,
-    **{suite: partial(whole, suite, "headline") for suite in BESIDE},
-    **{f"{suite}-made-with": partial(made_with, suite) for suite in (*BESIDE, "parameters")},
-    **{f"{suite}-claims": partial(whole, suite, "claims") for suite in (SINGLE_CASES.name, ABLATION.name)},
+    **{suite: partial(whole, suite, "headline") for suite in (HEADLINE.name, *BESIDE)},
+    **{f"{suite}-made-with": partial(made_with, suite) for suite in (HEADLINE.name, *BESIDE, "parameters")},
+    **{f"{suite}-claims": partial(whole, suite, "claims") for suite in WITH_CLAIMS},
+    "other-decisions": partial(
+        _decisions, tuple(group for group in LOOKED_INTO if group != ON_THE_PAGE), TABLE_FIGURES
+    ),
     **_tables(HEADLINE.name),
     **_tables(GENERALISATION.name),
     "out-of-distribution-gaps": partial(
@@ -151,6 +161,6 @@ TABLES = {
     "free-paths": free_path_tables,
 }
 DOCUMENTS = {
-    "study": Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS),
-    "study-tables": Document(Path("docs/study-tables.md"), "study", "study-tables", blocks=TABLE_BLOCKS),
+    "study": (Document(Path("docs/study.md"), "study", "study", blocks=BLOCKS),),
+    "study-tables": (Document(Path("docs/study-tables.md"), "study", "study-tables", blocks=TABLE_BLOCKS),),
 }

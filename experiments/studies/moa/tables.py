@@ -113,4 +113,4 @@ def _p_value(own: np.ndarray, shortest: np.ndarray) -> Entry:
 
 
 TABLES = {"moa": moa_tables}
-DOCUMENTS = {"moa": document_of_suite("docs/moa-paper.md", "moa-paper")}
+DOCUMENTS = {"moa": (document_of_suite("docs/moa-paper.md", "moa-paper"),)}

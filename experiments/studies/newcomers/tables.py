@@ -1,12 +1,14 @@
-"""Tables of the study of new members, and the marked blocks of docs/newcomers.md, which show its results.
+"""Tables of the study of new members, and the marked blocks of its page and of the page's appendix.
 
-To add a block, write the pair of marks into the document and a line into `BLOCKS`.
+To add a block, write the pair of marks into docs/newcomers.md or docs/newcomers-tables.md, and a line into
+`BLOCKS` or `TABLE_BLOCKS`.
 """
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from experiments.runs.groups import group_controllers
+from experiments.runs.groups import EVERY_SET, group_controllers
 from experiments.runs.labels import OPTIMIZER_LABELS
 from experiments.runs.measures import NEAR
 from experiments.runs.outcomes import Outcomes
@@ -14,6 +16,7 @@ from experiments.runs.suite import Suite
 from experiments.statistics import difference
 from experiments.studies.newcomers.bends import bends_table, stored_outcomes
 from experiments.studies.newcomers.corridors import corridor_tables
+from experiments.studies.newcomers.findings import FINDINGS, STRONGEST
 from experiments.studies.newcomers.suites import (
     ABLATION,
     BEND_SUITES,
@@ -28,22 +31,34 @@ from experiments.tables.block_contents import (
     by_set,
     decisions_name,
     figure,
+    findings,
     gaps,
     made_with,
+    rows_of,
     value_by_set,
     whole,
 )
 from experiments.tables.cell import number, share, share_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.document import Block, Document, ResultsFolder
+from experiments.tables.reshape import join, select
 from experiments.tables.table import Row, Table, wrapped
 from swarm_gym.comparing.entrants import entrant
 
 FIGURES = "results/newcomers"  # seen from the document
+TABLE_FIGURES = "results/newcomers-tables"
+ON_THE_PAGE = "learned:three-cases-sourced-ppo/*"  # the group whose decisions the page itself shows
+STRONGEST_CAPTION = (
+    "The strongest controllers of each kind on the three cases, with the baseline and the paper's rules: "
+    "mean gap and median gap in per cent of the optimum [95 % interval over training seeds, scenarios of a "
+    "set and seeds]; runs within 1 % of the optimum; runs whose best path is free of collision, before any "
+    "repair; mean evaluations of a run"
+)
 GAP_COLUMNS = (
     "scenarios", "controller", "mean gap", "inter-quartile mean", "median", "max", "feasible",
     "mean evaluations",
 )  # fmt: skip
+STRONGEST_COLUMNS = ("controller", "mean gap", "median", "within 1 %", "feasible", "mean evaluations")
 
 
 def _bends(results: ResultsFolder) -> str:
@@ -76,14 +91,22 @@ def _by_set(suite: str, name: str, results: ResultsFolder) -> str:
     return f"{wrapped(table.caption)}.\n\n{by_set(table)}"
 
 
-def _decisions(results: ResultsFolder) -> str:
+def _strongest(results: ResultsFolder) -> str:
+    """Return quality and cost of the strongest controllers over all cases."""
+    near = select(results.table(f"{NEWCOMERS.name}/near-optimum"), ("controller", EVERY_SET))
+    near = replace(near, columns=("controller", "within 1 %"))
+    found = rows_of(results.table(f"{NEWCOMERS.name}/gaps"), STRONGEST, EVERY_SET)
+    found = join(found, near, ("controller",), "within 1 %")
+    return select(replace(found, caption=STRONGEST_CAPTION), STRONGEST_COLUMNS).markdown()
+
+
+def _decisions(groups: tuple[str, ...], folder: str, results: ResultsFolder) -> str:
     """Return the figures of the decisions of groups, as far as these were run and decide anything."""
     run = group_controllers(NEWCOMERS.controllers)
-    shown = [group for group in LOOKED_INTO if group in run]
     return "\n\n".join(
-        figure(FIGURES, NEWCOMERS.name, decisions_name(group), f"decisions of {group}", results)
-        for group in shown
-        if (results.path / NEWCOMERS.name / f"figure-{decisions_name(group)}.svg").exists()
+        figure(folder, NEWCOMERS.name, decisions_name(group), f"decisions of {group}", results)
+        for group in groups
+        if group in run and (results.path / NEWCOMERS.name / f"figure-{decisions_name(group)}.svg").exists()
     )
 
 
@@ -99,29 +122,36 @@ def _suite_blocks(suite: str) -> dict[str, Block]:
         f"{suite}-hypervolume": partial(
             value_by_set, suite, "hypervolume", ("family", "controllers"), "hypervolume"
         ),
-        f"{suite}-front": partial(
-            figure, FIGURES, suite, "front", "mean gap against mean evaluations of every controller"
-        ),
         f"{suite}-profiles": partial(
-            figure, FIGURES, suite, "profiles", "share of runs within a gap, by the gap"
+            figure, TABLE_FIGURES, suite, "profiles", "share of runs within a gap, by the gap"
         ),
     }
 
 
+FRONT_TEXT = "mean gap against mean evaluations of every controller"
 BLOCKS: dict[str, Block] = {
+    "findings": partial(findings, FINDINGS),
+    "strongest": _strongest,
     "first-populations": partial(
         figure, FIGURES, NEWCOMERS.name, "first-populations", "first populations by their source"
     ),
-    "bends": _bends,
-    "bends-made-with": _bends_made_with,
-    **_suite_blocks(NEWCOMERS.name),
-    "decisions": _decisions,
-    "corridors": partial(_by_set, NEWCOMERS.name, "corridors"),
-    "corridor-paths": partial(whole, NEWCOMERS.name, "corridor-paths"),
     "corridors-figure": partial(
         figure, FIGURES, NEWCOMERS.name, "corridors", "the best path of each corridor in which most runs end"
     ),
+    "newcomers-front": partial(figure, FIGURES, NEWCOMERS.name, "front", FRONT_TEXT),
+    "decisions": partial(_decisions, (ON_THE_PAGE,), FIGURES),
+}
+TABLE_BLOCKS: dict[str, Block] = {
+    "bends": _bends,
+    "bends-made-with": _bends_made_with,
+    **_suite_blocks(NEWCOMERS.name),
+    "other-decisions": partial(
+        _decisions, tuple(group for group in LOOKED_INTO if group != ON_THE_PAGE), TABLE_FIGURES
+    ),
+    "corridors": partial(_by_set, NEWCOMERS.name, "corridors"),
+    "corridor-paths": partial(whole, NEWCOMERS.name, "corridor-paths"),
     **_suite_blocks(FIELDS.name),
+    "newcomers-fields-front": partial(figure, TABLE_FIGURES, FIELDS.name, "front", FRONT_TEXT),
     "ablation-gaps": partial(_gaps, ABLATION.name),
     "ablation-near-optimum": partial(whole, ABLATION.name, "near-optimum"),
     "ablation-claims": partial(whole, ABLATION.name, "claims"),
@@ -173,8 +203,10 @@ TABLES = {
     "newcomers-optimizers": optimizer_tables,
     "corridors": corridor_tables,
 }
+RESULTS, COLLECTION = "docs/newcomers-study", "newcomers-study"
 DOCUMENTS = {
-    "newcomers": Document(
-        Path("docs/newcomers.md"), "docs/newcomers-study", "newcomers", "newcomers-study", BLOCKS
+    "newcomers": (
+        Document(Path("docs/newcomers.md"), RESULTS, "newcomers", COLLECTION, BLOCKS),
+        Document(Path("docs/newcomers-tables.md"), RESULTS, "newcomers-tables", COLLECTION, TABLE_BLOCKS),
     )
 }

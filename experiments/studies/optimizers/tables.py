@@ -1,16 +1,32 @@
-"""The tables and the document of the study of every optimizer under control."""
+"""The tables of the study of every optimizer under control, and the blocks of its page and appendix."""
 
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 
+from experiments.runs.groups import EVERY_SET
 from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import ControllerFamily, Suite
-from experiments.studies.optimizers.suites import RULES, SIZES, base
+from experiments.studies.optimizers.suites import (
+    DRIVEN,
+    ON_CELLS,
+    ON_THE_CASES,
+    ON_THE_CELLS,
+    ON_THE_GRIDS,
+    RULES,
+    SIZES,
+    TRANSFER,
+    TRANSFER_ON_CELLS,
+    base,
+)
 from experiments.studies.optimizers.transfer_tables import one_for_all_tables, transfer_tables
+from experiments.tables.block_contents import figure
 from experiments.tables.cell import MISSING, Cell, Entry, number, number_in, percent
 from experiments.tables.differences import PRICE, mean_objective, minus
-from experiments.tables.document import document_of_suite
+from experiments.tables.document import Block, Document, ResultsFolder
 from experiments.tables.front import family_hypervolume
+from experiments.tables.reshape import pick
 from experiments.tables.table import Row, Table
 from swarm_gym.controllers.names import ALL_SEEDS, BLINDED, ControllerName
 
@@ -180,4 +196,43 @@ TABLES = {
     "transfer": transfer_tables,
     "one-for-all": one_for_all_tables,
 }
-DOCUMENTS = {"optimizers": document_of_suite("docs/optimizers.md", "optimizers-study")}
+FRONTS_TEXT = "gap against evaluations, by optimizer and controller"
+POLICIES_TEXT = "sizes and phi of policies and blind schedules"
+RESULTS, COLLECTION = "docs/optimizers-study", "optimizers-study"
+FIGURES = "results/optimizers-study"  # seen from the document
+
+
+def _strongest(results: ResultsFolder) -> str:
+    """Return the gains of every optimizer over all its maps of the suites on cases and on cells."""
+    cases, cells = (results.table(f"{suite.name}/gains") for suite in (ON_THE_CASES, ON_THE_CELLS))
+    rows = [
+        *pick(cases, ("scenarios", "optimizer"), [(EVERY_SET, name) for name in DRIVEN]).rows,
+        *pick(cells, ("scenarios", "optimizer"), [("block", name) for name in ON_CELLS]).rows,
+    ]
+    return replace(cases, rows=rows).markdown()
+
+
+BLOCKS: dict[str, Block] = {
+    "strongest": _strongest,
+    "fronts": partial(figure, FIGURES, ON_THE_CASES.name, "fronts", FRONTS_TEXT),
+    "policies": partial(figure, FIGURES, ON_THE_CASES.name, "policies", POLICIES_TEXT),
+}
+# The appendix shows whole tables by the names of their files.
+SHOWN = {
+    ON_THE_CASES.name: ("optimizers", "gains", "claims", "budgets", "areas", "made-with"),
+    ON_THE_GRIDS.name: ("optimizers", "claims", "budgets"),
+    TRANSFER.name: ("transfer", "one-for-all", "claims"),
+    TRANSFER_ON_CELLS.name: ("transfer", "one-for-all", "claims"),
+    ON_THE_CELLS.name: ("optimizers", "gains", "claims", "budgets"),
+}
+TABLE_BLOCKS: dict[str, Block] = {
+    f"{suite}/{name}": partial(ResultsFolder.text, name=f"{suite}/{name}.md")
+    for suite, names in SHOWN.items()
+    for name in names
+}
+DOCUMENTS = {
+    "optimizers": (
+        Document(Path("docs/optimizers.md"), RESULTS, "optimizers-study", COLLECTION, BLOCKS),
+        Document(Path("docs/optimizers-tables.md"), RESULTS, "", COLLECTION, TABLE_BLOCKS),
+    )
+}

@@ -10,10 +10,12 @@ from experiments.documents.marked_blocks import block_names
 from experiments.documents.suite_page import describe_provenance
 from experiments.publish import publish
 from experiments.runs.groups import group_controllers
+from experiments.runs.labels import label
+from experiments.studies.learned import findings
 from experiments.studies.learned.origins import origins_table
 from experiments.studies.learned.suites import LOOKED_INTO
 from experiments.studies.learned.tables import BLOCKS, PARAMETER_COLUMNS, PARAMETER_FIGURES, TABLE_BLOCKS
-from experiments.tables.block_contents import GAP_COLUMNS, decisions_name
+from experiments.tables.block_contents import CLAIM_COLUMNS, GAP_COLUMNS, decisions_name
 from experiments.tables.reshape import join, select, split, spread
 from experiments.tables.table import Table
 from helpers.stored_runs import printed_rows
@@ -25,7 +27,7 @@ ROWS = [("a:x", "one", "1"), ("a:x", "two", "2"), ("all", "one", "3")]
 TABLE = Table("t", "Caption", ("scenarios", "controller", "gap"), ROWS)
 COLUMNS = {
     "headline": ("controller", "price", "objective"),
-    "claims": ("claim", "scenarios", "holds"),
+    "claims": ("claim", "scenarios", *CLAIM_COLUMNS),
     "gaps": GAP_COLUMNS,
     "differences": ("scenarios", "controller", "difference", "p"),
     "front": ("scenarios", "controller", "mean evaluations", "mean gap", "on the front"),
@@ -47,6 +49,16 @@ OTHERS = {
         "sensitivity-decisions": ("without", "population size"),
         "sensitivity-performance": ("without", "mean gap"),
     },
+}
+# Rows that the page picks from tables, by the name of the table.
+SHOWN_ROWS = {
+    "headline": lambda _: [(label(group), "1", f"{group}: 3.5") for group in findings.STRONGEST],
+    "claims": lambda suite: [
+        (finding.sentence, scenario_set, "gap", "1", "2", "-1", "yes")
+        for finding in findings.FINDINGS
+        for of, scenario_set, _ in finding.rows
+        if of == suite
+    ],
 }
 STUDIES = ("headline", "generalisation", "out-of-distribution", "single-cases", "ablation")
 
@@ -116,6 +128,7 @@ def results(tmp_path, monkeypatch):
         (folder / suite / "made-with.md").write_text(f"Runs made with: {suite}.\n")
         for name, columns in tables.items():
             rows = [tuple(f"{column} {k} of {suite}" for column in columns) for k in range(2)]
+            rows += SHOWN_ROWS[name](suite) if name in SHOWN_ROWS else []
             (folder / suite / f"{name}.json").write_text(Table(name, f"{name}.", columns, rows).json())
         decisions = map(decisions_name, group_controllers(SUITES["headline"].controllers))
         parameters = (f"parameter-{name}-{kind}" for name, _, kind in PARAMETER_FIGURES)
@@ -131,18 +144,21 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     for document in DOCUMENTS:
         publish(document, results.parent)
     text, tables = (path.read_text(encoding="utf-8") for path in (STUDY, APPENDIX))
-    assert "Runs made with: headline." in text
-    assert "| controller 0 of headline | price 0 of headline |" in text
-    assert "| claim 1 of generalisation |" in text
+    assert "| SPSFA-TIP | 1 | spsfa-tip: 3.5 |" in text
+    assert "* Policies by PPO have a smaller objective than themselves blinded. All cases: holds, 1" in text
+    assert "controller 0 of headline" not in text
+    assert "Runs made with: headline." in tables
+    assert "| controller 0 of headline | price 0 of headline |" in tables
+    assert "| claim 1 of generalisation |" in tables
     assert "Runs made with: parameters." in tables
     assert "first population size = " in tables
     shown = re.findall(r"!\[[^]]+\]\(results/study/([a-z0-9-]+\.svg)\)", text)
     assert {path.name for path in stale.parent.iterdir()} == set(shown)
     assert (stale.parent / "generalisation-front.svg").read_text() == "generalisation front"
-    assert len(set(shown)) == len(shown) == 3 + len(LOOKED_INTO)
+    assert len(set(shown)) == len(shown) == 4
     drawn = re.findall(r"!\[[^]]+\]\(results/study-tables/([a-z0-9-]+\.svg)\)", tables)
     assert {path.name for path in (STUDY.parent / "results/study-tables").iterdir()} == set(drawn)
-    assert len(drawn) == 6
+    assert len(drawn) == 6 + len(LOOKED_INTO) - 1
     for document in DOCUMENTS:
         publish(document, results.parent)
     assert [path.read_text(encoding="utf-8") for path in (STUDY, APPENDIX)] == [text, tables]
@@ -152,7 +168,8 @@ def test_publishing_fills_every_block_and_copies_what_is_shown(results):
     ("document", "missing"),
     [
         ("study", "headline/headline.json"),
-        ("study", "headline/made-with.md"),
+        ("study", "headline/claims.json"),
+        ("study-tables", "headline/made-with.md"),
         ("study", f"headline/figure-{decisions_name(LOOKED_INTO[0])}.svg"),
         ("study-tables", "headline/gaps.json"),
         ("study-tables", "parameters/table-parameter-low-deviation.json"),

@@ -16,7 +16,8 @@ from experiments.publish import publish
 from experiments.runs.configuration import configuration, identity
 from experiments.runs.episode import Episode
 from experiments.runs.groups import group_controllers
-from experiments.studies.newcomers import tables
+from experiments.runs.labels import label
+from experiments.studies.newcomers import findings, tables
 from experiments.studies.newcomers.bends import bends_table
 from experiments.studies.newcomers.corridors import MOST_NAMED, corridor_tables, ends_of
 from experiments.studies.newcomers.figures import (
@@ -36,7 +37,7 @@ from experiments.studies.newcomers.suites import (
     WHOLE_PATHS,
 )
 from experiments.studies.newcomers.tables import optimizer_tables
-from experiments.tables.block_contents import decisions_name
+from experiments.tables.block_contents import CLAIM_COLUMNS, decisions_name
 from experiments.tables.table import Table
 from helpers.builders import make_problem
 from helpers.stored_runs import (
@@ -55,7 +56,8 @@ from swarm_gym.reference import known_optimum
 from swarm_gym.sources import SOURCE_DECISIONS, Source
 
 ROOT = Path(__file__).parents[3]
-PAGE = Path("docs/newcomers.md")
+PAGE, APPENDIX = Path("docs/newcomers.md"), Path("docs/newcomers-tables.md")
+DOCUMENTS = ((PAGE, tables.BLOCKS), (APPENDIX, tables.TABLE_BLOCKS))
 CASES = ("case1", "case2", "case3")
 
 
@@ -265,12 +267,14 @@ def test_decisions_on_new_members_have_rows_where_they_vary(tmp_path):
 # The document.
 
 
-def test_the_page_has_every_block_once():
-    assert sorted(block_names((ROOT / PAGE).read_text(encoding="utf-8"))) == sorted(tables.BLOCKS)
+@pytest.mark.parametrize(("path", "blocks"), DOCUMENTS)
+def test_a_document_has_every_block_once(path, blocks):
+    assert sorted(block_names((ROOT / path).read_text(encoding="utf-8"))) == sorted(blocks)
 
 
-def test_the_page_has_no_figures_but_those_of_its_blocks():
-    text = (ROOT / PAGE).read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", [PAGE, APPENDIX])
+def test_a_document_has_no_figures_but_those_of_its_blocks(path):
+    text = (ROOT / path).read_text(encoding="utf-8")
     own = re.sub(r"<!-- (\S+) -->.*?<!-- /\1 -->", "", text, flags=re.DOTALL)
     assert "![" not in own
     assert max(map(len, own.splitlines())) <= 100
@@ -278,15 +282,27 @@ def test_the_page_has_no_figures_but_those_of_its_blocks():
 
 COLUMNS = {
     "gaps": tables.GAP_COLUMNS,
-    "near-optimum": ("controller", "case1"),
+    "near-optimum": ("controller", "case1", "all"),
     "differences": ("scenarios", "controller", "difference"),
     "duels": ("scenarios", "controller", "rival", "difference"),
     "front": ("scenarios", "controller", "on the front"),
     "hypervolume": ("scenarios", "family", "controllers", "hypervolume"),
     "corridors": ("scenarios", "controller", "A"),
     "corridor-paths": ("scenarios", "corridor", "runs"),
-    "claims": ("claim", "scenarios", "holds"),
+    "claims": ("claim", "scenarios", *CLAIM_COLUMNS),
     "newcomers-optimizers": ("optimizer", "scenarios", "uniform"),
+}
+
+# Rows that the page picks from tables, by the name of the table.
+PICKED_ROWS = {
+    "gaps": lambda _: [("all", label(group), *("0.1 %",) * 6) for group in findings.STRONGEST],
+    "near-optimum": lambda _: [(label(group), "95 %", "99 %") for group in findings.STRONGEST],
+    "claims": lambda suite: [
+        (finding.sentence, scenario_set, "gap", "1", "2", "-1", "**no**")
+        for finding in findings.FINDINGS
+        for of, scenario_set, _ in finding.rows
+        if of == suite
+    ],
 }
 
 
@@ -295,7 +311,8 @@ def results(tmp_path, monkeypatch):
     """A checkout with the page, made-up tables and figures of all suites, and databases of kinds of bends."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
-    (tmp_path / PAGE).write_bytes((ROOT / PAGE).read_bytes())
+    for path in (PAGE, APPENDIX):
+        (tmp_path / path).write_bytes((ROOT / path).read_bytes())
     folder = tmp_path / "results/docs/newcomers-study"
     parts = {"controllers": BEND_CONTROLLERS[:1], "num_seeds": 2}
     small = {
@@ -310,6 +327,7 @@ def results(tmp_path, monkeypatch):
         (folder / name / "made-with.md").write_text(f"Runs made with: {name}.\n")
         for table, columns in COLUMNS.items():
             rows = [tuple(f"{column} {k} of {name}" for column in columns) for k in range(2)]
+            rows += PICKED_ROWS[table](name) if table in PICKED_ROWS else []
             (folder / name / f"{table}.json").write_text(Table(table, f"All {table}", columns, rows).json())
         decisions = map(decisions_name, group_controllers(NEWCOMERS.controllers))
         for figure in ("first-populations", "corridors", "front", "profiles", *decisions):
@@ -326,21 +344,26 @@ def results(tmp_path, monkeypatch):
 
 def test_publishing_fills_the_page_and_copies_its_figures(results):
     publish("newcomers", results)
-    text = PAGE.read_text(encoding="utf-8")
-    assert "Runs made with: newcomers-stomp-fields." in text
-    assert "| FA-20 (smooth, amplitude 0.2) |" in text
-    assert "All corridors.\n\n**scenarios 0 of newcomers**" in text
-    shown = set(re.findall(r"\]\((results/newcomers/\S+)\)", text))
-    assert "results/newcomers/newcomers-first-populations.svg" in shown
-    assert "results/newcomers/newcomers-decisions-learned-three-cases-extended-seeds-2.svg" in shown
-    assert {f"results/newcomers/{path.name}" for path in Path("docs/results/newcomers").iterdir()} == shown
-    filled = PAGE.read_bytes()
+    text, appendix = (path.read_text(encoding="utf-8") for path in (PAGE, APPENDIX))
+    assert "| SPSFA-TIP | 0.1 % | 0.1 % | 99 % | 0.1 % | 0.1 % |" in text
+    assert "* Policies that decide sources have a smaller objective by PPO than by CMA-ES. Three" in text
+    assert "Runs made with: newcomers-stomp-fields." in appendix
+    assert "| FA-20 (smooth, amplitude 0.2) |" in appendix
+    assert "All corridors.\n\n**scenarios 0 of newcomers**" in appendix
+    for shown_by, name, some in (
+        (text, "newcomers", "first-populations"),
+        (appendix, "newcomers-tables", "decisions-learned-three-cases-extended-seeds-2"),
+    ):
+        shown = set(re.findall(rf"\]\(results/{name}/(\S+)\)", shown_by))
+        assert f"newcomers-{some}.svg" in shown
+        assert {path.name for path in Path("docs/results", name).iterdir()} == shown
     publish("newcomers", results)
-    assert PAGE.read_bytes() == filled
+    assert [path.read_text(encoding="utf-8") for path in (PAGE, APPENDIX)] == [text, appendix]
 
 
 def test_nothing_is_written_about_decisions_that_are_not_there(results):
     for file in (results / "docs/newcomers-study/newcomers").glob("figure-decisions-*"):
         file.unlink()
     publish("newcomers", results)
-    assert "![decisions of" not in PAGE.read_text(encoding="utf-8")
+    for path in (PAGE, APPENDIX):
+        assert "![decisions of" not in path.read_text(encoding="utf-8")

@@ -5,9 +5,11 @@ import pytest
 
 from experiments.documents.figures import plan
 from experiments.documents.suite_page import make_tables
+from experiments.studies.dynamic.figures import draw_events
 from experiments.studies.dynamic.recovery import Recovery
 from experiments.studies.dynamic.suites import DYNAMIC, DYNAMIC_ROBOTS
 from helpers.stored_runs import cells_of, line, part_of, stored_run
+from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reference import shortest_path
 from swarm_gym.scenarios import make_scenario, worlds_of
 
@@ -87,6 +89,21 @@ def test_recovery_is_drawn_as_medians_beside_the_optimum_of_the_map_in_force(dat
         np.testing.assert_allclose(line(axes, "optimum"), [(0, 50, 100), (*optima, optima[1])], rtol=1e-7)
         assert [each.get_drawstyle() for each in axes.lines][-2] == "steps-post"
         assert line(axes, "the obstacle appears")[0].tolist() == [50.0, 50.0]
+
+
+def test_events_are_drawn_with_the_shortest_ways_before_and_after():
+    panels = draw_events().axes
+    assert [panel.get_title().split(":")[0] for panel in panels] == [
+        "case1-gate", "case2-gate", "case3-gate", "case1-block", "case2-block", "case3-block"
+    ]  # fmt: skip
+    for panel in panels:
+        before, after = (
+            length_of(np.column_stack(line(panel, f"shortest way {when}"))) for when in ("before", "after")
+        )
+        assert after >= before
+        assert (after > before) == (panel not in panels[:2])
+        *_, faces, outlines = panel.collections
+        assert len(faces.get_paths()) == len(outlines.get_paths()) == 1
 
 
 def test_robots_count_as_arrived_at_the_target_only(database):
