@@ -33,8 +33,8 @@ from swarm_gym.errors import MissingExtraError
 
 # What README.md shows of the headline table: rows by the keys of their groups, and columns.
 STRONGEST = (
-    "learned:three-cases/*@1", "learned:three-cases-linear/*@1", "open-loop:three-cases-13-knots/*@1",
-    "tuned:three-cases", "spsfa-tip", "fixed:100",
+    "learned:three-cases/*@1", "open-loop:three-cases-13-knots/*@1", "tuned:three-cases", "spsfa-tip",
+    "fixed:100",
 )  # fmt: skip
 SHOWN = ("controller", "seeds", "objective", "case1", "case2", "case3", "minus the best blind rival")
 CAPTION = (

@@ -44,9 +44,7 @@ ROWS: dict[str, str] = {
 # What README.md shows of these rows.
 LADDER = (
     "fireflies, learned with sources", "fireflies, learned size and phi", "fireflies, SPSFA-TIP",
-    "fireflies, 60 members, smooth first members", "CMA-ES, lambda 80, uniform first members",
-    "CMA-ES, lambda 40, smooth first members", "CMA-ES, lambda 80, smooth first members",
-    "L-SHADE, from 120 to 4", "L-SHADE, 120 members, smooth first members",
+    "CMA-ES, lambda 80, uniform first members", "L-SHADE, 120 members, smooth first members",
 )  # fmt: skip
 
 
