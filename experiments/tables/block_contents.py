@@ -49,8 +49,14 @@ def _listed(finding: Finding, results: ResultsFolder) -> str:
         ((measure, mine, theirs, difference, holds),) = select(found, CLAIM_COLUMNS).rows
         held = "holds" if str(holds) == verdict(True) else "does **not** hold"
         parts.append(f"{name}: {held}, {mine} against {theirs}, difference {difference} ({measure}).")
-    hyphens = {"break_long_words": False, "break_on_hyphens": False}
-    return textwrap.fill(" ".join(parts), LINE, initial_indent="* ", subsequent_indent="  ", **hyphens)
+    return textwrap.fill(
+        " ".join(parts),
+        LINE,
+        initial_indent="* ",
+        subsequent_indent="  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def rows_of(table: Table, groups: Sequence[str], scenario_set: str = "") -> Table:

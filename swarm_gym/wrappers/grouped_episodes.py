@@ -95,7 +95,7 @@ class GroupedEpisodes(VectorWrapper):
         self,
         *,
         seed: int | list[int | None] | None = None,
-        options: dict[str, Any] | None = None,
+        options: dict[str, object] | None = None,
     ) -> tuple[NDArray, Infos]:
         """Begin new episodes of all groups.
 

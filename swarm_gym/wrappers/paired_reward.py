@@ -117,7 +117,7 @@ class PairedReward(VectorWrapper):
         self,
         *,
         seed: int | list[int | None] | None = None,
-        options: dict[str, Any] | None = None,
+        options: dict[str, object] | None = None,
     ) -> tuple[NDArray, Infos]:
         """Begin episodes of all swarms, and of the reference.
 
@@ -146,7 +146,7 @@ class PairedReward(VectorWrapper):
             rewards[terminated] -= self._reference.next_returns(np.flatnonzero(terminated))
         return observations, rewards, terminated, truncated, infos
 
-    def close(self, **options: Any) -> None:
+    def close(self, **options: object) -> None:
         """Close both vectors."""
         self._reference.env.close()
         super().close(**options)

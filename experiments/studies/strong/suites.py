@@ -21,47 +21,40 @@ def _constant(optimizer: str, size: int, source: str) -> str:
     return f"{optimizer}({BUDGET // size})+fixed:{size}{FIRST_MEMBERS[source]}"
 
 
-# Names of rows by the keys of groups.
-ROWS: dict[str, str] = {
+# Controllers of each row, by its name.
+ROWS: dict[str, tuple[str, ...]] = {
     **{
-        _constant("cma-es", size, source): f"CMA-ES, lambda {size}, {source} first members"
+        f"CMA-ES, lambda {size}, {source} first members": (_constant("cma-es", size, source),)
         for source in FIRST_MEMBERS
         for size in SIZES_OF_CMA
     },
     **{
-        _constant("differential-evolution", size, source): f"L-SHADE, {size} members, {source} first members"
+        f"L-SHADE, {size} members, {source} first members": (
+            _constant("differential-evolution", size, source),
+        )
         for source in FIRST_MEMBERS
         for size in SIZES_OF_SHADE
     },
     # The mean of the falling size is 62.
-    "differential-evolution(1600)+linear-reduction:start=120,smallest=4": "L-SHADE, from 120 to 4",
-    "firefly+fixed:30": "fireflies, 30 members",
-    "firefly+fixed:60,smooth_share=1": "fireflies, 60 members, smooth first members",
-    "firefly+spsfa-tip": "fireflies, SPSFA-TIP",
-    "firefly+learned:three-cases/*@1": "fireflies, learned size and phi",
-    "firefly+learned:three-cases-sourced/*": "fireflies, learned with sources",
+    "L-SHADE, from 120 to 4": ("differential-evolution(1600)+linear-reduction:start=120,smallest=4",),
+    "fireflies, 30 members": ("firefly+fixed:30",),
+    "fireflies, 60 members, smooth first members": ("firefly+fixed:60,smooth_share=1",),
+    "fireflies, SPSFA-TIP": ("firefly+spsfa-tip",),
+    "fireflies, learned size and phi": training_seeds("firefly+learned:three-cases", TRAINING_SEEDS, 1),
+    "fireflies, learned with sources": training_seeds("firefly+learned:three-cases-sourced", TRAINING_SEEDS),
 }
+CONTROLLERS = tuple(name for controllers in ROWS.values() for name in controllers)
 # What README.md shows of these rows.
 LADDER = (
     "fireflies, learned with sources", "fireflies, learned size and phi", "fireflies, SPSFA-TIP",
     "CMA-ES, lambda 80, uniform first members", "L-SHADE, 120 members, smooth first members",
 )  # fmt: skip
 
-
-def _members(key: str) -> tuple[str, ...]:
-    """Return the controllers of a group by its key; a key without a star is a controller."""
-    recipe, star, price = key.partition("/*")
-    prices = (float(price.removeprefix("@")),) if price else ()
-    return training_seeds(recipe, TRAINING_SEEDS, *prices) if star else (key,)
-
-
-CONTROLLERS = tuple(name for key in ROWS for name in _members(key))
-
 CASES_AT_BUDGETS = Suite(
     name="cases-at-budgets",
     controllers=CONTROLLERS,
     scenarios=CASES,
-    num_seeds=20,
+    num_seeds=10,
     baseline="firefly+spsfa-tip",
     first_seed=FIRST_SEED,
     options={"max_evaluations": BUDGET},

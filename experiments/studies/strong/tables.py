@@ -11,6 +11,7 @@ from experiments.tables.table import Row, Table
 def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
     """Return the mean gap of every group after so many evaluations, ordered by the last one."""
     whole = list(outcomes.sets)[-1]
+    named = {controllers[0]: row for row, controllers in ROWS.items()}
     found: list[tuple[float, Row]] = []
     for group in outcomes.groups:
         sample = outcomes.sample(group, whole)
@@ -18,7 +19,7 @@ def budget_tables(suite: Suite, outcomes: Outcomes) -> list[Table]:
             f"{budget:,}": share_in(*sample.mean(_gap_at(sample, budget)), ".2f") for budget in SHOWN
         }
         free = Cell.of("{value:%.0f} %", value=float(sample.feasible.mean()))
-        name = ROWS.get(group, group)
+        name = named.get(outcomes.groups[group][0], group)
         row: Row = {"optimizer and controller": name, **cells, "free at the end": free}
         found.append((float(_gap_at(sample, BUDGET).mean()), row))
     caption = (

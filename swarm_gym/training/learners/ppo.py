@@ -136,7 +136,8 @@ class PPOLearner(Learner):
             self.model._last_obs = None
             self.model.ep_info_buffer = None
         else:
-            common_steps, begin = self.env.num_common_steps, self._stopped["rollouts"]
+            stopped: Any = self._stopped
+            common_steps, begin = self.env.num_common_steps, stopped["rollouts"]
             go_on(self.model, self._stopped, seed)
             self.env.num_common_steps = common_steps
         for rollout in range(begin, config.rollouts_per_chunk):

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 import torch
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.utils import set_random_seed
 
-State = dict[str, Any]
+State = dict[str, object]
 
 
-def stopped_state(model: Any, rollouts: int) -> State:
+def stopped_state(model: OnPolicyAlgorithm, rollouts: int) -> State:
     """Return the state of a model of the library after some rollouts of a chunk.
 
     Args:
@@ -35,23 +36,25 @@ def stopped_state(model: Any, rollouts: int) -> State:
     }
 
 
-def go_on(model: Any, state: State, seed: int) -> None:
+def go_on(model: OnPolicyAlgorithm, state: Mapping[str, object], seed: int) -> None:
     """Bring a model and its environments to a state of the chunk that has this seed.
 
     Networks and counters must be loaded already.
     """
-    env = model.get_env()
+    library: Any = model
+    stored: Any = state
+    env = library.get_env()
     set_random_seed(seed)
     env.seed(seed)
-    for _ in range(state["rollouts"] + 1):
-        model._last_obs = env.reset()
-    model._last_episode_starts = np.ones(env.num_envs, dtype=bool)
-    model.ep_info_buffer = deque(state["ended"], maxlen=model._stats_window_size)
-    model.ep_success_buffer = deque(maxlen=model._stats_window_size)
-    model.logger.name_to_value.update(state["logged"])
-    torch.set_rng_state(state["torch"])
-    place, has_gauss, gauss = state["numpy_numbers"]
-    keys = state["numpy_keys"].numpy().astype(np.uint32)
+    for _ in range(stored["rollouts"] + 1):
+        library._last_obs = env.reset()
+    library._last_episode_starts = np.ones(env.num_envs, dtype=bool)
+    library.ep_info_buffer = deque(stored["ended"], maxlen=library._stats_window_size)
+    library.ep_success_buffer = deque(maxlen=library._stats_window_size)
+    library.logger.name_to_value.update(stored["logged"])
+    torch.set_rng_state(stored["torch"])
+    place, has_gauss, gauss = stored["numpy_numbers"]
+    keys = stored["numpy_keys"].numpy().astype(np.uint32)
     np.random.set_state(("MT19937", keys, place, has_gauss, gauss))  # noqa: NPY002
 
 

@@ -47,7 +47,7 @@ ARGUMENTS = {
 NAMES = [
     f"{family}:{argument}" if argument else family
     for family in CONTROLLERS
-    if family not in RULES
+    if family not in {*RULES, "share"}
     for argument in ARGUMENTS.get(family, [""])
 ]
 # Names of one recipe, by its name, so that a test of all controllers is a few dozen tests, not hundreds.

@@ -138,7 +138,7 @@ def test_a_wrong_name_says_which_part_is_wrong():
         make_controller("learned:three-cases/0@cheap")
     with pytest.raises(ValueError, match=r"'multivariate' may only be named in a suite.*'fixed:65'"):
         make_controller("multivariate+fixed:65")
-    with pytest.raises(UnknownNameError, match=r"'bees\+fixed:65'.*'bees'.*valid: .*multivariate"):
+    with pytest.raises(UnknownNameError, match=r"'bees\+fixed:65'.*'bees'; valid: "):
         entrant("bees+fixed:65", "firefly")
     with pytest.raises(UnknownNameError, match=r"unknown controller 'fxed'.*valid: .*fixed"):
         make_controller("fxed:60")
