@@ -8,11 +8,11 @@ from experiments.site.markdown import code, first_sentence, table
 from experiments.tables.document import Block
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
-from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.observation import OBSERVATIONS, Observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reward import NEED_BITS, REWARDS
 
-OPTIMIZER, ON_BITS = "firefly", "one-plus-lambda-lambda"
+OPTIMIZER, ON_BITS, WITH_RESTARTS = "firefly", "one-plus-lambda-lambda", "cma-es"
 ACTIONS_ARE_FOR: Mapping[str, str] = {
     "natural": "rules; the default of `gymnasium.make`",
     "normalised": "policies that correct a controller of size and phi",
@@ -36,6 +36,8 @@ OBSERVATIONS_ARE_FOR: Mapping[str, str] = {
     "jumps": "learners on maps that change, which see what events do",
     "told": "learners on maps that change, which are told when events come",
     "named": "one policy for several optimizers",
+    "restarts": "rules of sizes that follow restarts",
+    "search": "learners with CMA-ES or differential evolution",
     "theory": "the rules of OneMax",
     "theory-scaled": "learners on OneMax; the default of `make_vec` there",
 }
@@ -54,12 +56,12 @@ def actions_block(_: object = None) -> str:
 
 
 def observations_block(_: object = None) -> str:
-    """Return the table of observation layouts, with the numbers of fireflies or of bit strings."""
+    """Return the table of observation layouts, with the numbers of fireflies where these have them."""
     rows = []
     for name, layout in OBSERVATIONS.items():
-        on_bits = any(feature.needs_bits for feature in layout.features)
-        where: dict[str, Any] = {} if on_bits else {"scenario": SCENARIO}
-        env = SwarmEnv(ON_BITS if on_bits else OPTIMIZER, observation=name, **where)
+        optimizer = _seen_by(layout)
+        where: dict[str, Any] = {} if optimizer == ON_BITS else {"scenario": SCENARIO}
+        env = SwarmEnv(optimizer, observation=name, **where)
         space: Any = env.observation_space
         numbers = list(zip(layout.features, space.low, space.high, strict=True))
         base = base_of(name)
@@ -68,6 +70,14 @@ def observations_block(_: object = None) -> str:
         said = f"those of `{base}`; {said}" if base else said
         rows.append((code(name), OBSERVATIONS_ARE_FOR.get(name, "–"), len(layout.features), said))
     return table(("observation", "for", "numbers", "meaning"), rows)
+
+
+def _seen_by(layout: Observation) -> str:
+    """Return the name of an optimizer that a layout can be used with."""
+    if any(feature.needs_bits for feature in layout.features):
+        return ON_BITS
+    special = any(feature.needs_restarts or feature.needs_search for feature in layout.features)
+    return WITH_RESTARTS if special else OPTIMIZER
 
 
 def rewards_block(_: object = None) -> str:
