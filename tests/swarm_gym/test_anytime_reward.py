@@ -10,7 +10,7 @@ from swarm_gym.reward import LEAST_GAP
 from swarm_gym.vector_env import SwarmVectorEnv
 
 
-def episode(budget, sizes, iterations=50, scenario="metabox-bbob:1-10", optimizer="cma-es"):
+def episode(budget, sizes, iterations=80, scenario="metabox-bbob:1-10", optimizer="cma-es"):
     """Return the rewards of an episode with these sizes in turn, and its history."""
     env = SwarmEnv(
         optimizer, scenario=scenario, iterations=iterations, reward="anytime", max_evaluations=budget,

@@ -23,14 +23,14 @@ class Entrant(NamedTuple):
         name: name of the row.
         optimizer: name of the optimizer.
         controllers: names of the controllers, one for each training seed.
-        limits: smallest and largest population size; policies state their own.
+        limits: smallest and largest population size; None for policies, which state their own.
         iterations: most iterations of an episode.
     """
 
     name: str
     optimizer: str
     controllers: tuple[str, ...]
-    limits: SizeLimits = LIMITS
+    limits: SizeLimits | None = LIMITS
     iterations: int = EVALUATIONS // 4
 
 
@@ -41,7 +41,7 @@ def entrants() -> list[Entrant]:
         *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
         *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop")),
         *(
-            Entrant(f"CMA-ES, {label}", CMA_ES, policies, iterations=1250)
+            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, iterations=1250)
             for recipe, label in RECIPES.items()
             if (policies := _policies(recipe))
         ),
