@@ -50,7 +50,7 @@ endef
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help install browser study study-full test test-slow test-supply test-lowest test-newest fuzz check check-workflows format \
-    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-known-optimum docs-scaling docs-scores \
+    benchmark benchmark-gpu benchmark-peers benchmark-scaling docs docs-results docs-study docs-planners docs-known-optimum docs-strong-optimizers docs-scaling docs-scores \
     docs-gallery dist clean
 
 help: ## show this list
@@ -170,6 +170,10 @@ docs-planners: $(INSTALLED) ## run planners that people use beside the swarms, a
 docs-known-optimum: $(INSTALLED) ## compare controllers on OneMax with the optimum, and fill docs/known-optimum.md (an hour on one core); PUBLISHED=folder of OneMax-MPDAC
 	$(BIN)/python -m experiments.onemax --published $(PUBLISHED)
 	$(BIN)/python -m experiments.publish known-optimum
+
+docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's functions, and fill docs/strong-optimizers.md (hours)
+	$(BIN)/python -m experiments.strong
+	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md
 	$(BIN)/python -m experiments.publish scaling

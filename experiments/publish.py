@@ -122,6 +122,9 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     ),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
+    "strong-optimizers": (
+        Document(Path("docs/strong-optimizers.md"), "strong-optimizers", "strong-optimizers"),
+    ),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),
 }
 

@@ -24,12 +24,14 @@ from swarm_gym.problem.analytic.cost import FEASIBILITY_TOLERANCE
 from swarm_gym.problem.geometry.clearance import clearance_of
 from swarm_gym.problem.geometry.polylines import length_of
 from swarm_gym.reward import (
+    NEED_A_BUDGET,
     NEED_AN_OPTIMUM,
     NEED_BITS,
     NEED_ROBOTS,
     REWARDS,
     RewardCheck,
     Transition,
+    budget_shares,
     make_reward,
     offline_weight,
 )
@@ -90,6 +92,11 @@ class SwarmBatch:
             self._require_kind_of_reward()
         if self.settings.reward in NEED_ROBOTS:
             require_drives(self.settings.scenarios, f"reward {self.settings.reward!r}")
+        if self.settings.reward in NEED_A_BUDGET and self.settings.max_evaluations is None:
+            raise SettingError(
+                f"reward {self.settings.reward!r} averages over a budget of evaluations, which is not set; "
+                "set max_evaluations, or choose another reward"
+            )
         names = [problem.scenario.name for problem in self.simulation.problems]
         self._scenario_names = np.array(names, dtype=object).view(ObjectArray)
         self.action_space: Box = self._action.space
@@ -156,6 +163,7 @@ class SwarmBatch:
                 detour=simulation.detours,
                 evaluations=spent,
                 lengths=simulation.lengths,
+                budget_shares=lambda: budget_shares(simulation, spent, ended),
                 xp=xp,
             )
         )

@@ -40,7 +40,7 @@ TOLD_APART = (
 )  # fmt: skip
 # Name of a feature, and of what an optimizer counts for it (`Optimizer.counts`).
 RESTARTS_SO_FAR, RESTARTS_COUNTED = "restarts in this episode", "restarts"
-NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad one, or of none
+NO_GOOD_NEWCOMER = 4.0  # log(gap of a newcomer / gap) of a bad _one, or of none
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ class Feature:
         needs_paths: whether members must be whole paths on a map.
         needs_bits: whether members must be bit strings.
         needs_restarts: whether the optimizer must count restarts.
+        needs_search: whether the optimizer must be one of those that `swarm_gym.search_features` reads.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Feature:
     needs_paths: bool = False
     needs_bits: bool = False
     needs_restarts: bool = False
+    needs_search: bool = False
 
 
 # Not computed, since the last digit would be that of the C library.
@@ -128,7 +130,7 @@ def _log_relative_fitness(simulation: Simulation) -> Floats:
     return log((simulation.swarms.best_fitness + (unit - bound)) / unit, simulation.xp)
 
 
-def _spent(simulation: Simulation) -> Floats:
+def spent_share(simulation: Simulation) -> Floats:
     """Return (B,) the fraction of the evaluation budget that is spent; 0 without a budget."""
     if simulation.settings.max_evaluations is None:
         return simulation.full(0.0)
@@ -220,7 +222,8 @@ def _log_until_event(simulation: Simulation) -> Floats:
     return _clock(simulation, simulation.xp.where(coming > 0, coming - simulation.iteration, length))
 
 
-def _log_size(simulation: Simulation) -> Floats:
+def log_size(simulation: Simulation) -> Floats:
+    """Return (B,) log(1 + population size), relative to that of the largest size."""
     xp = simulation.xp
     largest = _log_of_one_and(simulation.settings.max_population_size)
     return log1p(floats(xp, simulation.swarms.size), xp) / largest
@@ -275,7 +278,7 @@ EXTENDED = (
     *SCALED,
     Feature(
         "log population size, relative to that of the largest",
-        _log_size,
+        log_size,
         _one,
     ),
     Feature("feasible share", _summary(FEASIBLE_SHARE), _one),
@@ -305,7 +308,7 @@ RICH = (
         lambda _: 4.0,
     ),
     Feature("log(1 + diversity) / 8", _log_scaled(DIVERSITY), _log_extent),
-    Feature("share of the evaluation budget spent", _spent, _one),
+    Feature("share of the evaluation budget spent", spent_share, _one),
 )
 PRICED = (
     *RICH,

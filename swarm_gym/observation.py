@@ -1,7 +1,7 @@
 """Observations: the numbers by which a controller sees a swarm.
 
-A layout is a list of features. All layouts but those of bit strings begin with three numbers about collision
-and the iteration:
+A layout is a list of features. All layouts but those of bit strings have the iteration as fourth number,
+and all but these and `search` begin with three numbers about collision:
 
 | layout | dtype | features |
 |---|---|---|
@@ -15,12 +15,16 @@ and the iteration:
 | `told` | float32 | `scaled`, and iterations since the last event on the map and until the next |
 | `named` | float32 | `scaled`, and for each optimizer in `features.TOLD_APART` whether it is this one |
 | `restarts` | float64 | `paper`, and how often the optimizer has begun anew, such as CMA-ES |
+| `search` | float32 | of CMA-ES and differential evolution: step size, covariance, success, memory, budget |
 | `theory` | float64 | on bit strings: length n and number of ones f |
 | `theory-scaled` | float32 | on bit strings: share of zeros, (n - f) / n, and its logarithm |
 
 `paper` has the numbers of the SPSFA paper, unscaled, so that its schedule can be computed exactly. The other
 layouts are for networks. They are scaled by fixed numbers, so there are no running statistics to store. Names
 joined by `+`, such as `paper+rich`, stand for several layouts one after the other.
+
+`search` has no numbers in map units. It is the same if the fitness is shifted or scaled, or the box is, see
+`swarm_gym.search_features`.
 
 `told` has what no controller can see, the times of events: it is for upper bounds of what seeing is worth.
 
@@ -59,6 +63,7 @@ from swarm_gym.features import (
 )
 from swarm_gym.own_code import find
 from swarm_gym.problem import OneMaxProblem
+from swarm_gym.search_features import SEARCH, can_search
 from swarm_gym.simulation import Simulation
 
 # Column with the iteration, or its fraction of all, of every layout that is not of bit strings; 0 only at the
@@ -96,6 +101,10 @@ class Observation:
     @cached_property
     def _needs_restarts(self) -> bool:
         return any(feature.needs_restarts for feature in self.features)
+
+    @cached_property
+    def _needs_search(self) -> bool:
+        return any(feature.needs_search for feature in self.features)
 
     def space(self, simulation: Simulation) -> Box:
         """Return the space of one swarm's observation, shape (number of features,).
@@ -149,6 +158,12 @@ class Observation:
                 f"{asked} counts restarts, but optimizer {simulation.optimizer.name!r} never begins anew; "
                 "choose an optimizer that does, or another layout"
             )
+        if self._needs_search and not can_search(simulation):
+            raise SettingError(
+                f"{asked} reads the step size of cma-es or the memory of differential-evolution, but "
+                f"optimizer {simulation.optimizer.name!r} has neither; choose one of these optimizers, or "
+                "another layout"
+            )
         recorded = simulation.swarms.arrivals.shape[2]
         if self.arrival_window not in (0, recorded):
             raise SettingError(
@@ -175,6 +190,7 @@ OBSERVATIONS: dict[str, Observation] = {
         Observation("told", TOLD, np.float32),
         Observation("named", NAMED, np.float32),
         Observation("restarts", RESTARTS, np.float64),
+        Observation("search", SEARCH, np.float32),
         Observation("theory", THEORY, np.float64),
         Observation("theory-scaled", THEORY_SCALED, np.float32),
     )

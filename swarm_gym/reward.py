@@ -6,6 +6,7 @@
 | `final` | log(initial gap / final gap) at the end, minus the cost of every step |
 | `final-gap` | -log(final gap) at the end, minus the cost of every step |
 | `optimality` | -100 * optimality gap at the end, minus the cost of every step |
+| `anytime` | -log10(gap, at least 1e-8) times the share of the budget that the iteration spent |
 | `offline-error` | -100 * optimality gap, averaged since the first event, minus the cost of every step |
 | `detour` | -100 * detour of a robot at the end, minus the cost of every step |
 | `runtime` | -evaluations of the iteration / length of the bit string |
@@ -15,6 +16,10 @@ times the straight line from start to target, on grid maps and for walks it is t
 functions it is 0. The cost is price * evaluations / reference_evaluations. The optimality gap is (best
 fitness - optimum) / optimum, see `swarm_gym.reference`. The detour is (driven length - shortest way) /
 shortest way, where the shortest way leads from start to target on the map after all events.
+
+Over an episode, the sum of `anytime` is minus the mean of log10(gap) over the evaluations of the budget. The
+first population counts with its own gap. If an episode stops early, the rest of the budget counts with the
+last gap.
 
 A reward of own code has to be an array of B finite numbers. Its shape is checked in every step, and so is
 that it is finite, on a GPU in the first step only: later the answer would wait for the GPU.
@@ -36,6 +41,8 @@ from swarm_gym.simulation import Simulation
 Floats = NDArray[np.float64]
 
 LARGEST_DETOUR = 1.0  # that the reward `detour` counts
+LEAST_GAP = 1e-8  # that the reward `anytime` tells from a smaller one
+_LOG_TEN = 2.302585092994046  # not computed, since the last digit would be that of the C library
 
 
 class Transition(NamedTuple):
@@ -55,6 +62,9 @@ class Transition(NamedTuple):
         lengths: function that returns the lengths (B,) of bit strings; only the reward `runtime` calls it.
         detour: function that returns the detours (B,) of robots that drive, infinite for those that are not
             at the target; rewards that do not need them never call it.
+        budget_shares: function that returns two arrays (B,), the shares of the evaluation budget that the
+            reward of this iteration counts with the gap of the first population and with the gap after it;
+            only the reward `anytime` calls it.
         xp: namespace of the arrays, whose functions rewards use: the module `numpy`, or that of tensors, see
             `swarm_gym.arrays`.
     """
@@ -69,6 +79,7 @@ class Transition(NamedTuple):
     detour: Callable[[], Floats]
     evaluations: NDArray[np.int64]
     lengths: Callable[[], Floats]
+    budget_shares: Callable[[], tuple[Floats, Floats]]
     xp: Namespace = np
 
 
@@ -114,6 +125,19 @@ def offline_error(transition: Transition) -> Floats:
     return -100.0 * transition.optimality_gap() * transition.offline_weight - transition.cost
 
 
+def anytime(transition: Transition) -> Floats:
+    """Return -log10(gap, at least 1e-8) times the share of the budget that the iteration spent.
+
+    Over an episode the sum is minus the mean of log10(gap) over the budget, see above. Evaluations have no
+    other price.
+    """
+    first, later = transition.budget_shares()
+    xp = transition.xp
+    gaps = (at_least(xp, gap, LEAST_GAP) for gap in (transition.initial_gap, transition.gap_after))
+    before, now = (log(gap, xp) / _LOG_TEN for gap in gaps)
+    return -(first * before + later * now)
+
+
 def detour(transition: Transition) -> Floats:
     """Return minus the detour of a robot in percent at the end and 0 before it, minus the cost of every step.
 
@@ -156,11 +180,30 @@ def offline_weight(simulation: Simulation) -> Floats:
     return floats(xp, share) / (length - first + 1)
 
 
+def budget_shares(
+    simulation: Simulation, spent: NDArray[np.int64], ended: NDArray[np.bool_]
+) -> tuple[Floats, Floats]:
+    """Return (B,) two shares of the evaluation budget, see `Transition`.
+
+    Args:
+        simulation: swarms after the iteration, with a budget.
+        spent: (B,) evaluations of the iteration.
+        ended: (B,) whether the episode ended with it.
+    """
+    xp, budget = simulation.xp, simulation.settings.max_evaluations
+    assert budget is not None
+    evaluations = simulation.swarms.evaluations
+    first = xp.where(simulation.iteration == 1, evaluations - spent, 0)
+    later = spent + xp.where(ended, at_least(xp, budget - evaluations, 0), 0)
+    return floats(xp, first) / budget, floats(xp, later) / budget
+
+
 REWARDS: dict[str, Reward] = {
     "progress": progress,
     "final": final,
     "final-gap": final_gap,
     "optimality": optimality,
+    "anytime": anytime,
     "offline-error": offline_error,
     "detour": detour,
     "runtime": runtime,
@@ -171,6 +214,8 @@ NEED_AN_OPTIMUM = ("optimality", "offline-error")
 NEED_ROBOTS = ("detour",)
 # Rewards that need bit strings.
 NEED_BITS = ("runtime",)
+# Rewards that need a budget of evaluations.
+NEED_A_BUDGET = ("anytime",)
 
 
 def make_reward(name: str) -> Reward:

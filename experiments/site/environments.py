@@ -19,7 +19,7 @@ from swarm_gym.optimizers import ALL_OPTIMIZERS, get_optimizer
 from swarm_gym.optimizers.optimizer import Optimizer
 from swarm_gym.registration import environment_id
 from swarm_gym.reset_options import RESET_OPTIONS
-from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS
+from swarm_gym.reward import NEED_A_BUDGET, NEED_AN_OPTIMUM, NEED_ROBOTS, REWARDS
 from swarm_gym.settings import Settings
 
 # By version, the release that brought it and what is new in it; docs/versions.md has the rule.
@@ -31,6 +31,7 @@ BUDGET = 100_000
 NEEDS_OF_REWARDS = {
     **dict.fromkeys(NEED_AN_OPTIMUM, "a known optimum"),
     **dict.fromkeys(NEED_ROBOTS, "robots that drive"),
+    **dict.fromkeys(NEED_A_BUDGET, "a budget of evaluations"),
 }
 # Digits of a digest that tell one from the others.
 SHOWN_DIGITS = 12

@@ -1,7 +1,6 @@
 """Tables of docs/layouts.md: every layout and reward, its numbers and ranges, and whom it is for."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from typing import Any
 
 from experiments.site.environments import BUDGET, NEEDS_OF_REWARDS, SCENARIO, base_of, range_of
@@ -9,14 +8,11 @@ from experiments.site.markdown import code, first_sentence, table
 from experiments.tables.document import Block
 from swarm_gym.action import ACTIONS, make_action
 from swarm_gym.env import SwarmEnv
-from swarm_gym.errors import SettingError
-from swarm_gym.observation import OBSERVATIONS
+from swarm_gym.observation import OBSERVATIONS, Observation
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.reward import NEED_BITS, REWARDS
 
-OPTIMIZER = "firefly"
-# Optimizers whose numbers are shown of a layout: the first that has it.
-SHOWN = (OPTIMIZER, "cma-es", "one-plus-lambda-lambda")
+OPTIMIZER, ON_BITS, WITH_RESTARTS = "firefly", "one-plus-lambda-lambda", "cma-es"
 ACTIONS_ARE_FOR: Mapping[str, str] = {
     "natural": "rules; the default of `gymnasium.make`",
     "normalised": "policies that correct a controller of size and phi",
@@ -40,7 +36,8 @@ OBSERVATIONS_ARE_FOR: Mapping[str, str] = {
     "jumps": "learners on maps that change, which see what events do",
     "told": "learners on maps that change, which are told when events come",
     "named": "one policy for several optimizers",
-    "restarts": "rules of CMA-ES that see its restarts",
+    "restarts": "rules of sizes that follow restarts",
+    "search": "learners with CMA-ES or differential evolution",
     "theory": "the rules of OneMax",
     "theory-scaled": "learners on OneMax; the default of `make_vec` there",
 }
@@ -59,10 +56,13 @@ def actions_block(_: object = None) -> str:
 
 
 def observations_block(_: object = None) -> str:
-    """Return the table of observation layouts, with the numbers of fireflies where they have them."""
+    """Return the table of observation layouts, with the numbers of fireflies where these have them."""
     rows = []
     for name, layout in OBSERVATIONS.items():
-        space = _space_of(name)
+        optimizer = _seen_by(layout)
+        where: dict[str, Any] = {} if optimizer == ON_BITS else {"scenario": SCENARIO}
+        env = SwarmEnv(optimizer, observation=name, **where)
+        space: Any = env.observation_space
         numbers = list(zip(layout.features, space.low, space.high, strict=True))
         base = base_of(name)
         numbers = numbers[len(OBSERVATIONS[base].features) :] if base else numbers
@@ -72,12 +72,12 @@ def observations_block(_: object = None) -> str:
     return table(("observation", "for", "numbers", "meaning"), rows)
 
 
-def _space_of(observation: str) -> Any:
-    """Return the space of an observation layout, with the first optimizer that has it."""
-    for optimizer in SHOWN[:-1]:
-        with suppress(SettingError):
-            return SwarmEnv(optimizer, scenario=SCENARIO, observation=observation).observation_space
-    return SwarmEnv(SHOWN[-1], observation=observation).observation_space
+def _seen_by(layout: Observation) -> str:
+    """Return the name of an optimizer that a layout can be used with."""
+    if any(feature.needs_bits for feature in layout.features):
+        return ON_BITS
+    special = any(feature.needs_restarts or feature.needs_search for feature in layout.features)
+    return WITH_RESTARTS if special else OPTIMIZER
 
 
 def rewards_block(_: object = None) -> str:

@@ -18,7 +18,7 @@ from swarm_gym.errors import ActionError, SettingError
 from swarm_gym.observation import OBSERVATIONS
 from swarm_gym.optimizers import get_optimizer
 from swarm_gym.registration import environment_id
-from swarm_gym.reward import NEED_AN_OPTIMUM, NEED_BITS, NEED_ROBOTS, REWARDS
+from swarm_gym.reward import NEED_A_BUDGET, NEED_AN_OPTIMUM, NEED_BITS, NEED_ROBOTS, REWARDS
 from swarm_gym.rollout import run_episodes
 from swarm_gym.vector_env import SwarmVectorEnv
 
@@ -272,7 +272,8 @@ def test_rewards_that_need_an_optimum_of_fitness_or_robots_are_refused(reward):
         with pytest.raises(SettingError, match=f"'{reward}'.*onemax:100"):
             small("onemax:100", reward=reward)
         return
-    _, (_, paid, *_) = finish(small("onemax:100", reward=reward))
+    budget = {"max_evaluations": 10_000} if reward in NEED_A_BUDGET else {}
+    _, (_, paid, *_) = finish(small("onemax:100", reward=reward, **budget))
     assert np.isfinite(paid)
     assert (reward in NEED_BITS) == (reward == "runtime")
 

@@ -38,7 +38,7 @@ def beside_published(ours: Mapping[str, Mapping[int, Gap]]) -> Table:
     ranks = average_ranks(ours)
     first = next(name for name in ranks if name in PUBLISHED)
     stars: dict[str, Entry] = {
-        name: Cell.of("{value:.0f}", value=sum(_is_level(f, gaps[f]) for f in FUNCTIONS))
+        name: Cell.of("{value:.0f}", value=sum(is_level(f, gaps[f]) for f in FUNCTIONS))
         for name, gaps in ours.items()
     }
     rows.append({"function": f"stars of {len(FUNCTIONS)}", "best published": "", **stars})
@@ -62,8 +62,9 @@ def _row(function: int, ours: Mapping[str, Mapping[int, Gap]]) -> dict[str, Entr
 
 
 def _cell(function: int, gap: Gap) -> Entry:
-    return Cell.of("{value:.3g}" + "*" * _is_level(function, gap), value=gap.mean)
+    return Cell.of("{value:.3g}" + "*" * is_level(function, gap), value=gap.mean)
 
 
-def _is_level(function: int, gap: Gap) -> bool:
+def is_level(function: int, gap: Gap) -> bool:
+    """Return whether a gap is level with or ahead of the best published one; those below 1e-8 are level."""
     return max(gap.mean, LEAST_GAP) <= max(best_of(function)[1].mean, LEAST_GAP)

@@ -1,0 +1,60 @@
+"""Compare CMA-ES and L-SHADE with the published table of MetaBox-v2: `python -m experiments.strong`.
+
+The rows are constants, rules and trained policies. Their runs are kept in a folder, and a later call goes on
+from there. With 11 runs on each function, all rows take about an hour on one core.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from experiments.studies.strong.entrants import entrants
+from experiments.studies.strong.measured_gaps import measure_all
+from experiments.studies.strong.published import RUNS
+from experiments.studies.strong.tables_of_gaps import tables
+from swarm_gym.checks import require_integer
+from swarm_gym.command import command
+
+
+@dataclass(frozen=True)
+class StrongConfig:
+    """Options of the command."""
+
+    output: Path = Path("results/strong-optimizers")
+    """Folder that tables are written to; its folder `runs` keeps the gaps of all runs."""
+    runs: int = RUNS
+    """Number of runs of each training seed on each function; the published table has 51."""
+    rows: tuple[str, ...] = ()
+    """Parts of the names of rows to run, e.g. BIPOP 'lambda 40'; by default all rows."""
+
+
+def write(config: StrongConfig) -> list[Path]:
+    """Run what is missing, write all tables, and return the files of the tables.
+
+    Raises:
+        SettingError: if there are fewer than two runs.
+        ValueError: if no row has such a name.
+    """
+    require_integer("runs", config.runs, 2)
+    every = entrants()
+    chosen = [one for one in every if not config.rows or any(part in one.name for part in config.rows)]
+    if not chosen:
+        names = ", ".join(one.name for one in every)
+        raise ValueError(f"--rows {' '.join(config.rows)}: no row has such a name; choose parts of {names}")
+    made = tables(measure_all(chosen, config.runs, config.output / "runs"))
+    for table in made:
+        table.write(config.output)
+    return [config.output / f"{table.name}.md" for table in made]
+
+
+def main() -> None:
+    """Write tables, and print where they are."""
+    config = tyro.cli(StrongConfig, description=__doc__)
+    with command(ValueError):
+        for file in write(config):
+            print(file)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""The controllers whose gaps stand in the tables of this study."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from experiments.studies.strong.published import EVALUATIONS
+from swarm_gym.controllers import SizeLimits
+from swarm_gym.controllers.learned.policy_file import packaged_policies
+
+CMA_ES, L_SHADE = "cma-es", "differential-evolution"
+CONSTANTS = (10, 20, 40, 80, 160)
+# Recipes of the policies, and how the tables call them.
+RECIPES = {"cma-search": "learned, evolution", "cma-search-ppo": "learned, PPO"}
+# Sizes of L-SHADE: 18 for each dimension at first, as published, and four in the end.
+FIRST_SIZE, LAST_SIZE = 180, 4
+LIMITS = SizeLimits()
+
+
+class Entrant(NamedTuple):
+    """One row of a table.
+
+    Attributes:
+        name: name of the row.
+        optimizer: name of the optimizer.
+        controllers: names of the controllers, one for each training seed.
+        limits: smallest and largest population size; None for policies, which state their own.
+        iterations: most iterations of an episode.
+    """
+
+    name: str
+    optimizer: str
+    controllers: tuple[str, ...]
+    limits: SizeLimits | None = LIMITS
+    iterations: int = EVALUATIONS // 4
+
+
+def entrants() -> list[Entrant]:
+    """Return all rows: constants, rules and the policies that are there, for both optimizers."""
+    wide = SizeLimits(2, 2000)
+    return [
+        *(Entrant(f"CMA-ES, lambda {size}", CMA_ES, (f"fixed:{size}",)) for size in CONSTANTS),
+        *(Entrant(f"CMA-ES, {rule.upper()}", CMA_ES, (rule,), wide) for rule in ("ipop", "bipop")),
+        *(
+            Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, iterations=1250)
+            for recipe, label in RECIPES.items()
+            if (policies := _policies(recipe))
+        ),
+        Entrant(
+            "L-SHADE, linear", L_SHADE, (_reduction("linear-reduction"),), LIMITS, _iterations_of(_linear)
+        ),
+        Entrant("L-SHADE, nlpsr", L_SHADE, (_reduction("nlpsr"),), LIMITS, _iterations_of(_non_linear)),
+        Entrant("L-SHADE, N = 100", L_SHADE, ("fixed:100",)),
+    ]
+
+
+def _policies(recipe: str) -> tuple[str, ...]:
+    return tuple(f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/"))
+
+
+def _reduction(rule: str) -> str:
+    return f"{rule}:start={FIRST_SIZE},smallest={LAST_SIZE}"
+
+
+def _iterations_of(fall: Callable[[float], float]) -> int:
+    """Return the fewest iterations in which a reduction spends the budget.
+
+    Args:
+        fall: share of the fall from the first to the last size, by the share of the iterations done.
+    """
+    for iterations in range(EVALUATIONS // FIRST_SIZE, EVALUATIONS // LAST_SIZE):
+        shares = (fall(done / iterations) for done in range(iterations))
+        sizes = (round(FIRST_SIZE + (LAST_SIZE - FIRST_SIZE) * share) for share in shares)
+        if FIRST_SIZE + sum(sizes) >= EVALUATIONS:
+            return iterations
+    raise ValueError(f"no number of iterations spends {EVALUATIONS} evaluations")
+
+
+def _linear(share: float) -> float:
+    return share
+
+
+def _non_linear(share: float) -> float:
+    return float(share ** (1.0 - share))

@@ -1,0 +1,86 @@
+"""Gaps of this study's rows on MetaBox's functions for tests, in files that a later call goes on from."""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from experiments.studies.strong.entrants import Entrant
+from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, SCENARIOS
+from swarm_gym.controllers import make_controller
+from swarm_gym.files import write_atomically
+from swarm_gym.rollout import run_episodes
+from swarm_gym.runs.seeds import TEST
+
+Floats = NDArray[np.float64]
+
+
+class Measured(NamedTuple):
+    """Gaps of the runs of a row; both arrays are (training seeds, functions, runs).
+
+    Attributes:
+        final: gaps after all evaluations.
+        anytime: means of log10 of the gap, at least 1e-8, over all evaluations.
+    """
+
+    final: Floats
+    anytime: Floats
+
+
+def measure(entrant: Entrant, num_runs: int, folder: Path) -> Measured:
+    """Return the gaps of a row; what is in the folder is not run again, and the rest is written there.
+
+    Args:
+        entrant: the row.
+        num_runs: number of runs of each training seed on each function.
+        folder: folder of the files, one for each controller.
+    """
+    parts = [_measure_one(entrant, controller, num_runs, folder) for controller in entrant.controllers]
+    return Measured(np.stack([part.final for part in parts]), np.stack([part.anytime for part in parts]))
+
+
+def measure_all(entrants: Iterable[Entrant], num_runs: int, folder: Path) -> dict[str, Measured]:
+    """Return the gaps of all rows by their names."""
+    bar = tqdm([*entrants], desc="rows", unit="row")
+    return {entrant.name: measure(entrant, num_runs, folder) for entrant in bar}
+
+
+def _measure_one(entrant: Entrant, controller: str, num_runs: int, folder: Path) -> Measured:
+    """Return the gaps of one controller, arrays (functions, runs)."""
+    asked = {
+        "optimizer": entrant.optimizer,
+        "controller": controller,
+        "identity": repr(make_controller(controller, entrant.limits).identity()),
+        "iterations": entrant.iterations,
+        "runs": num_runs,
+    }
+    name = "".join(letter if letter.isalnum() else "-" for letter in f"{entrant.optimizer}-{controller}")
+    file = folder / f"{name}-{num_runs}.json"
+    if file.is_file():
+        stored = json.loads(file.read_text(encoding="utf-8"))
+        if stored["asked"] == asked:
+            return Measured(np.array(stored["final"]), np.array(stored["anytime"]))
+    found = [_run(entrant, controller, scenario, num_runs) for scenario in SCENARIOS]
+    measured = Measured(*(np.stack(part) for part in zip(*found, strict=True)))
+    lists = {name: part.tolist() for name, part in measured._asdict().items()}
+    folder.mkdir(parents=True, exist_ok=True)
+    write_atomically(file, json.dumps({"asked": asked, "functions": FUNCTIONS, **lists}) + "\n")
+    return measured
+
+
+def _run(entrant: Entrant, controller: str, scenario: str, num_runs: int) -> tuple[Floats, Floats]:
+    """Return gaps at the end and anytime, both (runs,), on one function."""
+    episodes = run_episodes(
+        make_controller(controller, entrant.limits),
+        scenario,
+        TEST[:num_runs],
+        entrant.optimizer,
+        iterations=entrant.iterations,
+        max_evaluations=EVALUATIONS,
+        reward="anytime",
+    )
+    return episodes.final_fitness, -episodes.returns

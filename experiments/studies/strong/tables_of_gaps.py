@@ -1,0 +1,70 @@
+"""Tables of this study: all rows in short, and rows beside the published table by function."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from experiments.studies.strong.beside_published import LEAST_GAP, beside_published, is_level
+from experiments.studies.strong.measured_gaps import Floats, Measured
+from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, Gap, average_ranks
+from experiments.tables import Table
+from experiments.tables.cell import Cell, Entry
+from swarm_gym.comparing.bootstrap import draw, interval, means
+
+# Rows that stand beside the published table by function, where they are there.
+SHOWN = (
+    "CMA-ES, lambda 10", "CMA-ES, lambda 40", "CMA-ES, lambda 80", "CMA-ES, BIPOP",
+    "CMA-ES, learned, evolution", "CMA-ES, learned, PPO", "L-SHADE, linear",
+)  # fmt: skip
+
+
+def tables(measured: Mapping[str, Measured]) -> list[Table]:
+    """Return all tables of these rows, by their names."""
+    published = {name: gaps_of(row) for name, row in measured.items()}
+    shown = {name: published[name] for name in SHOWN if name in published}
+    return [_in_short(measured, published), beside_published(shown)]
+
+
+def gaps_of(row: Measured) -> dict[int, Gap]:
+    """Return mean and standard deviation of the gaps over all runs, by number of the function."""
+    return {
+        number: Gap(float(gaps.mean()), float(gaps.std()))
+        for number, gaps in zip(FUNCTIONS, row.final.swapaxes(0, 1), strict=True)
+    }
+
+
+def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[int, Gap]]) -> Table:
+    ranks = average_ranks(published)
+    runs = sorted({row.final.shape[2] for row in measured.values()})
+    rows: list[dict[str, Entry]] = [
+        {
+            "row": name,
+            "training seeds": Cell.of("{value:.0f}", value=len(row.final)) if _is_learned(name) else "–",
+            "functions level or ahead": Cell.of(
+                "{value:.0f}", value=sum(is_level(number, published[name][number]) for number in FUNCTIONS)
+            ),
+            "average rank": Cell.of("{value:.2f}", value=ranks[name]),
+            "log10 gap at the end": _mean(np.log10(np.maximum(row.final, LEAST_GAP))),
+            "log10 gap, anytime": _mean(row.anytime),
+        }
+        for name, row in measured.items()
+    ]
+    caption = (
+        f"The 16 functions for tests of MetaBox, 10 dimensions, {EVALUATIONS:,} evaluations, "
+        f"{' or '.join(map(str, runs))} runs on each function. Functions on which the mean gap is level with "
+        "or ahead of the best of the 20 published methods, where gaps below 1e-8 are level; average rank "
+        "among these methods and all rows; mean log10 of the gap, at least 1e-8, at the end and over all "
+        "evaluations, with 95 % intervals over runs and training seeds. Lower is better, but for functions"
+    )
+    return Table.of("in-short", caption, rows)
+
+
+def _is_learned(name: str) -> bool:
+    return "learned" in name
+
+
+def _mean(values: Floats) -> Cell:
+    """Return the mean of values (training seeds, functions, runs), with its interval; functions are given."""
+    seeds, functions, runs = values.shape
+    low, high = interval(means(values, draw(seeds, (1,) * functions, runs)))
+    return Cell.of("{value:.2f} [{low:.2f}, {high:.2f}]", value=float(values.mean()), low=low, high=high)

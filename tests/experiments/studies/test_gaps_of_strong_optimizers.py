@@ -1,0 +1,88 @@
+"""Rows of the study of strong optimizers: their runs are kept, and their tables count them right."""
+
+import json
+
+import numpy as np
+import pytest
+
+from experiments.studies.strong import measured_gaps
+from experiments.studies.strong.entrants import LAST_SIZE, Entrant, entrants
+from experiments.studies.strong.measured_gaps import Measured, measure
+from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, best_of
+from experiments.studies.strong.tables_of_gaps import gaps_of, tables
+from swarm_gym.rollout import Episodes
+
+RUNS = 3
+
+
+def row(gap, seeds=1):
+    """Return a row with these gaps, (functions,) or one for all."""
+    final = np.broadcast_to(np.reshape(gap, (1, -1, 1)), (seeds, len(FUNCTIONS), RUNS)).astype(float)
+    return Measured(final, np.log10(np.maximum(final, 1e-8)) + 1.0)
+
+
+def test_rows_are_constants_rules_and_policies_of_both_optimizers():
+    names = [entrant.name for entrant in entrants()]
+    assert len(set(names)) == len(names)
+    assert names[:7] == [
+        *(f"CMA-ES, lambda {size}" for size in (10, 20, 40, 80, 160)), "CMA-ES, IPOP", "CMA-ES, BIPOP"
+    ]  # fmt: skip
+    assert names[-3:] == ["L-SHADE, linear", "L-SHADE, nlpsr", "L-SHADE, N = 100"]
+
+
+def test_reductions_end_with_the_budget():
+    linear, other = (one for one in entrants() if f"smallest={LAST_SIZE}" in one.controllers[0])
+    mean = 0.5 * (180 + LAST_SIZE)
+    assert linear.iterations == pytest.approx((EVALUATIONS - 180) / mean, rel=0.02)
+    assert other.iterations > linear.iterations
+
+
+def test_runs_are_kept_until_something_else_is_asked_for(tmp_path, monkeypatch):
+    asked = []
+
+    def run(controller, scenario, seeds, optimizer, **options):
+        asked.append((scenario, optimizer, options["iterations"], options["max_evaluations"]))
+        gap = np.full(len(seeds), float(len(asked)))
+        return Episodes(gap, gap, -np.log10(gap), gap[:, None], gap[:, None])
+
+    monkeypatch.setattr(measured_gaps, "run_episodes", run)
+    entrant = Entrant("a row", "cma-es", ("fixed:10", "fixed:20"))
+    first = measure(entrant, RUNS, tmp_path)
+    assert first.final.shape == (2, len(FUNCTIONS), RUNS)
+    assert first.final[1, 0, 0] == len(FUNCTIONS) + 1.0
+    assert first.anytime == pytest.approx(np.log10(first.final))
+    assert len(asked) == 2 * len(FUNCTIONS)
+    assert asked[0] == (f"metabox-bbob:{FUNCTIONS[0]}-10-biased", "cma-es", 5000, EVALUATIONS)
+    again = measure(entrant, RUNS, tmp_path)
+    assert len(asked) == 2 * len(FUNCTIONS)
+    np.testing.assert_array_equal(again.final, first.final)
+    measure(entrant._replace(iterations=100), RUNS, tmp_path)
+    measure(entrant, RUNS + 1, tmp_path)
+    assert len(asked) == 6 * len(FUNCTIONS)
+    assert {json.loads(file.read_text())["asked"]["runs"] for file in tmp_path.iterdir()} == {3, 4}
+
+
+def test_the_short_table_counts_functions_and_means():
+    best = np.array([best_of(number)[1].mean for number in FUNCTIONS])
+    # Powers of two, whose means are exact.
+    ahead = np.where(best > 0.0, 0.5 ** np.ceil(1.0 - np.log2(np.maximum(best, 1e-9))), 0.0)
+    behind = np.where(np.arange(len(FUNCTIONS)) < 4, ahead, 2.0 * best + 1.0)
+    short, by_function = tables(
+        {"CMA-ES, lambda 10": row(ahead), "CMA-ES, IPOP": row(behind), "CMA-ES, learned, PPO": row(ahead, 2)}
+    )
+    counts = [float(line[2].numbers["value"]) for line in short.rows]
+    assert counts == [16.0, 4.0, 16.0]
+    assert str(short.rows[2][1]) == "2"
+    assert short.rows[0][3].numbers["value"] == pytest.approx(1.0)
+    expected = np.log10(np.maximum(behind, 1e-8)).mean()
+    assert short.rows[1][4].numbers["value"] == pytest.approx(expected)
+    assert short.rows[1][5].numbers["value"] == pytest.approx(np.log10(behind).mean() + 1.0)
+    # All runs of a function are equal, and functions are given: the interval has no width.
+    assert short.rows[1][4].numbers["low"] == pytest.approx(expected)
+    assert by_function.columns[2:] == ("CMA-ES, lambda 10", "CMA-ES, learned, PPO")
+
+
+def test_the_gap_of_a_function_is_over_all_runs_and_training_seeds():
+    measured = row(np.arange(1.0, 17.0), seeds=2)
+    measured.final[1, 3] += 2.0
+    assert gaps_of(measured)[FUNCTIONS[3]] == (5.0, 1.0)
