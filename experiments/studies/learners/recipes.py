@@ -84,7 +84,6 @@ RECIPES: dict[str, Recipe] = {
     "ppo-residual": Recipe("PPO", {**ON_POLICY, **SMALL_NOISE}, RESIDUAL, "residual"),
     "ppo-residual-library": Recipe("PPO", ON_POLICY, RESIDUAL, "residual"),
     "ppo-sourced": Recipe("PPO", ON_POLICY, SOURCED, "with sources"),
-    "ppo-sourced-quality": Recipe("PPO", ON_POLICY, {**SOURCED, "price": 0.1}, "with sources"),
     "ppo-sourced-optimality": Recipe("PPO", ON_POLICY, {"action": SOURCED["action"]}, "with sources"),
     "recurrent-ppo": Recipe("RecurrentPPO", ON_POLICY),
     "sac": Recipe("SAC", OFF_POLICY, scales_rewards=True),
