@@ -173,6 +173,7 @@ docs-known-optimum: $(INSTALLED) ## compare controllers on OneMax with the optim
 
 docs-strong-optimizers: $(INSTALLED) ## run CMA-ES and L-SHADE on MetaBox's functions, and fill docs/strong-optimizers.md (hours)
 	$(BIN)/python -m experiments.strong
+	$(BIN)/python -m experiments.evaluate --suite cases-at-budgets --output results/strong
 	$(BIN)/python -m experiments.publish strong-optimizers
 
 docs-scaling: benchmark-scaling ## measure backends, and fill docs/scaling.md

@@ -107,6 +107,11 @@ RANKINGS: Mapping[str, Block] = {
     SUITES_BLOCK: suites_block,
     **{name: partial(ranking_block, name) for name in SCORED},
 }
+STRONG_BLOCKS: Mapping[str, Block] = {
+    "in-short": partial(ResultsFolder.text, name="strong-optimizers/in-short.md"),
+    "beside-metabox": partial(ResultsFolder.text, name="strong-optimizers/beside-metabox.md"),
+    "cases-at-budgets": partial(ResultsFolder.text, name=f"{AT_BUDGETS}/cases-at-budgets.md"),
+}
 # Documents by the name that stands for them on the command line; `make docs-NAME` makes their results too.
 DOCUMENTS: dict[str, tuple[Document, ...]] = {
     "results": (
@@ -122,9 +127,7 @@ DOCUMENTS: dict[str, tuple[Document, ...]] = {
     ),
     "planners": (Document(Path("docs/planners.md"), "planners", "planners"),),
     "scaling": (Document(Path("docs/scaling.md"), "scaling", "scaling"),),
-    "strong-optimizers": (
-        Document(Path("docs/strong-optimizers.md"), "strong-optimizers", "strong-optimizers"),
-    ),
+    "strong-optimizers": (Document(Path("docs/strong-optimizers.md"), "", "", blocks=STRONG_BLOCKS),),
     "scores": (Document(Path("docs/scores.md"), "", "", blocks=RANKINGS),),
 }
 
