@@ -12,10 +12,11 @@ from experiments.publish import DOCUMENTS, SHOWN, STRONGEST, main, publish
 from experiments.runs.labels import label
 from experiments.speed.benchmark_page import OF_PEERS, write_page
 from experiments.speed.measurement import Measurement, write_measurements
+from experiments.studies.strong.suites import LADDER
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
-TEXT = "above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
+TEXT = "<!-- ladder -->\n<!-- /ladder -->\nabove\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
 BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
@@ -70,6 +71,9 @@ def documents(tmp_path, monkeypatch, benchmark):
     ]
     table = Table("headline", "Objective.", (*SHOWN, "price"), rows)
     (tmp_path / "results/study/headline/headline.json").write_text(table.json())
+    rows = [(name, "1") for name in (*LADDER, "weaker still")]
+    table = Table("cases-at-budgets", "Gaps.", ("optimizer and controller", "2,000"), rows)
+    table.write(tmp_path / "results/strong/cases-at-budgets")
     return tmp_path
 
 
@@ -78,6 +82,7 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
     readme = (documents / "README.md").read_text()
     assert "| SPSFA-TIP | SPSFA-TIP: seeds | SPSFA-TIP: objective |" in readme
     assert "weak" not in readme
+    assert all(f"| {name} | 1 |" in readme for name in LADDER)
     assert "price" not in readme
     quantities = [line.split(" | ")[0] for line in readme.splitlines() if line.endswith(" |")]
     assert quantities[-5:] == [
@@ -103,11 +108,12 @@ def test_publishing_copies_the_page_and_fills_both_documents(documents):
         "docs/paper/README.md",
         "benchmark/benchmark.json",
         "benchmark/peers.json",
+        "strong/cases-at-budgets/cases-at-budgets.json",
     ],
 )
 def test_nothing_is_written_where_something_is_missing(documents, missing):
     (documents / "results" / missing).unlink()
-    with pytest.raises((OSError, ValueError), match=r"headline|claims|README|benchmark|peers"):
+    with pytest.raises((OSError, ValueError), match=r"headline|claims|README|benchmark|peers|budgets"):
         publish("results", documents / "results")
     assert (documents / "README.md").read_text() == TEXT
     assert (documents / "docs/performance.md").read_text() == PERFORMANCE

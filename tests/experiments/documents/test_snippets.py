@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
-LONGEST_README = 120  # lines
+LONGEST_README = 130  # lines
 
 
 def blocks(page, language):
