@@ -16,7 +16,9 @@ from experiments.studies.strong.suites import LADDER
 from experiments.tables.table import Table
 
 ROOT = Path(__file__).parents[3]
-TEXT = "<!-- ladder -->\n<!-- /ladder -->\nabove\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow <!-- speed -->\n<!-- /speed -->\n"
+LADDER_BLOCK = "<!-- ladder -->\n<!-- /ladder -->\n"
+SPEED_BLOCK = "<!-- speed -->\n<!-- /speed -->\n"
+TEXT = f"{LADDER_BLOCK}above\n<!-- results -->\nold\nlines\n<!-- /results -->\nbelow {SPEED_BLOCK}"
 BLOCKS = ("headline", *GROUPS, *OF_PEERS)
 PERFORMANCE = "\n".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in BLOCKS)
 
