@@ -26,7 +26,7 @@ from experiments.speed.measurement import Measurement
 from experiments.studies.strong.suites import LADDER
 from experiments.tables.block_contents import rows_of
 from experiments.tables.document import Block, Document, ResultsFolder
-from experiments.tables.reshape import select
+from experiments.tables.reshape import pick, select
 from swarm_gym.checks import look_up
 from swarm_gym.command import command
 from swarm_gym.errors import MissingExtraError
@@ -89,9 +89,13 @@ def _readings_of_one_fifth(results: ResultsFolder) -> str:
 
 
 def _ladder(results: ResultsFolder) -> str:
-    """Return the rows of README.md from the table of the cases at equal evaluations."""
+    """Return the rows of README.md from the table of the cases at equal evaluations.
+
+    Raises:
+        ValueError: if the table lacks one of the rows.
+    """
     table = results.table(f"{AT_BUDGETS}/cases-at-budgets")
-    return replace(table, rows=[row for row in table.rows if str(row[0]) in LADDER]).markdown()
+    return pick(table, (table.columns[0],), [(name,) for name in LADDER]).markdown()
 
 
 PERFORMANCE_BLOCKS: Mapping[str, Block] = {

@@ -71,7 +71,7 @@ class Feature:
 
 
 # Not computed, since the last digit would be that of the C library.
-_LOG_TEN = 2.302585092994046
+LOG_TEN = 2.302585092994046
 _LOG_OF_LONGEST = 11.6  # above the logarithm of the longest bit string, 100,000
 
 
@@ -237,7 +237,7 @@ def _spent_of_reference(simulation: Simulation) -> Floats:
 
 def _log_price(simulation: Simulation) -> Floats:
     xp = simulation.xp
-    return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * _LOG_TEN)
+    return log(at_least(xp, simulation.prices.of_reference, 1e-4) / 0.1, xp) / (3.0 * LOG_TEN)
 
 
 def _ones(simulation: Simulation) -> Floats:

@@ -197,16 +197,16 @@ class NativeVecEnv(VecEnv):
         self._lengths += 1
         by_env: list[dict[str, object]] = [{} for _ in range(self.num_envs)]
         last: Any = as_numpy(infos["final_obs"]) if dones.any() else None
-        known = np.flatnonzero(infos.get("final_info", {}).get("_optimality_gap", ()))
         for row in np.flatnonzero(dones):
             final = infos["final_info"]
+            has_gap = final.get("_optimality_gap")
             self._began[row] = infos
             by_env[row] = self._ended(
                 int(row),
                 last[row],
                 final["best_fitness"][row],
                 final["evaluations"][row],
-                final["optimality_gap"][row] if row in known else None,
+                final["optimality_gap"][row] if has_gap is not None and has_gap[row] else None,
                 truncated=bool(truncated[row] and not terminated[row]),
             )
         self._returns[dones] = 0.0

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarm_gym.compiler.elementary import log, log1p
-from swarm_gym.features import SCALED, Feature, log_size, spent_share
+from swarm_gym.features import LOG_TEN, SCALED, Feature, log_size, spent_share
 from swarm_gym.history import COLUMN
 from swarm_gym.optimizers.cma_es import state as cma
 from swarm_gym.optimizers.cma_es.cma_es import CmaEs
@@ -29,7 +29,6 @@ Floats = NDArray[np.float64]
 
 GENERATIONS = 10  # generations over which shares and gains are measured
 LONGEST_WAIT = 63  # generations since the best improved; longer ones are seen as this one
-_LOG_TEN = 2.302585092994046  # not computed, since the last digit would be that of the C library
 
 
 def can_search(simulation: Simulation) -> bool:
@@ -67,7 +66,7 @@ def _log_step(simulation: Simulation) -> Floats:
     """Return (B,) log10(step size / first one) / 6."""
     first = simulation.parameters[:, list(simulation.optimizer.parameters).index("first_step")]
     step = simulation.swarms.field[:, cma.STEP_SIZE]
-    return np.clip(log(np.where(step > 0.0, step / first, 1.0)) / (6.0 * _LOG_TEN), -2.5, 1.0)
+    return np.clip(log(np.where(step > 0.0, step / first, 1.0)) / (6.0 * LOG_TEN), -2.5, 1.0)
 
 
 @cache
@@ -88,7 +87,7 @@ def _step_trend(simulation: Simulation) -> Floats:
 def _log_condition(simulation: Simulation) -> Floats:
     """Return (B,) log10(condition number of the covariance) / 7."""
     condition = np.maximum(simulation.swarms.field[:, cma.CONDITION], 1.0)
-    return np.minimum(log(condition) / (7.0 * _LOG_TEN), 2.0)
+    return np.minimum(log(condition) / (7.0 * LOG_TEN), 2.0)
 
 
 def _path_length(simulation: Simulation) -> Floats:

@@ -1,10 +1,17 @@
 """Controllers and scenarios that several studies compare."""
 
+from swarm_gym.controllers.learned.policy_file import packaged_policies
+
 
 def training_seeds(recipe: str, number: int, *prices: float) -> tuple[str, ...]:
     """Return the names of the policies of a recipe, such as `learned:three-cases/0@1`, at each price."""
     told = [f"@{price:g}" for price in prices] or [""]
     return tuple(f"{recipe}/{k}{price}" for price in told for k in range(number))
+
+
+def packaged_seeds(recipe: str) -> tuple[str, ...]:
+    """Return the names of the policies of a recipe that are there, one for each training seed."""
+    return tuple(f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/"))
 
 
 CASES = ("case1", "case2", "case3")

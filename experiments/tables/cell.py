@@ -113,6 +113,11 @@ def superiority_cell(superiority: float, difference: float) -> Entry:
     return Cell.of(f"{{value:.2f}}{' ≠ mean' if disagrees else ''}", value=superiority)
 
 
+def gap_at_cost(gap: Number, evaluations: Number) -> Cell:
+    """Return a cell with a gap in per cent, and evaluations in thousands: 2.50 at 38k."""
+    return Cell.of("{value:%.2f} at {evaluations:k.0f}k", value=gap, evaluations=evaluations)
+
+
 def interval_cell(ends: Interval, form: str = ".1f") -> Cell:
     """Return a cell with the two ends of an interval: 4.0 to 6.0."""
     return Cell.of(f"{{low:{form}}} to {{high:{form}}}", low=ends[0], high=ends[1])

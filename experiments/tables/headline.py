@@ -7,7 +7,7 @@ from experiments.runs.labels import label
 from experiments.runs.outcomes import Outcomes, Sample
 from experiments.runs.suite import Suite
 from experiments.statistics import mean_difference
-from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
+from experiments.tables.cell import MISSING, Cell, Entry, gap_at_cost, number, number_in
 from experiments.tables.differences import RIVAL_STREAM
 from experiments.tables.table import Row, Table
 from swarm_gym.comparing.compared_runs import aligned
@@ -91,8 +91,7 @@ def best_blind(suite: Suite, price: float, objectives: dict[str, float]) -> str:
 
 
 def _gap_at_cost(sample: Sample) -> Cell:
-    gap, evaluations = sample.gap.mean(), sample.evaluations.mean()
-    return Cell.of("{value:%.2f} at {evaluations:k.0f}k", value=gap, evaluations=evaluations)
+    return gap_at_cost(sample.gap.mean(), sample.evaluations.mean())
 
 
 def _minus(mine: Sample, theirs: Sample | None, price: float, stream: int) -> Entry:

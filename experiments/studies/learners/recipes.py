@@ -27,7 +27,7 @@ CONTINUOUS: dict[str, type[BaseAlgorithm]] = {
 }
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {**CONTINUOUS, "DQN": stable_baselines3.DQN}
 
-# An episode is paid at its end, so nothing is discounted. Found on validation seeds, see docs/learners.md.
+# An episode is paid at its end, so nothing is discounted.
 ON_POLICY: dict[str, Any] = {"n_steps": 100, "gamma": 1.0}
 # Returns of whole episodes: with those of one step, the reward of the end does not reach the first decisions.
 OFF_POLICY: dict[str, Any] = {

@@ -12,7 +12,7 @@ from experiments.statistics import Draws, draw, interval, mean_difference, means
 from experiments.studies.controllers import CASES
 from experiments.studies.learners.recipes import RECIPES
 from experiments.studies.learners.trainings import TEST_SEEDS, stored
-from experiments.tables.cell import MISSING, Cell, Entry, number, number_in
+from experiments.tables.cell import MISSING, Cell, Entry, gap_at_cost, number, number_in
 from experiments.tables.table import Row, Table
 from swarm_gym.comparing.compared_runs import optima_of
 from swarm_gym.controllers import make_controller
@@ -64,14 +64,10 @@ class Sample:
         """Return the entries of a row that need no other sample."""
         objective = self.objective
         gaps, evaluations = self.gaps.mean(axis=(0, 2)), self.evaluations.mean(axis=(0, 2))
-        at_cost = "{value:%.2f} at {evaluations:k.0f}k"
         return {
             "seeds": number(len(self.gaps), "d"),
             "objective": number_in(objective.mean(), interval(means(objective, self.draws())), ".2f"),
-            **{
-                case: Cell.of(at_cost, value=gaps[k], evaluations=evaluations[k])
-                for k, case in enumerate(CASES)
-            },
+            **{case: gap_at_cost(gaps[k], evaluations[k]) for k, case in enumerate(CASES)},
         }
 
 

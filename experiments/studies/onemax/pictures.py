@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.plots.style import BLACK, BLUE, FORMATS, ORANGE, RED, SKY, render, settings
-from experiments.studies.onemax.runtimes import policies_of
+from experiments.studies.controllers import packaged_seeds
 from swarm_gym.comparing.onemax import decisions_on
 from swarm_gym.controllers import make_controller
 from swarm_gym.files import write_atomically
@@ -29,10 +29,10 @@ def _decisions() -> Figure:
     left, right = figure.subplots(1, 2)
     zeros = SIZE - np.arange(SIZE)
     shown = zeros <= SIZE // 2
-    for number, name in enumerate(policies_of("onemax-lambda")):
+    for number, name in enumerate(packaged_seeds("onemax-lambda")):
         label = None if number else "PPO, all seeds"
         left.plot(zeros[shown], _of(name).mutants[shown], color=SKY, alpha=0.5, lw=1, label=label)
-    for number, name in enumerate(policies_of("onemax-four")):
+    for number, name in enumerate(packaged_seeds("onemax-four")):
         learned, label = _of(name), None if number else "PPO, all seeds"
         right.plot(zeros[shown], learned.mutants[shown], color=SKY, alpha=0.5, lw=1, label=label)
         right.plot(zeros[shown], learned.children[shown], color=SKY, alpha=0.5, lw=1, ls="--")

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.studies.controllers import packaged_seeds
 from swarm_gym.comparing.onemax import expected_runtime
 from swarm_gym.controllers import make_controller
 from swarm_gym.controllers.controller import Controller
-from swarm_gym.controllers.learned.policy_file import packaged_policies
 from swarm_gym.controllers.onemax_rules import OPTIMIZER
 from swarm_gym.reference.onemax.optima import CHOICES, is_packaged, packaged
 from swarm_gym.reference.onemax.runtimes import Decisions, expected_runtimes
@@ -40,12 +40,7 @@ def expected(name: str, size: int, copies_free: bool = True) -> float:
 
 def expected_of_seeds(recipe: str, size: int, copies_free: bool = True) -> Floats:
     """Return the expected evaluations of the policies of all training seeds of a recipe."""
-    return np.array([expected(name, size, copies_free) for name in policies_of(recipe)])
-
-
-def policies_of(recipe: str) -> list[str]:
-    """Return the names of the policies of all training seeds of a recipe."""
-    return [f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/")]
+    return np.array([expected(name, size, copies_free) for name in packaged_seeds(recipe)])
 
 
 def optimum(choices: str, size: int, counting: str = "copies-free") -> float:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from tqdm import tqdm
 
+from experiments.studies.controllers import packaged_seeds
 from experiments.studies.onemax import published, schedules
 from experiments.studies.onemax.one_fifth import readings
 from experiments.studies.onemax.runtimes import (
@@ -17,7 +18,6 @@ from experiments.studies.onemax.runtimes import (
     expected_of_seeds,
     one_step,
     optimum,
-    policies_of,
     simulated,
 )
 from experiments.tables import Table
@@ -232,7 +232,7 @@ def _of(value: float | None, size: int, best: Callable[[int], float] = _portfoli
 def _of_recipe(label: str, recipe: str, best: Callable[[int], float] = _portfolio) -> list[Row]:
     """Return the rows of the mean over training seeds and of the worst of them."""
     by_size = [expected_of_seeds(recipe, size) for size in SIZES]
-    seeds = f"{label}, {len(policies_of(recipe))} seeds"
+    seeds = f"{label}, {len(packaged_seeds(recipe))} seeds"
     return [
         (seeds, *(_of(float(found.mean()), size, best) for found, size in zip(by_size, SIZES, strict=True))),
         (

@@ -14,10 +14,8 @@ from experiments.studies.strong.published import (
 )
 from experiments.tables import Table
 from experiments.tables.cell import Cell, Entry, number
+from swarm_gym.reward import LEAST_GAP
 from swarm_gym.scenarios.bbob.instance import FUNCTION_NAMES
-
-# Gaps below this one count as equal.
-LEAST_GAP = 1e-8
 
 
 def beside_published(ours: Mapping[str, Mapping[int, Gap]]) -> Table:
@@ -38,8 +36,7 @@ def beside_published(ours: Mapping[str, Mapping[int, Gap]]) -> Table:
     ranks = average_ranks(ours)
     first = next(name for name in ranks if name in PUBLISHED)
     stars: dict[str, Entry] = {
-        name: Cell.of("{value:.0f}", value=sum(is_level(f, gaps[f]) for f in FUNCTIONS))
-        for name, gaps in ours.items()
+        name: number(sum(is_level(f, gaps[f]) for f in FUNCTIONS), ".0f") for name, gaps in ours.items()
     }
     rows.append({"function": f"stars of {len(FUNCTIONS)}", "best published": "", **stars})
     rows.append(

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+from experiments.studies.controllers import packaged_seeds
 from experiments.studies.strong.published import EVALUATIONS
 from swarm_gym.controllers import SizeLimits
-from swarm_gym.controllers.learned.policy_file import packaged_policies
 
 CMA_ES, L_SHADE = "cma-es", "differential-evolution"
 CONSTANTS = (10, 20, 40, 80, 160)
@@ -43,7 +43,7 @@ def entrants() -> list[Entrant]:
         *(
             Entrant(f"CMA-ES, {label}", CMA_ES, policies, None, iterations=1250)
             for recipe, label in RECIPES.items()
-            if (policies := _policies(recipe))
+            if (policies := packaged_seeds(recipe))
         ),
         Entrant(
             "L-SHADE, linear", L_SHADE, (_reduction("linear-reduction"),), LIMITS, _iterations_of(_linear)
@@ -51,10 +51,6 @@ def entrants() -> list[Entrant]:
         Entrant("L-SHADE, nlpsr", L_SHADE, (_reduction("nlpsr"),), LIMITS, _iterations_of(_non_linear)),
         Entrant("L-SHADE, N = 100", L_SHADE, ("fixed:100",)),
     ]
-
-
-def _policies(recipe: str) -> tuple[str, ...]:
-    return tuple(f"learned:{name}" for name in packaged_policies() if name.startswith(f"{recipe}/"))
 
 
 def _reduction(rule: str) -> str:

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from experiments.studies.strong.beside_published import LEAST_GAP, beside_published, is_level
+from experiments.studies.strong.beside_published import beside_published, is_level
 from experiments.studies.strong.measured_gaps import Floats, Measured
 from experiments.studies.strong.published import EVALUATIONS, FUNCTIONS, Gap, average_ranks
 from experiments.tables import Table
-from experiments.tables.cell import Cell, Entry
+from experiments.tables.cell import MISSING, Entry, number, number_in
 from swarm_gym.comparing.bootstrap import draw, interval, means
+from swarm_gym.reward import LEAST_GAP
 
 # Rows that stand beside the published table by function, where they are there.
 SHOWN = (
@@ -28,8 +29,8 @@ def tables(measured: Mapping[str, Measured]) -> list[Table]:
 def gaps_of(row: Measured) -> dict[int, Gap]:
     """Return mean and standard deviation of the gaps over all runs, by number of the function."""
     return {
-        number: Gap(float(gaps.mean()), float(gaps.std()))
-        for number, gaps in zip(FUNCTIONS, row.final.swapaxes(0, 1), strict=True)
+        function: Gap(float(gaps.mean()), float(gaps.std()))
+        for function, gaps in zip(FUNCTIONS, row.final.swapaxes(0, 1), strict=True)
     }
 
 
@@ -39,11 +40,11 @@ def _in_short(measured: Mapping[str, Measured], published: Mapping[str, Mapping[
     rows: list[dict[str, Entry]] = [
         {
             "row": name,
-            "training seeds": Cell.of("{value:.0f}", value=len(row.final)) if _is_learned(name) else "–",
-            "functions level or ahead": Cell.of(
-                "{value:.0f}", value=sum(is_level(number, published[name][number]) for number in FUNCTIONS)
+            "training seeds": number(len(row.final), ".0f") if _is_learned(name) else MISSING,
+            "functions level or ahead": number(
+                sum(is_level(f, published[name][f]) for f in FUNCTIONS), ".0f"
             ),
-            "average rank": Cell.of("{value:.2f}", value=ranks[name]),
+            "average rank": number(ranks[name], ".2f"),
             "log10 gap at the end": _mean(np.log10(np.maximum(row.final, LEAST_GAP))),
             "log10 gap, anytime": _mean(row.anytime),
         }
@@ -63,8 +64,8 @@ def _is_learned(name: str) -> bool:
     return "learned" in name
 
 
-def _mean(values: Floats) -> Cell:
+def _mean(values: Floats) -> Entry:
     """Return the mean of values (training seeds, functions, runs), with its interval; functions are given."""
     seeds, functions, runs = values.shape
-    low, high = interval(means(values, draw(seeds, (1,) * functions, runs)))
-    return Cell.of("{value:.2f} [{low:.2f}, {high:.2f}]", value=float(values.mean()), low=low, high=high)
+    ends = interval(means(values, draw(seeds, (1,) * functions, runs)))
+    return number_in(values.mean(), ends, ".2f")
